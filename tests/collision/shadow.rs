@@ -14,14 +14,15 @@ pub(crate) fn smallest_square_along(points: &[Vec3], direction: &Vec3) -> f64 {
     smallest_square(&outline(&mut shadow))
 }
 
-/// The smallest square that is found from `starts` random directions, of which the best eight are polished.
+/// The smallest square that is found from `starts` random directions, of which the best are polished: a fiftieth, at least
+/// eight.
 pub(crate) fn by_brute_force(points: &[Vec3], dice: &mut Dice, starts: usize) -> f64 {
     let mut tried: Vec<(f64, Vec3)> = (0..starts)
         .map(|_| dice.direction())
         .map(|direction| (smallest_square_along(points, &direction), direction))
         .collect();
     tried.sort_by(|p, q| p.0.total_cmp(&q.0));
-    tried.iter().take(8).map(|start| polished(points, dice, *start)).fold(f64::INFINITY, f64::min)
+    tried.iter().take((starts / 50).max(8)).map(|start| polished(points, dice, *start)).fold(f64::INFINITY, f64::min)
 }
 
 /// A local minimum near a direction: random steps, halved whenever forty in a row fail.

@@ -116,6 +116,12 @@ fn sieve_size_of_every_family_is_the_least_square_over_all_directions() {
     (0..40).into_par_iter().for_each(|seed| agrees_with_brute_force(FAMILIES[seed as usize % 10], 7000 + seed));
 }
 
+/// Bodies whose best direction lies in none of the eight widest valleys of the search.
+#[test]
+fn sieve_size_of_bodies_with_a_narrow_best_direction_is_the_least_square_over_all_directions() {
+    [11_538, 12_348].into_par_iter().for_each(|seed| agrees_with_brute_force("crushed", seed));
+}
+
 #[test]
 #[ignore = "slow tier: ten thousand grains against brute force, twenty minutes of processor time"]
 fn sieve_size_of_ten_thousand_grains_is_the_least_square_over_all_directions() {

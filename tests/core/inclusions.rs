@@ -1,6 +1,6 @@
 //! Voids and fibres: as many as asked, as large as asked, apart from everything, and without them nothing changes.
 
-use crate::models::two_boxes;
+use crate::pack::models::two_boxes;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::check::{Finding, check};
 use meso_core::export::abaqus;

@@ -1,7 +1,7 @@
 //! A random matrix: specimen x shape x ITZ x voids x fibres x periodic x method x deck. Every packing is checked, every deck
 //! read by a reader that knows nothing of its writer, and the volumes that it reads are those of the mesh.
 
-use crate::deck_reader::Deck;
+use crate::write::deck_reader::Deck;
 use meso_core::check::check;
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::math::Vec3;

@@ -90,13 +90,18 @@ def left(kc: float) -> float:
     return max(math.exp(-max(kc - PEAK, 0.0) * max(WIDTH, LENGTH) * FC / GC), 1e-3)
 
 
+def stiffness(kc: float) -> float:
+    """Share of the stiffness that is left."""
+    return max(left(kc), 0.1)
+
+
 def excess(principal: list[float], kc: float, gamma: float) -> float:
-    """The yield function times 1 - alpha."""
+    """The yield function of effective stress times 1 - alpha."""
     p, q = mean(principal), mises(principal)
     beta = max((1 - ALPHA) * rise(kc) / (1.5 * FT) - (1 + ALPHA), 0.0)
     first = principal[0]
     pull = beta * first if first > 0 else gamma * first
-    return q + 3 * ALPHA * p + pull - (1 - ALPHA) * rise(kc) * left(kc)
+    return q + 3 * ALPHA * p + pull - (1 - ALPHA) * rise(kc) * left(kc) / stiffness(kc)
 
 
 def mean(s: list[float]) -> float:
@@ -129,7 +134,7 @@ class Point:
         trace = sum(values)
         trial = [(BULK - 2 / 3 * SHEAR) * trace + 2 * SHEAR * e for e in values]
         kept = left(self.kc)
-        strength = FT * kept * crack_share(self.kt)
+        strength = FT * kept / stiffness(self.kc) * crack_share(self.kt)
         # All principal stresses fall by m, those above the strength further to it.
         factor = NU / (1 - 2 * NU)
         fallen = lambda m: m - factor * sum(max(s - strength - m, 0.0) for s in trial)  # noqa: E731
@@ -137,7 +142,7 @@ class Point:
         cracks = [max(s - strength - m, 0.0) / (2 * SHEAR) for s in trial]
         cracked = [s - m - 2 * SHEAR * opened for s, opened in zip(trial, cracks)]
 
-        confined = max(-cracked[0], 0.0)
+        confined = stiffness(self.kc) * max(-cracked[0], 0.0)
         gamma = GAMMA / (1 + confined / FC)
         costly = 1 + DUCTILITY * confined / FC
         tan = kept / (1 + confined / FC) / costly * math.tan(math.radians(PSI))
@@ -156,7 +161,7 @@ class Point:
         moved = [opened + flow * n for opened, n in zip(cracks, direction)]
         self.plastic = [a + b for a, b in zip(self.plastic, tensor(moved, axes, 2.0))]
         self.kt += cracks[0]
-        return tensor(effective, axes, 1.0)
+        return tensor([stiffness(self.kc) * s for s in effective], axes, 1.0)
 
 
 def crack_share(kt: float) -> float:

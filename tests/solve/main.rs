@@ -5,7 +5,7 @@
 mod calculix;
 mod checkpoint;
 mod concrete;
-#[path = "../core/deck_reader.rs"]
+#[path = "../write/deck_reader.rs"]
 #[allow(dead_code, reason = "meso-core's tests ask more of it")]
 mod deck_reader;
 mod determinism;

@@ -64,6 +64,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Pack(args) => commands::pack::run(&args),
         Command::Mesh(args) => commands::mesh::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
+        Command::Devices(args) => commands::devices::run(&args),
         Command::Study(args) => commands::study::run(&args),
         Command::Check(args) => commands::check::run(&args),
         Command::Report(args) => commands::report::run(&args),

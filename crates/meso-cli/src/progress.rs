@@ -15,6 +15,8 @@ const BAR: usize = 16;
 const STEPS: u64 = 1000;
 /// From this width on there is space for the clock and for the effect of Ctrl-C.
 const WIDE: u16 = 72;
+/// A jam is no news before, s: most end by themselves.
+const JAM_S: f64 = 5.0;
 /// A run without a terminal reports no more often.
 const LINE: Duration = Duration::from_secs(10);
 
@@ -40,6 +42,8 @@ pub(crate) struct Watch {
     started: Instant,
     measure: Measure,
     shown: Shown,
+    /// Whether the user was told of a jam.
+    jammed: Once,
     polling: Option<interrupt::Polling>,
 }
 
@@ -74,7 +78,8 @@ impl Watch {
             (_, true) => Shown::Bar(bar_on_terminal(), Once::new()),
             (_, false) => Shown::Lines(Mutex::new(Instant::now())),
         };
-        let watch = Self { started: Instant::now(), measure: Measure::new(plan), shown, polling: None };
+        let watch =
+            Self { started: Instant::now(), measure: Measure::new(plan), shown, jammed: Once::new(), polling: None };
         watch.leaves("Ctrl-C leaves no file");
         watch
     }
@@ -125,6 +130,9 @@ impl watch::Watch for Watch {
 
     fn stage(&self, stage: Stage, share: f64) {
         self.measure.tell(stage, share);
+        if stage == Stage::Jam && self.elapsed() >= JAM_S {
+            self.jammed.call_once(|| self.say_jammed());
+        }
         match &self.shown {
             Shown::Nothing => {}
             Shown::Bar(bar, drawn) => {
@@ -146,6 +154,18 @@ impl watch::Watch for Watch {
 }
 
 impl Watch {
+    fn say_jammed(&self) {
+        if !matches!(self.shown, Shown::Nothing) {
+            let seconds = self.elapsed();
+            self.aside(|| {
+                crate::stderr::line(format!(
+                    "jammed after {seconds:.0} s: the overlaps do not shrink any more; a smaller --min-gap-mm or --fraction packs \
+                     sooner, and --time-limit S ends with the best found"
+                ));
+            });
+        }
+    }
+
     /// Writes a line where the last one is old.
     fn line(&self, last: &Mutex<Instant>) {
         if let Ok(mut last) = last.try_lock()

@@ -15,6 +15,8 @@ pub enum Stage {
     Take,
     /// Placing them.
     Place,
+    /// Placing them, where nothing has moved forward for some seconds.
+    Jam,
     /// Proving them apart.
     Prove,
     /// Meshing, or measuring a mesh.
@@ -36,6 +38,7 @@ impl Stage {
             Self::Read => "read",
             Self::Take => "take",
             Self::Place => "place",
+            Self::Jam => "jammed",
             Self::Prove => "prove",
             Self::Mesh => "mesh",
             Self::Solve => "solve",
@@ -111,17 +114,23 @@ pub struct Measure {
     first: AtomicUsize,
     /// Index of the latest reported stage.
     latest: AtomicUsize,
+    /// Whether placement has jammed.
+    jammed: AtomicBool,
 }
 
 impl Measure {
     /// A measure of these stages, in their order, with their weights.
     pub fn new(plan: &[(Stage, f64)]) -> Self {
         let [first, latest] = [usize::MAX, 0].map(AtomicUsize::new);
-        Self { plan: plan.to_vec(), most: AtomicU64::new(0), first, latest }
+        Self { plan: plan.to_vec(), most: AtomicU64::new(0), first, latest, jammed: AtomicBool::new(false) }
     }
 
-    /// Receives the share of a stage. Ignores a stage that is not in the plan; NaN counts as 0.
+    /// Receives the share of a stage. Ignores a stage that is not in the plan; NaN counts as 0. A jam has no share: it
+    /// renames the stage [`Stage::Place`].
     pub fn tell(&self, stage: Stage, share: f64) {
+        if stage == Stage::Jam {
+            self.jammed.store(true, Ordering::Relaxed);
+        }
         let Some(place) = self.plan.iter().position(|planned| planned.0 == stage) else { return };
         let first = match self.first.compare_exchange(usize::MAX, place, Ordering::Relaxed, Ordering::Relaxed) {
             Ok(_) => place,
@@ -144,7 +153,9 @@ impl Measure {
 
     /// The name of the latest stage.
     pub fn stage(&self) -> &'static str {
-        self.plan.get(self.latest.load(Ordering::Relaxed)).map_or("", |planned| planned.0.name())
+        let latest = self.plan.get(self.latest.load(Ordering::Relaxed)).map(|planned| planned.0);
+        let is_jammed = latest == Some(Stage::Place) && self.jammed.load(Ordering::Relaxed);
+        latest.map_or("", |stage| if is_jammed { Stage::Jam } else { stage }.name())
     }
 }
 
@@ -169,6 +180,17 @@ mod tests {
             last = measure.share();
         }
         assert_eq!(measure.stage(), "place");
+    }
+
+    #[test]
+    fn a_jam_renames_the_placement_alone() {
+        let measure = Measure::new(&[(Stage::Take, 1.0), (Stage::Place, 3.0), (Stage::Prove, 1.0)]);
+        let mut named = |stage| {
+            measure.tell(stage, 0.5);
+            measure.stage()
+        };
+        let stages = [Stage::Take, Stage::Place, Stage::Jam, Stage::Place, Stage::Prove];
+        assert_eq!(stages.map(&mut named), ["take", "place", "jammed", "jammed", "prove"]);
     }
 
     #[test]

@@ -51,19 +51,22 @@ impl PhaseOff {
     ) -> Result<Option<Self>, MeshError> {
         let off = Self::of(mesh, &parts.into(), options);
         match off.filter(|off| off.error().abs() > accepted) {
-            Some(off) => Err(off.refused(options)),
+            Some(off) => Err(off.refused(options, None)),
             None => Ok(off),
         }
+    }
+
+    /// The phase whose volume in `meshed` is farthest from `exact`, in a specimen of `whole` mm3; `None` without a phase.
+    pub fn between(meshed: &PhaseVolumes, exact: &PhaseVolumes, whole: f64) -> Option<Self> {
+        let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
+        let wanted = Phase::ALL.into_iter().map(off).filter(|off| off.exact > 0.0);
+        wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
     }
 
     fn of(mesh: &Mesh, parts: &Parts, options: &MeshOptions) -> Option<Self> {
         let Parts { bodies, specimen } = parts;
         let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
-        let meshed = comparable(mesh, options.itz);
-        let whole = specimen.volume();
-        let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
-        let wanted = Phase::ALL.into_iter().map(off).filter(|off| off.exact > 0.0);
-        wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
+        Self::between(&PhaseVolumes::of_bodies(mesh), &exact, specimen.volume())
     }
 
     /// Its excess, or, below 0, its lack, as a share of its exact volume.
@@ -71,19 +74,10 @@ impl PhaseOff {
         self.meshed / self.exact - 1.0
     }
 
-    /// The error that says so, and the ways out.
-    fn refused(&self, options: &MeshOptions) -> MeshError {
+    /// The error that says so, with remedies; `tried_mm` is the edge of the cube that was meshed instead of the specimen.
+    pub fn refused(&self, options: &MeshOptions, tried_mm: Option<f64>) -> MeshError {
         let Self { phase, meshed, exact } = *self;
-        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways: ways_out(phase, options) }
-    }
-}
-
-/// The volumes in `mesh`, a smeared ITZ as the mortar that it is.
-fn comparable(mesh: &Mesh, itz: ItzForm) -> PhaseVolumes {
-    let volumes = PhaseVolumes::of_mesh(mesh);
-    match itz {
-        ItzForm::Smeared => PhaseVolumes { mortar: volumes.mortar + volumes.itz, itz: 0.0, ..volumes },
-        ItzForm::Solid | ItzForm::Cohesive | ItzForm::None => volumes,
+        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, tried_mm, ways: ways_out(phase, options) }
     }
 }
 
@@ -102,5 +96,5 @@ fn ways_out(phase: Phase, options: &MeshOptions) -> Ways {
         ItzForm::Solid => format!(", {method}, or itz none"),
         ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!(", or {method}"),
     };
-    Ways { before, after: format!("{after}{others}") }
+    Ways { before, after: after.to_owned(), others }
 }

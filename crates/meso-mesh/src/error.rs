@@ -27,7 +27,7 @@ pub enum MeshError {
         at: [f64; 3],
     },
     /// A phase has far from its own volume.
-    #[error("{}", phase_error(phase, *meshed, *exact, &ways.with(SIZE)))]
+    #[error("{}", phase_error(phase, [*meshed, *exact], *tried_mm, &ways.with(SIZE)))]
     PhaseError {
         /// The phase that is farthest off, in words.
         phase: &'static str,
@@ -35,6 +35,8 @@ pub enum MeshError {
         meshed: f64,
         /// The exact volume of its bodies over the specimen's.
         exact: f64,
+        /// Edge of the cube of the same packing that was meshed instead of the specimen, mm; `None` for the specimen.
+        tried_mm: Option<f64>,
         /// Remedies.
         ways: Ways,
     },
@@ -118,7 +120,8 @@ impl MeshError {
     /// Gaps that a conforming mesh needs, mm.
     pub const ADVISED_GAP_MM: f64 = ADVISED_GAP_MM;
 
-    pub(crate) fn option(key: &str, value: impl Display, accepted: impl Into<String>) -> Self {
+    /// An option that is out of its range.
+    pub fn option(key: &str, value: impl Display, accepted: impl Into<String>) -> Self {
         Self::Option(Ranges("mesh").error(key, value, accepted))
     }
 
@@ -127,7 +130,9 @@ impl MeshError {
         let size = name(SIZE);
         match self {
             Self::Flat { cells, at } => flat(*cells, *at, &size),
-            Self::PhaseError { phase, meshed, exact, ways } => phase_error(phase, *meshed, *exact, &ways.with(&size)),
+            Self::PhaseError { phase, meshed, exact, tried_mm, ways } => {
+                phase_error(phase, [*meshed, *exact], *tried_mm, &ways.with(&size))
+            }
             Self::Seam { at } => seam(*at, &size),
             Self::Unmatched { at } => unmatched(*at, &size),
             _ => self.to_string(),
@@ -145,13 +150,20 @@ impl MeshError {
 pub struct Ways {
     /// The remedy before the name of the element size: `a smaller `.
     pub(crate) before: &'static str,
-    /// The remedies after it.
+    /// Words after the name of the element size.
     pub(crate) after: String,
+    /// Remedies besides the element size.
+    pub(crate) others: String,
 }
 
 impl Ways {
+    /// The remedies with an element size that was tried, mm, and the `finding`.
+    pub fn with_tried(self, size_mm: f64, finding: &str) -> Self {
+        Self { before: "", after: format!(" {size_mm} ({finding})"), ..self }
+    }
+
     fn with(&self, size: &str) -> String {
-        format!("{}{size}{}", self.before, self.after)
+        format!("{}{size}{}{}", self.before, self.after, self.others)
     }
 }
 
@@ -163,10 +175,11 @@ fn flat(cells: usize, [x, y, z]: [f64; 3], size: &str) -> String {
     )
 }
 
-fn phase_error(phase: &str, meshed: f64, exact: f64, ways: &str) -> String {
+fn phase_error(phase: &str, [meshed, exact]: [f64; 2], tried_mm: Option<f64>, ways: &str) -> String {
     let percent = 100.0 * (meshed / exact - 1.0);
+    let specimen = tried_mm.map_or("the specimen".to_owned(), |edge| format!("a cube of {edge} mm, tried first,"));
     format!(
-        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {percent:+.0} %, where 10 % are \
+        "the {phase} takes {meshed:.4} of {specimen} in the mesh and {exact:.4} in the packing: {percent:+.0} %, where 10 % are \
          accepted; take {ways}"
     )
 }

@@ -4,10 +4,11 @@ use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
-use meso_core::mesh::{self, CellKind, Mesh, MeshTable, PhaseOff, Purpose, Tools};
+use meso_core::mesh::{CellKind, Mesh, MeshTable, Purpose, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
+use meso_solve::footing::Footing;
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
@@ -66,8 +67,8 @@ pub(crate) fn write_model(
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let options = MeshTable::default().resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
-        let mesh = mesh::build(model, &options, &Tools::default()).map_err(mesh_error)?;
-        PhaseOff::accept(&mesh, model, &options, PhaseOff::ACCEPTED).map_err(mesh_error)?;
+        let footing = Footing { purpose: Purpose::Mesh, options, accepts_phase_error: false };
+        let (mesh, _) = footing.mesh(model, &Tools::default()).map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.compress, watch);
     }
     if is_page(path) {

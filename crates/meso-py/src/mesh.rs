@@ -9,14 +9,15 @@ use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
 use meso_concrete::thousands;
-use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
+use meso_core::mesh::{Mesh, MeshError, MeshOptions, MeshTable, PhaseVolumes, Purpose, Tools, figures};
 use meso_core::watch::Stage;
+use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
+use meso_solve::footing::{self, Footing};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -37,19 +38,52 @@ impl PartialEq for PyMesh {
     }
 }
 
-/// The options that Python's keywords name; `itz=None` means no ITZ.
+/// The options that Python's keywords name, and whether the size of the elements is to be tried.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Wanted {
+    pub(crate) table: MeshTable,
+    is_auto: bool,
+}
+
+impl Wanted {
+    /// Whether no keyword is given.
+    pub(crate) fn is_nothing(&self) -> bool {
+        !self.is_auto && self.table == MeshTable::default()
+    }
+
+    /// The options with the size that `"auto"` means; `leaves_room` as in [`footing::element_size`].
+    pub(crate) fn resolved(
+        mut self,
+        purpose: Purpose,
+        spec: &Spec,
+        leaves_room: bool,
+        watch: &dyn meso_core::Watch,
+    ) -> Result<MeshOptions, MeshError> {
+        if self.is_auto {
+            let size = footing::element_size(&self.table, purpose, spec, leaves_room, watch)?;
+            self.table.element_size_mm = Some(size);
+        }
+        let options = self.table.resolve(purpose, &spec.itz)?;
+        options.validate(&spec.specimen)?;
+        Ok(options)
+    }
+}
+
+/// The options that Python's keywords name; `itz=None` means no ITZ, and `element_size="auto"` a size that is tried.
 pub(crate) fn table(
     method: Option<&Bound<'_, PyAny>>,
     element_size: Option<&Bound<'_, PyAny>>,
     keywords: &Bound<'_, PyDict>,
-) -> PyResult<MeshTable> {
+) -> PyResult<Wanted> {
+    let is_auto = element_size.is_some_and(|size| size.extract::<&str>().is_ok_and(|text| text == "auto"));
+    let element_size = element_size.filter(|_| !is_auto);
     for (key, value) in [("method", method), ("element_size_mm", element_size)] {
         value.map_or(Ok(()), |value| keywords.set_item(key, value))?;
     }
     if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
         keywords.set_item("itz", "none")?;
     }
-    options(Some(keywords))
+    Ok(Wanted { table: options(Some(keywords))?, is_auto })
 }
 
 /// Use of a mesh by Python's `for_test`.
@@ -65,25 +99,24 @@ pub(crate) fn build(
     py: Python<'_>,
     model: Arc<Model>,
     progress: Option<&Bound<'_, PyAny>>,
-    asked: &MeshTable,
+    asked: Wanted,
     purpose: Purpose,
     accept_phase_error: bool,
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
-    let options = asked.resolve(purpose, &model.spec.itz).map_err(mesh_error)?;
-    options.validate(&model.spec.specimen).map_err(mesh_error)?;
+    let of = Arc::clone(&model);
+    let options = beside_python(py, None, move |watch| asked.resolved(purpose, &of.spec, false, watch))?;
+    let options = options.map_err(mesh_error)?;
     accept_in_memory("the mesh", options.bytes(&model.spec.specimen))?;
     let gmsh = gmsh(py)?;
-    let (of, with) = (Arc::clone(&model), options.clone());
+    let of = Arc::clone(&model);
+    let footing = Footing { purpose, options: options.clone(), accepts_phase_error: accept_phase_error };
     let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
         let fill = |surfaces: &Surfaces| {
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
-        let accepted = if accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let mesh = mesh::build(&*model, &with, &Tools { gmsh: &fill, watch })?;
-        PhaseOff::accept(&mesh, &*model, &with, accepted)?;
-        Ok(mesh)
+        footing.mesh(&model, &Tools { gmsh: &fill, watch }).map(|(mesh, _)| mesh)
     })?;
     built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
 }
@@ -279,6 +312,11 @@ impl PyMesh {
     /// -------
     /// Response
     ///     Also of a test that was stopped or diverged: `result["ended"]` says so, and the curve is valid until there.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     Before the first step, where a phase of the mesh is more than 10 % off its exact volume, or aggregates share nodes.
     ///
     /// Raises
     /// ------

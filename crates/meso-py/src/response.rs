@@ -14,11 +14,12 @@ use meso_core::{Model, Watch as _};
 use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 use std::cell::RefCell;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -110,6 +111,7 @@ pub(crate) fn solve(
 ) -> PyResult<PyResponse> {
     let progress = listener(py, progress)?;
     let threads = asked.threads;
+    warn_of(py, &meshed)?;
     let response = |tested| PyResponse(Arc::new(tested));
     let tested = beside_python_keeping(py, threads, progress.as_ref(), None, move |watch| {
         watch.stops_soon();
@@ -125,6 +127,18 @@ pub(crate) fn solve(
     }
 }
 
+/// Faults of the mesh are `UserWarning`s at the caller's line, before the first step.
+fn warn_of(py: Python<'_>, Meshed { mesh, model, options }: &Meshed) -> PyResult<()> {
+    let (mesh, model, options) = (Arc::clone(mesh), Arc::clone(model), options.clone());
+    let faults = beside_python_on(py, None, None, None, move |_| {
+        let sample = sample_of(&mesh, &model, &options);
+        let flags = sample.flags();
+        if flags.is_empty() { String::new() } else { [flags, sample.doubts()].concat().join("; ") }
+    })?;
+    let category = py.get_type::<PyUserWarning>();
+    if faults.is_empty() { Ok(()) } else { PyErr::warn(py, &category, &CString::new(faults)?, 1) }
+}
+
 fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
     let begun = watch.seconds();
     // Progress is asked for while the test is still prepared.
@@ -134,7 +148,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(watch, &watching);
     // A run that diverged holds no numbers now.
-    let diverged = matches!(response.result.ended, Ended::Diverged(_));
+    let diverged = matches!(response.result.ended, Ended::Diverged(_) | Ended::Failed(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
     let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
@@ -263,8 +277,9 @@ impl PyResponse {
     fn __repr__(&self) -> String {
         let figures = &self.0.response.result.figures;
         let (rows, frames) = (thousands(self.0.response.curve.len()), self.0.frames.len());
+        let flags: String = self.0.response.result.flags.iter().map(|flag| format!(", {flag}")).collect();
         format!(
-            "Response(peak {:.2} MPa at a strain of {:.5}, {rows} rows, {frames} frames)",
+            "Response(peak {:.2} MPa at a strain of {:.5}{flags}, {rows} rows, {frames} frames)",
             figures.peak_mpa, figures.peak_strain
         )
     }

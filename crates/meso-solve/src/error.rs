@@ -17,6 +17,9 @@ pub enum SolveError {
     /// A saved state that does not belong to this test, or is damaged.
     #[error("the saved state cannot be resumed: {0}")]
     Resume(String),
+    /// A test that the device cannot take.
+    #[error("the device cannot take this test: {0}")]
+    Device(String),
 }
 
 impl SolveError {

@@ -11,6 +11,7 @@ mod block;
 mod dice;
 mod element;
 mod error;
+pub mod footing;
 mod lanes;
 pub mod law;
 mod march;
@@ -23,6 +24,7 @@ pub use error::SolveError;
 pub use lanes::InstructionSet;
 pub use march::{
     Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary, checkpoint_note,
+    device,
 };
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, LawName, Smoothing, Test, TestKind};

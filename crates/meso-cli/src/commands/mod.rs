@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
+pub(crate) mod devices;
 pub(crate) mod image;
 pub(crate) mod init;
 pub(crate) mod mesh;
@@ -47,6 +48,8 @@ pub(crate) enum Command {
     Mesh(mesh::Args),
     /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
     Solve(Box<solve::Args>),
+    /// List the devices that `solve --device` can take
+    Devices(devices::Args),
     /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
     Study(study::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex

@@ -44,6 +44,15 @@ impl PhaseVolumes {
         Self { aggregate, itz, mortar, fibre }
     }
 
+    /// The volumes in `mesh` that compare with those of bodies: a smeared ITZ counts as mortar.
+    pub fn of_bodies(mesh: &Mesh) -> Self {
+        let volumes = Self::of_mesh(mesh);
+        match mesh.has_smeared_itz() {
+            true => Self { mortar: volumes.mortar + volumes.itz, itz: 0.0, ..volumes },
+            false => volumes,
+        }
+    }
+
     /// Volume of one phase, mm3.
     pub fn of(&self, phase: Phase) -> f64 {
         match phase {

@@ -161,7 +161,7 @@ impl Default for Plasticity {
 
 impl Default for Mesoscale {
     fn default() -> Self {
-        Self { meridian_ratio: 0.7, dilation_angle_deg: 15.0, confined_ductility: 3.0, crushing_length_mm: 15.0 }
+        Self { meridian_ratio: 2.0 / 3.0, dilation_angle_deg: 15.0, confined_ductility: 3.0, crushing_length_mm: 15.0 }
     }
 }
 

@@ -49,7 +49,7 @@ impl MeshOptions {
     }
 
     /// Number of cubes of the element size that have the volume of the specimen.
-    fn cubes(&self, specimen: &Specimen) -> f64 {
+    pub fn cubes(&self, specimen: &Specimen) -> f64 {
         specimen.volume() / self.element_size_mm.powi(3)
     }
 }

@@ -74,6 +74,11 @@ impl<'a> Task<'a> {
         (self.request.watch.seconds() - self.started) / (self.deadline - self.started)
     }
 
+    /// Seconds of the watch.
+    pub(super) fn seconds(&self) -> f64 {
+        self.request.watch.seconds()
+    }
+
     /// This share of the placing is done, or of the proof after it.
     pub(super) fn done(&self, stage: Stage, share: f64) {
         self.request.watch.stage(stage, share);

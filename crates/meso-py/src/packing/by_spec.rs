@@ -1,13 +1,14 @@
 //! `pack`: Python's arguments are checked, then packed beside Python.
 
 use crate::boundary::{guard, mesh_error, wrong_type, wrong_value};
-use crate::mesh;
+use crate::mesh::{self, Wanted};
 use crate::packing::PyPacking;
-use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
+use crate::run::{Plan, Watch, beside_python, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
-use meso_core::mesh::{MeshTable, Purpose};
+use meso_core::mesh::Purpose;
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
+use meso_solve::footing;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -34,12 +35,13 @@ use std::sync::Arc;
 /// method : str, optional
 ///     Method of the mesh that follows. "conforming" needs gaps of 0.05 mm, which are left where the spec has none. It
 ///     is "lattice" by default with `for_test`.
-/// element_size : float, optional
-///     Edge length of the elements of the mesh that follows, mm; default 2.
+/// element_size : float or "auto", optional
+///     Edge length of the elements of the mesh that follows, mm; default 2. "auto" tries sizes on a small cube of the
+///     packing, and takes the largest that keeps every phase within 5 %.
 /// progress : bool or callable, optional
 ///     True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
 ///     `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
-///     name, too: "take", "place" or "prove", and before them "read" where the specimen is a surface. When it returns
+///     name, too: "take", "place", "jammed" or "prove", and before them "read" where the specimen is a surface. When it returns
 ///     False, the best valid packing found so far is returned.
 ///
 /// Returns
@@ -91,7 +93,7 @@ pub(crate) fn pack(
         let seconds = |limit| checked_number("time_limit", "a number of seconds", limit);
         let time_limit = time_limit.map(seconds).transpose()?;
         let threads = threads.map(checked_threads).transpose()?;
-        let table = mesh::table(method, element_size, &PyDict::new(py))?;
+        let wanted = mesh::table(method, element_size, &PyDict::new(py))?;
         let progress = listener(py, progress)?;
         let plan = Plan::new(&STAGES, fraction);
         let mut spec = match given.may_take_long() {
@@ -105,8 +107,8 @@ pub(crate) fn pack(
         spec.fraction = fraction.unwrap_or(spec.fraction);
         spec.placement.time_limit_s = time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| spec::spec_error(&error))?;
-        if for_test || table != MeshTable::default() {
-            leave_room(&mut spec, &table, mesh::purpose(for_test))?;
+        if for_test || !wanted.is_nothing() {
+            spec = leave_room(py, spec, wanted, mesh::purpose(for_test))?;
         }
         warn_of(py, &spec)?;
         let plan = plan.of_whole(spec.fraction);
@@ -119,12 +121,15 @@ pub(crate) fn pack(
 /// The stages with their weights; the first is for surfaces alone.
 const STAGES: [(Stage, f64); 4] = [(Stage::Read, 8.0), (Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)];
 
-/// Sets the gaps that the mesh needs and the spec leaves open.
-fn leave_room(spec: &mut Spec, table: &MeshTable, purpose: Purpose) -> PyResult<()> {
-    let options = table.resolve(purpose, &spec.itz).map_err(mesh_error)?;
-    options.validate(&spec.specimen).map_err(mesh_error)?;
-    options.room(purpose).and_then(|room| spec.leave_room(room));
-    spec.validate().map_err(|error| spec::spec_error(&error))
+/// The spec with the gaps that the mesh needs and the spec leaves open.
+fn leave_room(py: Python<'_>, mut spec: Spec, wanted: Wanted, purpose: Purpose) -> PyResult<Spec> {
+    let left = beside_python(py, None, move |watch| {
+        let options = wanted.resolved(purpose, &spec, true, watch)?;
+        footing::leave_room(&mut spec, &options, purpose).map(|_| spec)
+    })?;
+    let spec = left.map_err(mesh_error)?;
+    spec.validate().map_err(|error| spec::spec_error(&error))?;
+    Ok(spec)
 }
 
 /// The error of an unknown keyword: a spec is one argument.

@@ -352,14 +352,16 @@ impl PyPacking {
     /// ----------
     /// method : str, optional
     ///     Method of meshing; "voxel" is the default.
-    /// element_size : float, optional
-    ///     Edge length of the elements, mm; default 2.
+    /// element_size : float or "auto", optional
+    ///     Edge length of the elements, mm; default 2. "auto" tries sizes on a small cube of the packing, and takes the
+    ///     largest that keeps every phase within 5 %.
     /// for_test : bool, optional
     ///     Whether options that are not given are those of `mesocrete solve` with a model: a lattice with a smeared ITZ,
     ///     aggregates of exact volume that mortar separates, and split narrow gaps. `Mesh.solve` then gives the command's
     ///     curve.
     /// accept_phase_error : bool, optional
-    ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
+    ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise. A test of such
+    ///     a mesh warns before its first step, and its results carry a flag.
     /// progress : bool or callable, optional
     ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
     ///     meshing stops with a `RuntimeError`.
@@ -388,7 +390,7 @@ impl PyPacking {
         guard(|| {
             let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
             let asked = mesh::table(method, element_size, &keywords)?;
-            mesh::build(py, Arc::clone(&self.0), progress, &asked, mesh::purpose(for_test), accept_phase_error)
+            mesh::build(py, Arc::clone(&self.0), progress, asked, mesh::purpose(for_test), accept_phase_error)
         })
     }
 

@@ -1,7 +1,6 @@
 //! Material of a phase: its elasticity, its density, and its law.
 
 use crate::element::hex::{BoxShape, hourglass_stiffness};
-use crate::lanes::Lanes;
 use crate::law::{self, Law, cdp, cdpm2, meso};
 use crate::real::Real;
 use crate::test::LawName;
@@ -120,12 +119,12 @@ fn carried(materials: &Materials) -> Result<(), OutOfRange> {
     Ok(())
 }
 
-/// Work with a law on lanes. Give `run` `#[inline(always)]`.
-pub(crate) trait LawTask {
+/// Work with a law over the numbers `R`. Give `run` `#[inline(always)]`.
+pub trait LawTask<R: Real> {
     /// The answer.
     type Output;
     /// Does the work.
-    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> Self::Output;
+    fn run<W: Law<R>>(self, law: &W) -> Self::Output;
 }
 
 impl Matter {
@@ -150,17 +149,17 @@ impl Matter {
 
     /// Runs `task` with the phase's law.
     #[inline(always)]
-    pub(crate) fn law<L: Lanes, T: LawTask>(&self, task: T) -> T::Output {
+    pub(crate) fn law<R: Real + 'static, T: LawTask<R>>(&self, task: T) -> T::Output {
         match &self.behaviour {
-            Behaviour::Elastic => task.run(&law::Hooke::<L>::new(&self.elastic)),
+            Behaviour::Elastic => task.run(&law::Hooke::<R>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => {
-                task.run(self.prepared.law(|| self.cdp::<L>(strength, plasticity)).get())
+                task.run(self.prepared.law(|| self.cdp::<R>(strength, plasticity)).get())
             }
             Behaviour::Cdpm2(strength, biaxial) => {
-                task.run(self.prepared.law(|| self.cdpm2::<L>(strength, *biaxial)).get())
+                task.run(self.prepared.law(|| self.cdpm2::<R>(strength, *biaxial)).get())
             }
             Behaviour::Meso(strength, biaxial, own) => {
-                task.run(self.prepared.law(|| self.meso::<L>(strength, *biaxial, own)).get())
+                task.run(self.prepared.law(|| self.meso::<R>(strength, *biaxial, own)).get())
             }
         }
     }

@@ -12,7 +12,8 @@ use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
-use crate::law::{Hooke, Law, Tensor};
+use crate::law::{Hooke, Law, PointResponse, Tensor};
+use crate::real::Real;
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
 
@@ -248,29 +249,44 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     }
     let (before, integrity) = (one + L::load(&memory[states]), response.integrity);
     let zero = L::splat(0.0);
-    let (mut spent, mut moved) = (zero, (before - integrity).abs());
+    let (mut steps, mut moved) = ([zero; PLASTIC], (before - integrity).abs());
     for (i, own) in history.as_ref().iter().enumerate() {
         let step = *own - L::load(&memory[i]);
         moved = moved.max(step.abs());
         if i < PLASTIC {
-            spent = stress[i].mul_add(step, spent);
+            steps[i] = step;
         }
     }
     if !L::any(zero.lt(moved)) {
         return Answer { stress, integrity, before, spent: zero };
     }
-    let mut stored = zero;
-    for i in 0..PLASTIC {
-        stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
-    }
-    // The stored energy falls by the share by which the integrity fell.
-    let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
+    let spent = spent(&response, strain, history.as_ref(), &steps, before);
     #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
     for i in 0..states {
         history.as_ref()[i].store(&mut memory[i]);
     }
     (integrity - one).store(&mut memory[states]);
-    Answer { stress, integrity, before, spent: spent + lost }
+    Answer { stress, integrity, before, spent }
+}
+
+/// Energy per volume that a step spends, N/mm2, by flow and by damage: `history` begins with the plastic strain after the
+/// step, `steps` is its growth, `before` is the integrity before the step.
+#[inline(always)]
+pub fn spent<R: Real>(
+    response: &PointResponse<R>,
+    strain: &Tensor<R>,
+    history: &[R],
+    steps: &Tensor<R>,
+    before: R,
+) -> R {
+    let PointResponse { stress, integrity } = *response;
+    let [mut flowed, mut stored] = [R::splat(0.0); 2];
+    for i in 0..PLASTIC {
+        flowed = stress[i].mul_add(steps[i], flowed);
+        stored = stress[i].mul_add(strain[i] - history[i], stored);
+    }
+    // The stored energy falls by the share by which the integrity fell.
+    flowed + R::splat(0.5) * stored * (before - integrity) / integrity.max(R::splat(1e-6))
 }
 
 struct Answer<L> {
@@ -299,11 +315,11 @@ struct UniformTask<'a, const N: usize> {
     forces: &'a mut Vectors,
 }
 
-impl<const N: usize> LawTask for UniformTask<'_, N> {
+impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, N> {
     type Output = f64;
 
     #[inline(always)]
-    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> f64 {
+    fn run<W: Law<L>>(self, law: &W) -> f64 {
         let remembered = self.memory.len() / self.cells.len().max(1);
         let mut spent = L::splat(0.0);
         for (i, cells) in self.cells.iter().enumerate() {
@@ -338,11 +354,11 @@ struct HexTask<'a> {
     stiffness: f64,
 }
 
-impl LawTask for HexTask<'_> {
+impl<L: Lanes> LawTask<L> for HexTask<'_> {
     type Output = [f64; 3];
 
     #[inline(always)]
-    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> [f64; 3] {
+    fn run<W: Law<L>>(self, law: &W) -> [f64; 3] {
         let remembered = self.memory.len() / self.cells.len().max(1);
         let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
         let shape = &self.common.shape;

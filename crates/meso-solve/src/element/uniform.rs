@@ -51,6 +51,16 @@ impl<const N: usize> Uniform<N> {
         self.width.0[lane] = width as f32;
     }
 
+    /// The eight elements as words: nodes of the others, two to a word, then of the first; x, y, z of the others' gradients;
+    /// volumes; widths. Eight lanes each.
+    pub(crate) fn words(&self, out: &mut Vec<u32>) {
+        for at in self.others.iter().chain([&self.first]) {
+            out.extend(at.chunks_exact(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16));
+        }
+        let numbers = self.gradients.iter().flatten().chain([&self.volume, &self.width]);
+        out.extend(numbers.flat_map(|eight| eight.0.map(f32::to_bits)));
+    }
+
     /// Strains of the displacements `u`.
     #[inline(always)]
     pub(crate) fn strain<L: Lanes>(&self, u: &Vectors) -> Tensor<L> {

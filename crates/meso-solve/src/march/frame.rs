@@ -167,11 +167,11 @@ struct GroupProbe<'a> {
     u: &'a Vectors,
 }
 
-impl LawTask for GroupProbe<'_> {
+impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
     type Output = Vec<(Element, Point)>;
 
     #[inline(always)]
-    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> Self::Output {
+    fn run<W: Law<L>>(self, law: &W) -> Self::Output {
         let Self { group, common, u } = self;
         let strains: Vec<(Tensor<L>, L)> = match &group.cells {
             Cells::Tets(cells) => strains(cells, u),

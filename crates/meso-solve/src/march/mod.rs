@@ -13,4 +13,4 @@ pub use curve::{Figures, Row};
 pub use frame::{Frame, Mean, Point};
 pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
-pub use run::{Run, checkpoint_note};
+pub use run::{Run, checkpoint_note, device};

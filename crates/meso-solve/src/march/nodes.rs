@@ -5,7 +5,7 @@ use crate::march::plates::{Motion, Plates};
 use rayon::prelude::*;
 
 /// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
-const SPAN: usize = 4096;
+pub const SPAN: usize = 4096;
 
 /// Displacements and velocities, by the engine's numbers.
 #[derive(Clone, Debug)]
@@ -80,6 +80,11 @@ impl Nodes {
             + size_of_val(&**mass)
             + size_of_val(&**first)
             + size_of_val(&**shares)
+    }
+
+    /// Where each node's shares begin, and their places among the blocks' forces.
+    pub(crate) fn shares(&self) -> [&[u32]; 2] {
+        [&self.first, &self.shares]
     }
 
     /// Number of the blocks' forces.

@@ -20,7 +20,7 @@ pub(crate) struct Contact {
     /// 0 for the lower plate, 1 for the upper one.
     pub(crate) plate: usize,
     /// From the node to the plate before the test, mm.
-    gap: f64,
+    pub(crate) gap: f64,
 }
 
 /// The plates and the nodes that can meet them.
@@ -85,6 +85,11 @@ impl Plates {
         let sign = if test.kind == TestKind::Compression { -1.0 } else { 1.0 };
         let speed = sign * test.strain() * aabb.size().z / (duration_s - 0.5 * ramp_s);
         Ok(Self { contacts, kind: test.kind, friction: test.friction, speed, ramp_s })
+    }
+
+    /// Whether the plates are glued on, their friction, and their full speed with the length of the ramp to it, mm/s and s.
+    pub(crate) fn rule(&self) -> (bool, f64, [f64; 2]) {
+        (self.kind == TestKind::Tension, self.friction, [self.speed, self.ramp_s])
     }
 
     /// Speed of the upper plate against the lower one at time `t`, mm/s upwards: 3 s^2 - 2 s^3 along the ramp, then constant.

@@ -2,9 +2,8 @@
 
 use crate::march::curve::{Figures, Row, to_half_peak};
 use crate::march::run::Run;
-use crate::sample::Sample;
 use crate::test::{Control, LawName, Smoothing, TestKind};
-use meso_mesh::{Mesh, Phase, PhaseVolumes};
+use meso_mesh::{Phase, PhaseVolumes};
 use serde::Serialize;
 
 /// How a test came to its end.
@@ -17,6 +16,8 @@ pub enum Ended {
     Stopped,
     /// It diverged; the curve until then is valid. Holds the element that ran away.
     Diverged(String),
+    /// The device that took its steps failed; the curve until then is valid. Holds the reason.
+    Failed(String),
 }
 
 /// The curve and its figures.
@@ -76,10 +77,19 @@ pub struct Summary {
     pub joined_cells: usize,
     /// Phases of the test.
     pub phases: Vec<PhaseResult>,
+    /// Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known.
+    pub phase_error: Option<f64>,
+    /// Name of the phase that is farthest off, in lower case.
+    pub phase_error_of: Option<String>,
+    /// Faults of the mesh that a strength must not be cited without, in a few words each.
+    pub flags: Vec<String>,
     /// How the test ended.
     pub ended: Ended,
-    /// Warnings, in sentences.
+    /// Warnings, in sentences; those of the mesh come first.
     pub warnings: Vec<String>,
+    /// Number of the warnings that were known before the first step.
+    #[serde(skip)]
+    pub mesh_warnings: usize,
     /// Why the curve is not to be trusted, in sentences.
     pub errors: Vec<String>,
 }
@@ -119,8 +129,6 @@ const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
 /// Hourglass over internal energy that is still small.
 const HOURGLASS: f64 = 0.02;
-/// Difference of the volume of bodies in the mesh from their own, over that, which is no more their share.
-const VOLUME: f64 = 0.02;
 /// Difference of work and energies, over the work, that is still rounding and impacts.
 const BALANCE: f64 = 1e-3;
 
@@ -135,6 +143,7 @@ impl Response {
             after.map(of).fold(0.0, f64::max)
         };
         let kinetic = |row: &Row| row.kinetic / row.internal;
+        let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
             friction: run.test.friction,
@@ -157,8 +166,12 @@ impl Response {
             joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
             joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
+            phase_error: off.map(|off| off.error()),
+            phase_error_of: off.map(|off| off.phase.name().to_ascii_lowercase()),
+            flags: run.sample.flags(),
             ended,
-            warnings: Vec::new(),
+            warnings: run.sample.doubts(),
+            mesh_warnings: 0,
             errors: Vec::new(),
         };
         result.warn(run);
@@ -209,10 +222,14 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
 
 impl Summary {
     fn warn(&mut self, run: &Run) {
-        self.warn_of_the_mesh(&run.sample);
+        self.mesh_warnings = self.warnings.len();
         self.warn_of_the_laws(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
+        }
+        if let Ended::Failed(why) = &self.ended {
+            let fix = "resume from the last checkpoint, or run with --device cpu";
+            self.errors.push(format!("the device failed: {why}; the curve is valid until then; {fix}"));
         }
         self.warn_of_speed();
         if self.hourglass_over_internal > HOURGLASS {
@@ -246,61 +263,6 @@ impl Summary {
             )
         };
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
-    }
-
-    fn warn_of_the_mesh(&mut self, sample: &Sample) {
-        let mesh = sample.mesh;
-        let (pairs, parted) = (self.joined_pairs, mesh.notes.parted_pairs);
-        if pairs > parted {
-            self.warnings.push(format!(
-                "{} pairs of aggregates share nodes and form a skeleton that cannot break; \
-                 mesh with joined = \"mortar\"",
-                pairs - parted
-            ));
-        } else if pairs > 0 {
-            let left = mesh.phase.iter().filter(|phase| **phase == Phase::Aggregate).count();
-            let cells = left + mesh.notes.parted_cells;
-            let share = 100.0 * self.joined_cells as f64 / cells.max(1) as f64;
-            self.warnings.push(format!(
-                "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
-                 pack with a gap that the elements can show, or refine the mesh"
-            ));
-        }
-        let touching = mesh.touching_share();
-        if touching > Mesh::FEW_TOUCH {
-            let share = 100.0 * touching;
-            self.warnings.push(format!(
-                "{share:.1} % of the cohesive faces lie between two aggregates: without mortar there these form a skeleton \
-                 that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
-            ));
-        }
-        self.warn_of_the_volumes(sample);
-        if mesh.periodic != [false; 3] {
-            self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
-        }
-    }
-
-    /// Bodies that are another share of the specimen than they should be.
-    fn warn_of_the_volumes(&mut self, sample: &Sample) {
-        let of = |name: &str| {
-            let phase = self.phases.iter().find(|phase| phase.name == name)?;
-            Some([phase.volume_fraction, phase.exact_fraction?])
-        };
-        let voids = sample.exact.and_then(|exact| exact.voids(sample.mesh, sample.volume_mm3));
-        let bodies = [
-            ("aggregates", of("aggregate"), "refine the mesh, or pack with a larger gap"),
-            ("fibres", of("fibre"), "take elements of at most half their diameter, or the method conforming"),
-            ("voids", voids.map(|voids| voids.map(|x| x / sample.volume_mm3)), "refine the mesh"),
-        ];
-        for (name, shares, way_out) in bodies {
-            let Some([share, exact]) = shares else { continue };
-            if (share - exact).abs() > VOLUME * exact {
-                let [share, exact] = [share, exact].map(|share| 100.0 * share);
-                self.warnings.push(format!(
-                    "the {name} are {share:.1} % of the specimen in this mesh and {exact:.1} % in the packing: {way_out}"
-                ));
-            }
-        }
     }
 
     /// Warns of bands that are too wide for the energy of cracking or crushing.

@@ -47,14 +47,20 @@ impl Servo {
         [self.pace, self.most, self.supply]
     }
 
+    /// What devices need to follow a test of `steps`: [`SLOWING`], [`RECOVERING`], [`SOFTENING`], [`COLLAPSE`], [`SLOWEST`], and
+    /// the shares within [`LAG`] and [`MEAN`].
+    pub(crate) fn rule(steps: f64) -> [f64; 9] {
+        let ([a, b], [c, d]) = (SLOWING, RECOVERING);
+        [a, b, c, d, SOFTENING, COLLAPSE, SLOWEST, within(LAG, steps), within(MEAN, steps)]
+    }
+
     /// Follows a step of a test of `steps`: the elastic energy `stored` after it, the energy that cracks `spent` and the work
     /// that the plates `supplied` in it, mJ.
     ///
     /// A release at twice the rate of [`COLLAPSE`] gives a quarter of the speed.
     pub(crate) fn follow(&mut self, stored: f64, spent: f64, supplied: f64, steps: f64) {
         self.most = self.most.max(stored);
-        let within = |share: f64| (1.0 / (share * steps)).min(1.0);
-        self.supply += (supplied - self.supply) * within(MEAN);
+        self.supply += (supplied - self.supply) * within(MEAN, steps);
         // Energy that returns to the plates without a crack is vibration.
         let released = (spent - self.supply.max(0.0)) * steps;
         let share = if self.most > 0.0 { stored / self.most } else { 1.0 };
@@ -62,8 +68,13 @@ impl Servo {
         let most = COLLAPSE * self.most;
         let held = if released > most { (most / released).powi(2).max(SLOWEST) } else { 1.0 };
         let wanted = held.min(1.0 - (1.0 - SOFTENING) * softens);
-        self.pace += (wanted - self.pace) * within(LAG);
+        self.pace += (wanted - self.pace) * within(LAG, steps);
     }
+}
+
+/// Share of a way that a time constant, over the duration of a test of `steps`, lets a step go.
+fn within(share: f64, steps: f64) -> f64 {
+    (1.0 / (share * steps)).min(1.0)
 }
 
 /// How far a share that falls has come `from` one value `to` another, 0 to 1, without a kink.

@@ -27,6 +27,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
+    args.meshing.try_sizes(&model.spec, &watch)?;
     let settings = args.meshing.settings(&model.spec, writes_deck)?;
     let deck = &settings.deck;
     let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
@@ -80,7 +81,7 @@ fn exit_code(off: Option<PhaseOff>) -> u8 {
 impl Settings {
     /// The figures of a mesh.
     fn report(&self, mesh: &Mesh, model: &Model) -> MeshReport {
-        MeshReport::of(mesh, model, self.mesh.options.clone(), &self.deck)
+        MeshReport::of(mesh, model, self.mesh.footing.options.clone(), &self.deck)
     }
 
     /// Prints the figures of a mesh, and how to get the ITZ that it has not.

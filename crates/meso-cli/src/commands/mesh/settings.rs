@@ -4,9 +4,9 @@ use super::flags::Args;
 use crate::commands::meshing::Meshing;
 use crate::failure::Failure;
 use crate::outputs::Target;
-use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
+use meso_core::{Silent, Spec};
 use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +21,11 @@ impl Args {
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         let writes_deck = self.formats()?.contains(&MeshFormat::Inp);
         self.meshing.settings(spec, writes_deck).map(drop)
+    }
+
+    /// Sets the gaps that the mesh needs and `spec` leaves open.
+    pub(crate) fn leave_room(&self, spec: &mut Spec) -> Result<(), Failure> {
+        self.meshing.leave_room(spec, &Silent).map(drop)
     }
 
     /// The files that are asked for.

@@ -1,12 +1,32 @@
 //! Flags of a mesh and of its deck, as users type them.
 
+use super::errors::wrong_mesh;
 use crate::commands::{names, values};
+use crate::failure::Failure;
 use meso_core::export::abaqus::{Analysis, Loading};
-use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Volumes};
+use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Purpose, Volumes};
+use meso_core::{Spec, Watch};
+use meso_solve::footing;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Names that other programs give `--element-size-mm`, and that clap would take for `--itz` and `--help`.
 const SIZE: [&str; 4] = ["element-size", "size", "mesh-size", "h"];
+
+/// A size of elements, as users type it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ElementSize {
+    /// The largest that was tried and keeps the phases.
+    Auto,
+    Mm(f64),
+}
+
+fn element_size(text: &str) -> Result<ElementSize, String> {
+    match text {
+        "auto" => Ok(ElementSize::Auto),
+        number => values::number(number).map(ElementSize::Mm).map_err(|error| format!("{error}, or auto")),
+    }
+}
 
 // A doc comment here would become the command's own description.
 #[derive(clap::Args, Debug)]
@@ -15,9 +35,16 @@ pub(crate) struct MeshFlags {
     #[arg(long, value_parser = names::parse::<MethodName>)]
     #[arg(help = format!("Method of meshing: {} [default: voxel; for a test lattice]", names::list::<MethodName>()))]
     method: Option<MethodName>,
-    /// Edge length of the elements, mm [default: 2; for a test without a model 4]
-    #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true, aliases = SIZE)]
-    element_size_mm: Option<f64>,
+    /// Edge length of the elements, mm, or auto: the largest of some sizes that keeps every phase within 5 % on a small cube
+    /// of the packing [default: 2; for a test without a model 4]
+    #[arg(long, value_name = "H|auto", value_parser = element_size, allow_negative_numbers = true, aliases = SIZE)]
+    element_size_mm: Option<ElementSize>,
+    /// The size that `auto` means for the packing at hand, mm.
+    #[arg(skip)]
+    tried: OnceLock<f64>,
+    /// Accept a phase more than 10 % off its exact volume, which is an error otherwise; results carry a flag then
+    #[arg(long)]
+    pub(super) accept_phase_error: bool,
     #[arg(long, value_parser = names::parse::<ItzForm>)]
     #[arg(help = format!("Interfacial transition zone in the mesh: {} [default: solid, or none where the elements are thicker than it; for a test smeared]", names::list::<ItzForm>()))]
     itz: Option<ItzForm>,
@@ -58,7 +85,11 @@ impl MeshFlags {
     pub(super) fn table(&self) -> MeshTable {
         MeshTable {
             method: self.method,
-            element_size_mm: self.element_size_mm,
+            element_size_mm: match self.element_size_mm {
+                Some(ElementSize::Mm(size)) => Some(size),
+                Some(ElementSize::Auto) => self.tried.get().copied(),
+                None => None,
+            },
             itz: self.itz,
             joined: self.joined,
             volumes: self.volumes,
@@ -69,6 +100,23 @@ impl MeshFlags {
             order: self.order,
             slabs: self.slabs,
         }
+    }
+
+    /// Finds the size that `auto` means for `spec`. `leaves_room` says that it is still to be packed, with the gaps that the
+    /// mesh needs.
+    pub(crate) fn try_sizes(
+        &self,
+        purpose: Purpose,
+        spec: &Spec,
+        leaves_room: bool,
+        watch: &dyn Watch,
+    ) -> Result<(), Failure> {
+        if self.element_size_mm == Some(ElementSize::Auto) && self.tried.get().is_none() {
+            let found = footing::element_size(&self.table(), purpose, spec, leaves_room, watch);
+            let size = found.map_err(|error| wrong_mesh(&error))?;
+            self.tried.get_or_init(|| size);
+        }
+        Ok(())
     }
 
     /// Whether a file has the materials.
@@ -86,9 +134,6 @@ impl MeshFlags {
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Decks")]
 pub(crate) struct DeckFlags {
-    /// Accept a phase more than 10 % off its exact volume, which is an error otherwise
-    #[arg(long)]
-    pub(super) accept_phase_error: bool,
     /// Hexahedra with reduced integration (C3D8R)
     #[arg(long)]
     pub(super) reduced_integration: bool,

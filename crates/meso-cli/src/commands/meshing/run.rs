@@ -7,16 +7,14 @@ use crate::progress::Watch;
 use crate::stderr;
 use meso_core::Model;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, Mesh, MeshError, PhaseOff, Tools, VolumeMesher};
+use meso_core::mesh::{Mesh, MeshError, PhaseOff, Tools, VolumeMesher};
 use meso_gmsh::Gmsh;
 
 impl MeshSettings {
     /// Meshes, and finds the phase that is farthest off its exact volume.
     pub(crate) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
         let gmsh = Announced { gmsh: &self.gmsh, quiet };
-        let mesh = mesh::build(model, &self.options, &Tools { gmsh: &gmsh, watch });
-        let accept = |mesh: Mesh| PhaseOff::accept(&mesh, model, &self.options, self.accepted).map(|off| (mesh, off));
-        mesh.and_then(accept).map_err(|error| wrong_mesh(&error))
+        self.footing.mesh(model, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error))
     }
 }
 

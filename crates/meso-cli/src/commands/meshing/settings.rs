@@ -5,13 +5,14 @@ use super::flags::{DeckFlags, MeshFlags};
 use super::heading;
 use crate::failure::Failure;
 use crate::{inputs, room};
-use meso_core::Spec;
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
-use meso_core::mesh::{ItzForm, Joined, MeshOptions, MethodName, PhaseOff, Purpose, Room};
+use meso_core::mesh::{ItzForm, Joined, MeshOptions, MethodName, Purpose, Room};
 use meso_core::spec::options_from_toml;
+use meso_core::{Spec, Watch};
 use meso_gmsh::Gmsh;
+use meso_solve::footing::{self, Footing};
 use std::path::Path;
 
 // A doc comment here would become the command's own description.
@@ -33,10 +34,8 @@ pub(crate) struct Settings {
 
 /// A mesh, and the program that it may need.
 pub(crate) struct MeshSettings {
-    pub(crate) options: MeshOptions,
+    pub(crate) footing: Footing,
     pub(super) gmsh: Gmsh,
-    /// Largest share by which a phase may miss its exact volume.
-    pub(super) accepted: f64,
 }
 
 impl MeshFlags {
@@ -53,7 +52,8 @@ impl MeshFlags {
         if options.method.name() == MethodName::Conforming {
             gmsh.check().map_err(|error| wrong_mesh(&error))?;
         }
-        Ok(MeshSettings { options, gmsh, accepted: f64::INFINITY })
+        let accepts_phase_error = self.accept_phase_error;
+        Ok(MeshSettings { footing: Footing { purpose, options, accepts_phase_error }, gmsh })
     }
 
     /// The materials of the file that is given, or the illustrative ones.
@@ -101,13 +101,12 @@ impl Meshing {
 
     /// Everything for packings of `spec`; flags of decks are refused where no deck is written.
     pub(crate) fn settings(&self, spec: &Spec, writes_deck: bool) -> Result<Settings, Failure> {
-        let accepted = if self.deck.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let mesh = MeshSettings { accepted, ..self.mesh.settings(self.purpose(), spec)? };
-        let bytes = mesh.options.bytes(&spec.specimen);
-        room::accept_in_memory("the mesh", bytes, mesh.options.element_size_mm)?;
-        let deck = self.deck(spec, &mesh.options)?;
-        self.validate_deck(&deck, &mesh.options, writes_deck)?;
-        Ok(Settings { hint: self.hint(spec, mesh.options.itz), mesh, deck })
+        let mesh = self.mesh.settings(self.purpose(), spec)?;
+        let options = &mesh.footing.options;
+        room::accept_in_memory("the mesh", options.bytes(&spec.specimen), options.element_size_mm)?;
+        let deck = self.deck(spec, options)?;
+        self.validate_deck(&deck, options, writes_deck)?;
+        Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })
     }
 
     /// Refuses flags of decks without effect: on this deck, or because none is written.
@@ -142,7 +141,7 @@ impl Meshing {
         if mesh.itz == ItzForm::Cohesive {
             deck.validate_cohesive().map_err(|error| wrong_option(&error))?;
         }
-        let command = heading::command(mesh, &deck, flags.accept_phase_error, self.mesh.has_materials());
+        let command = heading::command(mesh, &deck, self.mesh.accept_phase_error, self.mesh.has_materials());
         Ok(DeckOptions { heading: heading::lines(spec, &command), ..deck })
     }
 
@@ -156,12 +155,29 @@ impl Meshing {
         })
     }
 
-    /// Sets the gaps that the mesh needs and the spec leaves open; says so.
-    pub(crate) fn leave_room(&self, spec: &mut Spec) -> Result<Option<String>, Failure> {
-        let options = self.mesh.options(self.purpose(), &spec.itz)?;
-        let Some(room) = options.room(self.purpose()) else { return Ok(None) };
-        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))?;
-        Ok(spec.leave_room(room).map(|gap| match room {
+    /// Finds the size that `auto` means, and sets the gaps that the mesh needs and the spec leaves open; says so.
+    pub(crate) fn leave_room(&self, spec: &mut Spec, watch: &dyn Watch) -> Result<Option<String>, Failure> {
+        self.mesh.leave_room(self.purpose(), spec, watch)
+    }
+
+    /// Finds the size that `auto` means for a packing that is there.
+    pub(crate) fn try_sizes(&self, spec: &Spec, watch: &dyn Watch) -> Result<(), Failure> {
+        self.mesh.try_sizes(self.purpose(), spec, false, watch)
+    }
+}
+
+impl MeshFlags {
+    /// Finds the size that `auto` means, and sets the gaps that the mesh needs and the spec leaves open; says so.
+    pub(crate) fn leave_room(
+        &self,
+        purpose: Purpose,
+        spec: &mut Spec,
+        watch: &dyn Watch,
+    ) -> Result<Option<String>, Failure> {
+        self.try_sizes(purpose, spec, true, watch)?;
+        let options = self.options(purpose, &spec.itz)?;
+        let left = footing::leave_room(spec, &options, purpose).map_err(|error| wrong_mesh(&error))?;
+        Ok(left.map(|(room, gap)| match room {
             Room::Everywhere(_) => format!("packing with gaps of {gap} mm, which a conforming mesh needs"),
             Room::Between(_) => {
                 format!("packing with gaps of {gap} mm between aggregates, so that the elements can show mortar there")

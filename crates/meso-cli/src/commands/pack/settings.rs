@@ -31,7 +31,7 @@ impl Args {
         *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;
-        if let Some(said) = self.meshing.leave_room(&mut spec)?.filter(|_| !self.writing.quiet) {
+        if let Some(said) = self.meshing.leave_room(&mut spec, watch)?.filter(|_| !self.writing.quiet) {
             watch.aside(|| stderr::line(said));
         }
         spec.validate().map_err(|error| self.name_flag(error))?;

@@ -3,6 +3,7 @@
 use crate::commands::meshing::MeshFlags;
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
+use meso_gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
 use std::path::PathBuf;
 
@@ -55,6 +56,17 @@ pub(crate) struct Args {
     /// Volume of the aggregates over the specimen's, 0 to 1, where a packing is made
     #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) fraction: Option<f64>,
+    /// Smallest distance between two aggregates, where a packing is made [default: half an element, or less where the packing
+    /// would get too dense]
+    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) min_gap_mm: Option<f64>,
+    /// End the packing after S seconds with the best found, where one is made
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) time_limit: Option<f64>,
+    /// What takes the steps: cpu, gpu (the first that there is), cuda:N or opencl:N; the results are the same bytes (see
+    /// `mesocrete devices`)
+    #[arg(long, value_name = "NAME", default_value_t = Choice::Cpu)]
+    pub(super) device: Choice,
     #[command(flatten)]
     pub(super) threads: Threads,
     #[command(flatten)]

@@ -14,8 +14,9 @@ use meso_concrete::thousands;
 use meso_core::Model;
 use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
+use meso_gpu::DeviceName;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
-use meso_solve::{Control, Ended, Response, Run};
+use meso_solve::{Control, Ended, Response, Run, Sample, Summary};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -27,19 +28,25 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let (test, materials) = (args.test(), args.mesh.materials()?);
     meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
     args.validate()?;
+    let device = args.device()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
     let mut seconds = TestSeconds::default();
     let Some((model, settings)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
     let mesh = args.divide(&model, &settings, &mut seconds)?;
-    let source = Source::of(&model, &settings.options);
-    let sample = sample_of(&mesh, &model, &settings.options);
+    let options = &settings.footing.options;
+    let source = Source::of(&model, options);
+    let sample = sample_of(&mesh, &model, options);
     drop(model);
+    warn_before(&sample);
     let begun = Instant::now();
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     folder.go_on(frames, !args.resume)?;
     args.announce(&run, &mesh);
+    if let Some(device) = &device {
+        args.attach(&mut run, device)?;
+    }
     let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
@@ -53,8 +60,9 @@ impl Args {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
-            let options = self.settings(&model.spec)?;
-            return Ok(Some((model, options)));
+            self.mesh.try_sizes(self.purpose(), &model.spec, false, &watch)?;
+            let settings = self.settings(&model.spec)?;
+            return Ok(Some((model, settings)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
         let spec = self.spec(&watch)?;
@@ -71,6 +79,7 @@ impl Args {
             );
             watch.aside(|| stderr::line(line));
         }
+        watch.aside(|| spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}"))));
         watch.keeps_the_best();
         let begun = watch.elapsed();
         let model = meso_core::pack(&spec, &watch);
@@ -82,8 +91,9 @@ impl Args {
 
     fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut TestSeconds) -> Result<Mesh, Failure> {
         let begun = Instant::now();
+        let options = &settings.footing.options;
         if !self.writing.quiet {
-            let (method, size) = (names::of(&settings.options.method.name()), settings.options.element_size_mm);
+            let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
             stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Mesh, 1.0)]);
@@ -92,6 +102,16 @@ impl Args {
         let (mesh, _) = mesh?;
         seconds.mesh = begun.elapsed().as_secs_f64();
         Ok(mesh)
+    }
+
+    /// Puts the run onto a device.
+    fn attach(&self, run: &mut Run, device: &DeviceName) -> Result<(), Failure> {
+        let bytes = meso_gpu::attach(run, device).map_err(|error| Failure::Run(error.to_string()))?;
+        if !self.writing.quiet {
+            stderr::line(format!("on {device}, {:.0} MB", bytes as f64 / 1e6));
+        }
+        device.faults.iter().for_each(|fault| stderr::line(format!("warning: {fault}; {NOT_EQUAL}")));
+        Ok(())
     }
 
     fn announce(&self, run: &Run, mesh: &Mesh) {
@@ -111,6 +131,10 @@ impl Args {
         ));
     }
 }
+
+/// Result of a device that cannot keep the promise.
+const NOT_EQUAL: &str =
+    "results are not the processor's to the bit; `mesocrete devices --check` measures the difference";
 
 /// Restores the state that an earlier run kept.
 fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {
@@ -135,7 +159,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
     // A run that diverged holds no numbers now.
-    let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
+    let last = (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Snapshot::now(run));
     let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
@@ -147,11 +171,25 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     if !args.writing.quiet {
         written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
+    flag(&response.result);
     kept?;
     match ended {
         Ended::Completed => lost.map(|()| 0),
         Ended::Stopped => Ok(INTERRUPTED),
-        Ended::Diverged(_) => Ok(RUN),
+        Ended::Diverged(_) | Ended::Failed(_) => Ok(RUN),
+    }
+}
+
+/// Prints warnings about the mesh, before the first step.
+fn warn_before(sample: &Sample) {
+    sample.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+}
+
+/// Prints, as the last line, the peak with the flags of its mesh, if there are any.
+fn flag(result: &Summary) {
+    if !result.flags.is_empty() {
+        let (peak, flags) = (result.figures.peak_mpa, result.flags.join("; "));
+        stderr::line(format!("warning: peak {peak:.2} MPa, {flags}"));
     }
 }
 
@@ -171,7 +209,9 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
             result.added_mass_percent
         ));
     }
-    result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
+    // Those of the mesh were told before the first step.
+    let late = result.warnings.iter().skip(result.mesh_warnings);
+    late.for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
     result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
     if result.ended == Ended::Stopped {
         let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;

@@ -6,9 +6,10 @@ use crate::commands::meshing::{MeshSettings, wrong_option};
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, room};
-use meso_core::Spec;
 use meso_core::aggregate::Itz as Shells;
-use meso_core::mesh::{ItzForm, MethodName, Order, Purpose};
+use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
+use meso_core::{Spec, SpecError};
+use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
 use meso_solve::{Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
@@ -75,16 +76,33 @@ impl Args {
         if options.method.order() == Order::Quadratic {
             return Err(Failure::Usage("--order is 2; a test takes 1".to_owned()));
         }
+        if self.device != Choice::Cpu {
+            let is_voxel = options.method.name() == MethodName::Voxel;
+            let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
+            let accepted = meso_solve::device::accept(&self.test(), kind, options.itz == ItzForm::Cohesive);
+            accepted.map_err(|error| wrong(&error))?;
+        }
         if self.packs() {
             return Ok(());
         }
-        for (flag, given) in [("--seed", self.seed.is_some()), ("--fraction", self.fraction.is_some())] {
+        let of_packings = [
+            ("--seed", self.seed.is_some()),
+            ("--fraction", self.fraction.is_some()),
+            ("--min-gap-mm", self.min_gap_mm.is_some()),
+            ("--time-limit", self.time_limit.is_some()),
+        ];
+        for (flag, given) in of_packings {
             if given {
                 let message = format!("{flag} has no effect on a saved model; leave it out, or give a SPEC.toml");
                 return Err(Failure::Usage(message));
             }
         }
         Ok(())
+    }
+
+    /// The device that takes the steps; none where this processor does.
+    pub(super) fn device(&self) -> Result<Option<DeviceName>, Failure> {
+        self.device.find().map_err(|why| Failure::Usage(format!("--device {}: {why}", self.device)))
     }
 
     /// Whether there is no saved model yet.
@@ -100,7 +118,7 @@ impl Args {
     /// The mesh of a specimen, if its test would have a number of steps that can be taken.
     pub(super) fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
         let settings = self.mesh.settings(self.purpose(), spec)?;
-        let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.options);
+        let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.footing.options);
         room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
         let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
         steps.map(|_| settings).map_err(|error| wrong(&error))
@@ -108,12 +126,32 @@ impl Args {
 
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
     pub(super) fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
-        let read = |path| inputs::spec(path, watch, None);
+        let read = |path| inputs::spec(path, watch, self.time_limit);
         let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
         spec.fraction = self.fraction.unwrap_or(spec.fraction);
-        spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        spec.placement.min_gap_mm = self.min_gap_mm.unwrap_or(spec.placement.min_gap_mm);
+        spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
+        spec.validate().map_err(|error| self.name_flag(error))?;
+        self.leave_room(&mut spec, watch)?;
+        spec.validate().map_err(|error| self.name_flag(error))?;
         Ok(spec)
+    }
+
+    /// Finds the size that `auto` means, and sets the gaps that the mesh needs and `spec` leaves open.
+    pub(crate) fn leave_room(&self, spec: &mut Spec, watch: &dyn meso_core::Watch) -> Result<(), Failure> {
+        self.mesh.leave_room(self.purpose(), spec, watch).map(drop)
+    }
+
+    /// A wrong value from a flag is called by the flag's name.
+    fn name_flag(&self, error: SpecError) -> Failure {
+        let flag = match error.key.as_str() {
+            "fraction" if self.fraction.is_some() => "--fraction",
+            "placement.min_gap_mm" if self.min_gap_mm.is_some() => "--min-gap-mm",
+            "placement.time_limit_s" if self.time_limit.is_some() => "--time-limit",
+            _ => return Failure::Usage(error.to_string()),
+        };
+        Failure::Usage(format!("{flag} {}", error.message))
     }
 }
 

@@ -81,6 +81,17 @@ impl StudyFile {
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 
+    /// Sets values under `[placement]` of the spec; an axis of the study overrides them.
+    pub(super) fn place(&mut self, values: &[(&str, Option<f64>)]) {
+        for (key, value) in values.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
+            if let Some(spec) = self.base.as_object_mut()
+                && let Some(placement) = spec.entry("placement").or_insert_with(|| json!({})).as_object_mut()
+            {
+                placement.insert((*key).to_owned(), json!(value));
+            }
+        }
+    }
+
     /// All cases, every spec validated; `report` hears how far the planning is.
     pub(super) fn plan(&self, report: &mut dyn FnMut(usize, usize)) -> Result<Plan, Failure> {
         self.plan_with(&mut Beside(&self.folder), report)

@@ -45,6 +45,12 @@ pub(crate) struct Args {
     /// Number of threads of a case; when absent the cores are shared among the cases at the same time
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
+    /// Smallest distance between two aggregates, in every packing [default: the spec's; where it has none, as much as [mesh] and [solve] need]
+    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    min_gap_mm: Option<f64>,
+    /// End every packing after S seconds with the best found; the results then depend on the machine
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    time_limit: Option<f64>,
     /// The program gmsh, for [mesh] and [solve] with method = "conforming"; a study's file names no program
     #[arg(long, value_name = "PROGRAM")]
     gmsh: Option<PathBuf>,
@@ -58,7 +64,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         let message = "--output - is standard output, but a study writes many files; name a folder";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let file = StudyFile::read(&args.study)?;
+    let mut file = StudyFile::read(&args.study)?;
+    file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
     let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
     let given = Given { threads: args.threads(), gmsh: args.gmsh.clone() };

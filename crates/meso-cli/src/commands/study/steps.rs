@@ -8,7 +8,7 @@ use crate::progress::Watch;
 use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use meso_core::formats::{Format, SurfaceOptions};
-use meso_core::{Model, Spec};
+use meso_core::{Model, Silent, Spec};
 use meso_study::{Case, CaseOutcome, MODEL, NameError, Names, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -111,7 +111,7 @@ impl Steps {
     }
 
     fn all(&self, case: &Case, folder: &Path) -> Result<Map<String, Value>, Failure> {
-        let model = threads::with(self.threads, || pack(&case.spec))??;
+        let model = threads::with(self.threads, || pack(&self.with_room(&case.spec)?))??;
         if interrupt::asked() {
             return Ok(Map::new());
         }
@@ -134,6 +134,14 @@ impl Steps {
             };
         }
         Ok(results)
+    }
+
+    /// The spec of a case, with the gaps that its mesh and its test need.
+    fn with_room(&self, spec: &Spec) -> Result<Spec, Failure> {
+        let mut spec = spec.clone();
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.leave_room(&mut spec))?;
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.leave_room(&mut spec, &Silent))?;
+        Ok(spec)
     }
 
     fn write(&self, model: &Model, folder: &Path) -> Result<(), Failure> {

@@ -90,6 +90,9 @@ const EARLY: f64 = LATE / 3.0;
 /// Beyond this share of the time limit, bodies that still lack much are damped quickly.
 const HURRY: f64 = LATE / 2.0;
 
+/// A run whose energy has not fallen for so many seconds is shown as jammed, whether or not it is over.
+const SHOWN_S: f64 = 8.0;
+
 /// Initial lack of the bodies, in radii of the smallest, and the share of the stage that finding positions takes.
 const FIRST_LACK: f64 = 0.5;
 const FILLING: f64 = 0.3;
@@ -224,7 +227,10 @@ impl<'a> Dynamics<'a> {
         loop {
             let ended = self.descend(task);
             match ended {
-                Ended::Jammed => self.start_over_or_relieve(task),
+                Ended::Jammed => {
+                    task.done(Stage::Jam, 0.0);
+                    self.start_over_or_relieve(task);
+                }
                 Ended::Late => {
                     self.relieve(task);
                     self.late += LATER;
@@ -242,7 +248,7 @@ impl<'a> Dynamics<'a> {
     fn descend(&mut self, task: &Task) -> Ended {
         self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
-        let mut fine_since = None;
+        let (mut fine_since, mut fell_s) = (None, task.seconds());
         loop {
             self.renew_neighbours();
             let look = self.look();
@@ -250,7 +256,10 @@ impl<'a> Dynamics<'a> {
                 return Ended::Open;
             }
             if look.energy < FALL * best {
-                (best, best_sweep) = (look.energy, self.sweep);
+                (best, best_sweep, fell_s) = (look.energy, self.sweep, task.seconds());
+            }
+            if task.seconds() - fell_s > SHOWN_S {
+                task.done(Stage::Jam, 0.0);
             }
             if self.sweep - best_sweep > self.settings.damping.patience() {
                 return Ended::Jammed;

@@ -5,6 +5,7 @@
 //! order, so the bytes do not hang on the threads.
 
 mod checkpoint;
+pub mod device;
 mod drive;
 
 pub use checkpoint::checkpoint_note;
@@ -48,6 +49,8 @@ pub struct Run<'a> {
     pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
     pub(crate) state: State,
+    /// Takes the steps instead of this processor.
+    device: Option<Box<dyn device::Device>>,
 }
 
 /// Decisions before the first step.
@@ -124,7 +127,23 @@ impl<'a> Run<'a> {
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
         let (test, state) = (test.clone(), State::default());
-        Ok(Self { sample, test, common, blocks, patches, nodes, order, forces, spent, plates, set, outline, state })
+        let run = Self {
+            sample,
+            test,
+            common,
+            blocks,
+            patches,
+            nodes,
+            order,
+            forces,
+            spent,
+            plates,
+            set,
+            outline,
+            state,
+            device: None,
+        };
+        Ok(run)
     }
 
     /// Steps of the whole test at the plates' full speed; the servo adds some.

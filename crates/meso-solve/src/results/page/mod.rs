@@ -40,8 +40,9 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
 fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let result = &outcome.response.result;
     let test = if result.test == TestKind::Compression { "Compression" } else { "Tension" };
-    let title =
-        format!("{test} test: {:.2} MPa at a strain of {:.5}", result.figures.peak_mpa, result.figures.peak_strain);
+    let flags: String = result.flags.iter().map(|flag| format!(", {flag}")).collect();
+    let (peak, strain) = (result.figures.peak_mpa, result.figures.peak_strain);
+    let title = format!("{test} test: {peak:.2} MPa at a strain of {strain:.5}{flags}");
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;
     writeln!(out, "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}")?;
     let stops: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();

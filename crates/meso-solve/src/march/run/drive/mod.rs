@@ -9,48 +9,56 @@ use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
-const RUNAWAY: f64 = 4.0;
+pub(super) const RUNAWAY: f64 = 4.0;
 
 impl Run<'_> {
     /// Goes on to the end of the test, or until the watch stops it or it diverges.
     pub fn to_end(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Response {
-        let ended = self.go(watch, observer);
+        let ended = self.go(watch, observer).and_then(|ended| self.bring_back().map(|()| ended));
+        let ended = ended.unwrap_or_else(Ended::Failed);
+        let ended = if let Ended::Diverged(_) = ended { Ended::Diverged(self.culprit()) } else { ended };
         Response::of(self, ended)
     }
 
-    fn go(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Ended {
+    fn go(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Result<Ended, String> {
         while !self.is_over() {
             let (rows, frames) = (self.rows_due(), self.frames_due());
-            self.advance();
+            self.proceed()?;
             if !self.is_sound() {
-                return Ended::Diverged(self.culprit());
+                return Ok(Ended::Diverged(String::new()));
             }
             let is_row = self.rows_due() > rows || self.is_over();
-            if is_row && !self.add_row() {
-                return Ended::Diverged(self.culprit());
+            if is_row {
+                self.bring_back_energies()?;
+                if !self.add_row() {
+                    return Ok(Ended::Diverged(String::new()));
+                }
             }
             if self.frames_due() > frames {
+                self.bring_back()?;
                 observer.frame(&Frame::new(self, self.frames_due()));
             }
             if is_row {
-                self.report(watch, observer);
+                self.report(watch, observer)?;
             }
             // Asked after every step: rows of a large mesh may be seconds apart.
             if watch.stops() {
-                return Ended::Stopped;
+                return Ok(Ended::Stopped);
             }
         }
-        Ended::Completed
+        Ok(Ended::Completed)
     }
 
-    fn report(&self, watch: &dyn Watch, observer: &dyn Observer) {
+    fn report(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Result<(), String> {
         watch.stage(Stage::Solve, self.done());
         if let Some(row) = self.state.rows.last() {
             observer.row(row, self.done());
         }
         if observer.keeps() {
+            self.bring_back()?;
             observer.keep(self);
         }
+        Ok(())
     }
 
     fn is_over(&self) -> bool {
@@ -87,7 +95,7 @@ impl Run<'_> {
     }
 
     /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
-    fn plate_energy(&self) -> f64 {
+    pub(super) fn plate_energy(&self) -> f64 {
         0.5 * self.outline.masses[1] * Plates::share(self.plates.speed(f64::INFINITY)).powi(2)
     }
 

@@ -1,0 +1,384 @@
+/* A step of a test, OpenCL C and CUDA: forces of elements, motion of nodes, sums, scalars.
+   Every operation is exactly rounded and every sum has the order of meso-solve, so that the bytes are those of the processor. */
+#ifdef __CUDACC__
+typedef unsigned int uint;
+typedef unsigned short ushort;
+#define KERNEL(threads) extern "C" __global__ void __launch_bounds__(threads)
+#define GLOBAL
+#define LOCAL __shared__
+#define NEAR
+#define DEVICE __device__ __forceinline__
+#define as_float(x) __uint_as_float((uint)(x))
+#define as_int(x) __float_as_int(x)
+#define GROUP blockIdx.x
+#define THREAD threadIdx.x
+#define BARRIER __syncthreads()
+#define RESTRICT __restrict__
+#else
+#pragma OPENCL FP_CONTRACT OFF
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#define KERNEL(threads) kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
+#define GLOBAL global
+#define LOCAL local
+#define NEAR local
+#define DEVICE
+#define GROUP (uint)get_group_id(0)
+#define THREAD (uint)get_local_id(0)
+#define BARRIER barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
+#define RESTRICT restrict
+#endif
+
+/* Scalars that change (`state`). */
+#define STEP 0
+#define PROGRESS 1
+#define HELD 2
+#define SPEED 3
+#define TRAVEL 4
+#define PACE 5
+#define MOST 6
+#define SUPPLY 7
+#define EXTERNAL 8
+#define INTERNAL 9
+#define FRICTION 10
+#define KINETIC 11
+#define SPENT 12
+#define SINCE_ROW 13
+#define HALT 17
+/* The present step: share of the plates' travel, of their mean speed, the whole travel and speed, the pace. */
+#define NOW_TRAVEL 18
+#define NOW_MEAN 19
+#define NOW_WHOLE 20
+#define NOW_SPEED 21
+#define NOW_PACE 22
+
+/* Numbers that stay (`rules`). */
+#define R_DT 0
+#define R_STEPS 1
+#define R_STRIDE 2
+#define R_FRAMES 3
+#define R_FRICTION 4
+#define R_SPEED 5
+#define R_RAMP 6
+#define R_PLATE_ENERGY 7
+#define R_RUNAWAY 8
+#define R_TENSION 9
+#define R_SERVO 10
+#define R_SLOWING 11
+#define R_RECOVERING 13
+#define R_SOFTENING 15
+#define R_COLLAPSE 16
+#define R_SLOWEST 17
+#define R_LAG 18
+#define R_MEAN 19
+
+/* Counts (`sizes`). */
+#define S_NODES 0
+#define S_BLOCKS 1
+#define S_SPANS 2
+#define S_CONTACTS 3
+
+//LAWS
+
+DEVICE void strain_of(const uint n, GLOBAL const uint* at, GLOBAL const float* g, const uint shift, NEAR const float* u, float* e) {
+  const uint first = 3 * ((at[4 * n] >> shift) & 0xffff);
+  const float o0 = u[first], o1 = u[first + 1], o2 = u[first + 2];
+  float h00 = 0, h01 = 0, h02 = 0, h10 = 0, h11 = 0, h12 = 0, h20 = 0, h21 = 0, h22 = 0;
+#pragma unroll
+  for (uint k = 0; k < n; k++) {
+    const uint q = 3 * ((at[4 * k] >> shift) & 0xffff);
+    const float r0 = u[q] - o0, r1 = u[q + 1] - o1, r2 = u[q + 2] - o2;
+    const float a = g[24 * k], b = g[24 * k + 8], c = g[24 * k + 16];
+    h00 = fma(r0, a, h00); h01 = fma(r0, b, h01); h02 = fma(r0, c, h02);
+    h10 = fma(r1, a, h10); h11 = fma(r1, b, h11); h12 = fma(r1, c, h12);
+    h20 = fma(r2, a, h20); h21 = fma(r2, b, h21); h22 = fma(r2, c, h22);
+  }
+  e[0] = h00; e[1] = h11; e[2] = h22; e[3] = h01 + h10; e[4] = h12 + h21; e[5] = h02 + h20;
+}
+
+DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, const float* s, NEAR float* f) {
+  const float xx = s[0] * volume, yy = s[1] * volume, zz = s[2] * volume;
+  const float xy = s[3] * volume, yz = s[4] * volume, zx = s[5] * volume;
+  float r0 = 0, r1 = 0, r2 = 0;
+#pragma unroll
+  for (uint k = 0; k < n; k++) {
+    const float a = g[24 * k], b = g[24 * k + 8], c = g[24 * k + 16];
+    const float f0 = fma(xx, a, fma(xy, b, zx * c)), f1 = fma(xy, a, fma(yy, b, yz * c)), f2 = fma(zx, a, fma(yz, b, zz * c));
+    r0 = r0 - f0; r1 = r1 - f1; r2 = r2 - f2;
+    f[3 * THREADS * k] = f0; f[3 * THREADS * k + THREADS] = f1; f[3 * THREADS * k + 2 * THREADS] = f2;
+  }
+  f[3 * THREADS * n] = r0; f[3 * THREADS * n + THREADS] = r1; f[3 * THREADS * n + 2 * THREADS] = r2;
+}
+
+/* One block of the engine: its nodes' displacements to their shares of the forces, round by round. */
+KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* RESTRICT places, GLOBAL const uint4* RESTRICT eights,
+    GLOBAL const uint* RESTRICT data, GLOBAL float* RESTRICT memory, GLOBAL const uint4* RESTRICT rounds,
+    GLOBAL const uint* RESTRICT entries, GLOBAL const ushort* RESTRICT slots, GLOBAL const uint* RESTRICT segments,
+    GLOBAL const uint* RESTRICT energies, GLOBAL const float* RESTRICT params, GLOBAL const double* RESTRICT u,
+    GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state) {
+  LOCAL float near_u[3 * PLACES];
+  LOCAL float sum[3 * PLACES];
+  LOCAL float f[3 * NODES * THREADS];
+  LOCAL float spent_of[THREADS];
+  LOCAL float volume_of[THREADS];
+  LOCAL float energy[8 * ENERGIES];
+  if (state[HALT] != 0) return;
+  const uint t = THREAD;
+  GLOBAL const uint* b = blocks + 8 * GROUP;
+  const uint first_place = b[0], count = b[1], first_round = b[2], round_count = b[3], first_eight = b[4], lanes = 8 * b[5];
+  const uint first_energy = b[6], energy_count = b[7];
+  const uint o = 3 * places[first_place];
+  const double o0 = u[o], o1 = u[o + 1], o2 = u[o + 2];
+  for (uint i = t; i < count; i += THREADS) {
+    const uint node = 3 * places[first_place + i];
+    near_u[3 * i] = (float)(u[node] - o0); near_u[3 * i + 1] = (float)(u[node + 1] - o1); near_u[3 * i + 2] = (float)(u[node + 2] - o2);
+  }
+  for (uint i = t; i < 3 * count; i += THREADS) sum[i] = 0;
+  for (uint i = t; i < 8 * energy_count; i += THREADS) energy[i] = 0;
+  BARRIER;
+  for (uint r = 0; r < round_count; r++) {
+    const uint i = r * THREADS + t;
+    if (i < lanes) {
+      const uint4 eight = eights[first_eight + (i >> 3)];
+      const uint lane = i & 7, n = eight.w & 255, law = eight.w >> 8;
+      GLOBAL const uint* at = data + eight.x + (lane >> 1);
+      GLOBAL const float* g = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
+      const uint shift = (lane & 1) * 16;
+      float e[6], s[6];
+      switch (n) {
+//STRAINS
+      }
+      const float volume = g[24 * n], width = g[24 * n + 8];
+      float lost = 0;
+      switch (law) {
+//ANSWERS
+      }
+      spent_of[t] = lost; volume_of[t] = volume;
+      switch (n) {
+//FORCES
+      }
+    }
+    BARRIER;
+    const uint4 round = rounds[first_round + r];
+    for (uint q = t; q < round.y; q += THREADS) {
+      const uint entry = entries[round.x + q], place = 3 * (entry & 0xffff), end = entries[round.x + q + 1] >> 16;
+      float x = sum[place], y = sum[place + 1], z = sum[place + 2];
+      for (uint k = entry >> 16; k < end; k++) {
+        const uint slot = slots[round.z + k];
+        x += f[slot]; y += f[slot + THREADS]; z += f[slot + 2 * THREADS];
+      }
+      sum[place] = x; sum[place + 1] = y; sum[place + 2] = z;
+    }
+    /* The last threads have the fewest places; they add the energies. */
+    const uint back = THREADS - 1 - t, segment = round.w + (back >> 3);
+    if (segment < rounds[first_round + r + 1].w) {
+      const uint which = segments[segment], lane = back & 7, to = 8 * (which & 255) + lane;
+      uint from = (which >> 8) & 255;
+      const uint end = from + (which >> 16);
+      float x = energy[to];
+      for (; from < end; from++) x = fma(spent_of[8 * from + lane], volume_of[8 * from + lane], x);
+      energy[to] = x;
+    }
+    BARRIER;
+  }
+  for (uint i = t; i < count; i += THREADS) {
+    float4 share;
+    share.x = sum[3 * i]; share.y = sum[3 * i + 1]; share.z = sum[3 * i + 2]; share.w = 0;
+    shares[first_place + i] = share;
+  }
+  if (t == THREADS - 1) {
+    double all = 0;
+    for (uint k = 0; k < energy_count; k++) {
+      double own = 0;
+      for (uint lane = 0; lane < 8; lane++) own += (double)energy[8 * k + lane];
+      dissipated[energies[first_energy + k]] += own;
+      all += own;
+    }
+    spent[GROUP] = all;
+  }
+}
+
+/* Nodes sum the blocks' shares and move; plates correct those that they meet. */
+KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
+    GLOBAL const uint* RESTRICT node_first, GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares,
+    GLOBAL const double* RESTRICT mass, GLOBAL double* RESTRICT u, GLOBAL double* RESTRICT v, GLOBAL const uint* RESTRICT contact,
+    GLOBAL const double* RESTRICT gaps, GLOBAL double* RESTRICT work, GLOBAL double* RESTRICT met) {
+  const uint i = GROUP * 256 + THREAD;
+  if (i >= sizes[S_NODES] || state[HALT] != 0) return;
+  const double dt = rules[R_DT];
+  double f0 = 0, f1 = 0, f2 = 0;
+  const uint end = node_first[i + 1];
+  for (uint q = node_first[i]; q < end; q++) {
+    const float4 share = shares[node_places[q]];
+    f0 = f0 + (double)share.x; f1 = f1 + (double)share.y; f2 = f2 + (double)share.z;
+  }
+  const double m = mass[i], push = dt / m;
+  const double b0 = v[3 * i], b1 = v[3 * i + 1], b2 = v[3 * i + 2];
+  const double u0 = u[3 * i], u1 = u[3 * i + 1], u2 = u[3 * i + 2];
+  double v0 = b0 - f0 * push, v1 = b1 - f1 * push, v2 = b2 - f2 * push;
+  const uint c = contact[i];
+  if (c != 0) {
+    /* Bit 0: the upper plate; above it the contact's number, from 1. */
+    const uint plate = c & 1, own = (c >> 1) - 1, all = sizes[S_CONTACTS];
+    const double inward = plate == 1 ? -1.0 : 1.0;
+    const double travel = (-inward) * state[NOW_TRAVEL], speed = (-inward) * state[NOW_MEAN];
+    const double w0 = v0, w1 = v1, w2 = v2;
+    double force = 0, done = 0, rubbed = 0;
+    const double on_plate = travel - inward * gaps[own];
+    const bool is_glued = rules[R_TENSION] != 0;
+    if (is_glued || (u2 + dt * v2 - on_plate) * inward < 0.0) {
+      if (is_glued) {
+        v0 = -u0 / dt; v1 = -u1 / dt; v2 = (travel - u2) / dt;
+      } else {
+        v2 = (on_plate - u2) / dt;
+        const double most = rules[R_FRICTION] * fabs(v2 - w2);
+        const double sliding = sqrt(v0 * v0 + v1 * v1);
+        const double kept = sliding <= most ? 0.0 : 1.0 - most / sliding;
+        v0 = v0 * kept; v1 = v1 * kept;
+      }
+      const double p0 = m * (v0 - w0) / dt, p1 = m * (v1 - w1) / dt;
+      const double mean0 = 0.5 * (v0 + b0), mean1 = 0.5 * (v1 + b1);
+      force = m * (v2 - w2) / dt;
+      done = force * speed * dt;
+      rubbed = (-dt) * (p0 * mean0 + p1 * mean1);
+    }
+    met[own] = plate == 0 ? force : 0.0; met[all + own] = plate == 1 ? force : 0.0;
+    met[2 * all + own] = done; met[3 * all + own] = rubbed;
+  }
+  work[2 * i] = 0.5 * dt * (f0 * (b0 + v0) + f1 * (b1 + v1) + f2 * (b2 + v2));
+  work[2 * i + 1] = 0.5 * m * (v0 * v0 + v1 * v1 + v2 * v2);
+  v[3 * i] = v0; v[3 * i + 1] = v1; v[3 * i + 2] = v2;
+  u[3 * i] = u0 + dt * v0; u[3 * i + 1] = u1 + dt * v1; u[3 * i + 2] = u2 + dt * v2;
+}
+
+#define SUMS 256
+
+/* Sums over every span of nodes, in their order; the last group sums what the blocks spent. */
+KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT state, GLOBAL const double* RESTRICT work,
+    GLOBAL const double* RESTRICT met, GLOBAL const uint* RESTRICT span_contacts, GLOBAL const double* RESTRICT spent,
+    GLOBAL double* RESTRICT span_sums) {
+  LOCAL double own[2][SUMS];
+  LOCAL double touched[4][SUMS];
+  if (state[HALT] != 0) return;
+  const uint t = THREAD, span = GROUP, spans = sizes[S_SPANS];
+  double x = 0;
+  if (span == spans) {
+    const uint blocks = sizes[S_BLOCKS];
+    for (uint from = 0; from < blocks; from += SUMS) {
+      const uint some = blocks - from < SUMS ? blocks - from : SUMS;
+      if (t < some) own[0][t] = spent[from + t];
+      BARRIER;
+      if (t == 0) for (uint i = 0; i < some; i++) x += own[0][i];
+      BARRIER;
+    }
+    if (t == 0) span_sums[6 * spans] = x;
+    return;
+  }
+  const uint nodes = sizes[S_NODES], all = sizes[S_CONTACTS];
+  const uint first = span * SPAN, last = nodes - first < SPAN ? nodes : first + SPAN;
+  const uint first_met = span_contacts[span], last_met = span_contacts[span + 1];
+  for (uint from = 0; first + from < last; from += SUMS) {
+    const uint left = last - first - from, some = left < SUMS ? left : SUMS;
+    const uint at = first_met + from, left_met = at < last_met ? last_met - at : 0, some_met = left_met < SUMS ? left_met : SUMS;
+    if (t < some) { own[0][t] = work[2 * (first + from + t)]; own[1][t] = work[2 * (first + from + t) + 1]; }
+    if (t < some_met) for (uint k = 0; k < 4; k++) touched[k][t] = met[k * all + at + t];
+    BARRIER;
+    if (t < 2) for (uint i = 0; i < some; i++) x += own[t][i];
+    if (t >= 32 && t < 36) for (uint i = 0; i < some_met; i++) x += touched[t - 32][i];
+    BARRIER;
+  }
+  /* The plates' forces, their work, friction; work of the elements, kinetic energy. */
+  if (t < 2) span_sums[6 * span + 4 + t] = x;
+  if (t >= 32 && t < 36) span_sums[6 * span + t - 32] = x;
+}
+
+/* How far a share that falls has come from one value to another. */
+DEVICE double passed(const double share, const double from, const double to) {
+  const double raw = (from - share) / (from - to);
+  const double way = raw < 0.0 ? 0.0 : raw > 1.0 ? 1.0 : raw;
+  return way * way * (3.0 - 2.0 * way);
+}
+
+DEVICE double smaller(const double a, const double b) { return a < b ? a : b; }
+DEVICE double larger(const double a, const double b) { return a > b ? a : b; }
+
+/* The plates' motion in the next step. */
+DEVICE void move(GLOBAL const double* rules, GLOBAL double* state) {
+  const double dt = rules[R_DT], steps = rules[R_STEPS], progress = state[PROGRESS];
+  const double pace = smaller(state[PACE], steps - progress);
+  const double s = smaller((progress * dt + 0.5 * pace * dt) / rules[R_RAMP], 1.0);
+  const double speed = pace * (rules[R_SPEED] * s * s * (3.0 - 2.0 * s));
+  const double travel = state[TRAVEL] + speed * dt;
+  state[NOW_TRAVEL] = 0.5 * travel;
+  state[NOW_MEAN] = 0.5 * (0.5 * (speed + state[SPEED]));
+  state[NOW_WHOLE] = travel;
+  state[NOW_SPEED] = speed;
+  state[NOW_PACE] = pace;
+}
+
+/* Before the first step of a batch. */
+KERNEL(1) begin(GLOBAL const double* RESTRICT rules, GLOBAL double* RESTRICT state) {
+  state[HALT] = 0;
+  move(rules, state);
+}
+
+DEVICE double due(const double taken, const double times, const double steps) { return floor(taken * times / steps); }
+DEVICE bool is_finite(const double x) { return fabs(x) <= 1.7976931348623157e308; }
+
+/* The servo follows a step. */
+DEVICE void follow(GLOBAL const double* rules, GLOBAL double* state, const double stored, const double spent, const double supplied) {
+  const double steps = rules[R_STEPS];
+  const double most = larger(state[MOST], stored);
+  state[MOST] = most;
+  const double supply = state[SUPPLY] + (supplied - state[SUPPLY]) * rules[R_MEAN];
+  state[SUPPLY] = supply;
+  const double released = (spent - larger(supply, 0.0)) * steps;
+  const double share = most > 0.0 ? stored / most : 1.0;
+  const double softens = passed(share, rules[R_SLOWING], rules[R_SLOWING + 1])
+      * (1.0 - passed(share, rules[R_RECOVERING], rules[R_RECOVERING + 1]));
+  const double bound = rules[R_COLLAPSE] * most, ratio = bound / released;
+  const double held = released > bound ? larger(ratio * ratio, rules[R_SLOWEST]) : 1.0;
+  const double wanted = smaller(held, 1.0 - (1.0 - rules[R_SOFTENING]) * softens);
+  state[PACE] = state[PACE] + (wanted - state[PACE]) * rules[R_LAG];
+}
+
+/* Ends a step: sums over spans, scalars, the servo, whether something is due, and the next step's motion. */
+KERNEL(64) scalars(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT span_sums,
+    GLOBAL double* RESTRICT state) {
+  LOCAL double total[6];
+  if (state[HALT] != 0) return;
+  const uint t = THREAD, spans = sizes[S_SPANS];
+  if (t < 6) {
+    double x = 0;
+    for (uint span = 0; span < spans; span++) x += span_sums[6 * span + t];
+    total[t] = x;
+  }
+  BARRIER;
+  if (t != 0) return;
+  const double spent = span_sums[6 * spans], progress = state[PROGRESS], held = state[HELD];
+  state[SINCE_ROW] += total[0];
+  state[SINCE_ROW + 1] += total[1];
+  state[SINCE_ROW + 2] += state[TRAVEL];
+  state[SINCE_ROW + 3] += 1.0;
+  state[EXTERNAL] += total[2];
+  state[FRICTION] += total[3];
+  state[INTERNAL] += total[4];
+  state[KINETIC] = total[5];
+  state[TRAVEL] = state[NOW_WHOLE];
+  state[SPEED] = state[NOW_SPEED];
+  state[STEP] += 1.0;
+  state[PROGRESS] = progress + state[NOW_PACE];
+  state[HELD] = held + (1.0 - state[NOW_PACE]);
+  state[SPENT] += spent;
+  if (rules[R_SERVO] != 0) {
+    follow(rules, state, state[EXTERNAL] - state[FRICTION] - state[SPENT], spent, total[2] - total[3]);
+  }
+  const double steps = rules[R_STEPS], stride = rules[R_STRIDE], frames = rules[R_FRAMES];
+  const double most = rules[R_RUNAWAY] * larger(fabs(state[EXTERNAL]), rules[R_PLATE_ENERGY]);
+  const bool is_sound = is_finite(state[INTERNAL]) && is_finite(state[EXTERNAL]) && is_finite(state[FRICTION])
+      && is_finite(state[KINETIC]) && state[KINETIC] <= most;
+  const bool is_over = state[PROGRESS] >= steps;
+  const bool is_row = due(state[PROGRESS], 1.0, stride) + due(state[HELD], 1.0, stride) > due(progress, 1.0, stride) + due(held, 1.0, stride);
+  const bool is_frame = due(state[PROGRESS], frames, steps) + due(state[HELD], frames, steps) > due(progress, frames, steps) + due(held, frames, steps);
+  if (!is_sound || is_over || is_row || is_frame) state[HALT] = 1;
+  move(rules, state);
+}

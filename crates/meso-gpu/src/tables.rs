@@ -1,0 +1,210 @@
+//! A run in flat tables, as the kernels read them.
+//!
+//! A group of threads takes a block of the engine in rounds: each round takes as many elements as there are threads, leaves
+//! their forces in shared memory, and adds these to the block's nodes in the engine's order. So blocks, sums and bytes are the
+//! engine's, and shared memory does not grow with the block.
+
+use meso_solve::device::{Elements, SPAN, Upload};
+use rayon::prelude::*;
+
+/// Elements side by side in the engine.
+pub(crate) const LANES: usize = 8;
+/// Words of an eight's record: data, memory, parameters, nodes and law.
+type Eight = [u32; 4];
+
+/// Tables of a run.
+#[derive(Default)]
+pub(crate) struct Tables {
+    /// By block: first place, places, first round, rounds, first eight, eights, first energy, energies.
+    pub(crate) blocks: Vec<[u32; 8]>,
+    /// Node of every place.
+    pub(crate) places: Vec<u32>,
+    /// Where an eight's data and memory begin, the parameters of its law, its other nodes and its law.
+    pub(crate) eights: Vec<Eight>,
+    /// By round: first entry, entries, first slot, first segment; one more at the end.
+    pub(crate) rounds: Vec<[u32; 4]>,
+    /// Places that a round adds to, and where their slots begin in the round's; one more at the end of a round.
+    pub(crate) entries: Vec<u32>,
+    /// Forces in shared memory, in the order of their sum.
+    pub(crate) slots: Vec<u16>,
+    /// Eights of a round whose energies go to one group of the block: energy, first eight, eights.
+    pub(crate) segments: Vec<u32>,
+    /// The engine's group of every energy.
+    pub(crate) energies: Vec<u32>,
+    /// Energy that each group of the engine has spent so far, mJ.
+    pub(crate) dissipated: Vec<f64>,
+    /// First contact of every span of nodes; one more at the end.
+    pub(crate) span_contacts: Vec<u32>,
+    /// Words of the eights' data and of their memory, by block; one more at the end.
+    pub(crate) data: Vec<u64>,
+    pub(crate) memory: Vec<u64>,
+    /// Most places of a block, most nodes of an element, most energies of a block.
+    pub(crate) most_places: usize,
+    pub(crate) most_nodes: usize,
+    pub(crate) most_energies: usize,
+    /// Numbers of other nodes that elements have.
+    pub(crate) kinds: Vec<usize>,
+}
+
+/// A phase's law by number, and where its parameters begin.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PhaseLaw {
+    pub(crate) law: u32,
+    pub(crate) params: u32,
+    pub(crate) remembered: usize,
+}
+
+/// Tables of one block, numbered from 0.
+#[derive(Default)]
+struct Part {
+    eights: Vec<Eight>,
+    rounds: Vec<[u32; 4]>,
+    entries: Vec<u32>,
+    slots: Vec<u16>,
+    segments: Vec<u32>,
+    /// Numbers of the block's groups that spend.
+    energies: Vec<u32>,
+    dissipated: Vec<f64>,
+    data: u64,
+    memory: u64,
+    kinds: Vec<usize>,
+}
+
+impl Tables {
+    /// Tables for groups of `threads`.
+    pub(crate) fn of(upload: &Upload, laws: &[PhaseLaw; 5], threads: usize) -> Self {
+        let mut all = Self { most_energies: 1, ..Self::default() };
+        let numbers: Vec<usize> = (0..upload.blocks()).collect();
+        for some in numbers.chunks(256) {
+            let parts: Vec<Part> = some.par_iter().map(|&block| Part::of(upload, laws, threads, block)).collect();
+            some.iter().zip(parts).for_each(|(&block, part)| all.add(upload, block, &part));
+        }
+        all.rounds.push([all.entries.len() as u32, 0, all.slots.len() as u32, all.segments.len() as u32]);
+        all.slots.push(0);
+        all.kinds.sort_unstable();
+        let contacts: Vec<u32> = upload.contacts().map(|(node, ..)| node).collect();
+        let spans = upload.mass().len().div_ceil(SPAN);
+        all.span_contacts =
+            (0..=spans).map(|span| contacts.partition_point(|&node| (node as usize) < span * SPAN) as u32).collect();
+        all
+    }
+
+    fn add(&mut self, upload: &Upload, block: usize, part: &Part) {
+        let nodes = upload.nodes_of(block);
+        let at = |list: usize| u32::try_from(list).expect("tables have fewer than 4 G entries");
+        self.blocks.push([
+            at(self.places.len()),
+            at(nodes.len()),
+            at(self.rounds.len()),
+            at(part.rounds.len()),
+            at(self.eights.len()),
+            at(part.eights.len()),
+            at(self.energies.len()),
+            at(part.energies.len()),
+        ]);
+        let (entry, slot, segment) = (at(self.entries.len()), at(self.slots.len()), at(self.segments.len()));
+        let (data, memory) = (self.data.last().copied().unwrap_or(0), self.memory.last().copied().unwrap_or(0));
+        if block == 0 {
+            (self.data, self.memory) = (vec![0], vec![0]);
+        }
+        let word = |x: u64| u32::try_from(x).expect("fields have fewer than 4 G words");
+        self.eights.extend(part.eights.iter().map(|[d, m, p, n]| [word(data) + d, word(memory) + m, *p, *n]));
+        self.rounds.extend(part.rounds.iter().map(|[e, n, s, g]| [entry + e, *n, slot + s, segment + g]));
+        let group = at(self.dissipated.len());
+        self.energies.extend(part.energies.iter().map(|own| group + own));
+        self.places.extend(nodes);
+        self.entries.extend(&part.entries);
+        self.slots.extend(&part.slots);
+        self.segments.extend(&part.segments);
+        self.dissipated.extend(&part.dissipated);
+        self.data.push(data + part.data);
+        self.memory.push(memory + part.memory);
+        self.most_places = self.most_places.max(nodes.len());
+        self.most_energies = self.most_energies.max(part.energies.len());
+        for &kind in &part.kinds {
+            self.most_nodes = self.most_nodes.max(kind + 1);
+            if !self.kinds.contains(&kind) {
+                self.kinds.push(kind);
+            }
+        }
+    }
+}
+
+/// Words of an eight with some other nodes.
+pub(crate) const fn words_of(others: usize) -> usize {
+    4 * (others + 1) + 24 * others + 16
+}
+
+impl Part {
+    fn of(upload: &Upload, laws: &[PhaseLaw; 5], threads: usize, block: usize) -> Self {
+        let mut part = Self::default();
+        let mut words = Vec::new();
+        for (group, elements) in (0..).zip(upload.elements_of(block)) {
+            part.add(&elements, &laws[elements.phase()], group);
+            elements.words(&mut words);
+        }
+        part.sum(&words, upload.nodes_of(block).len(), threads);
+        part
+    }
+
+    /// Adds the records of a group's eights. Until the rounds are made, a segment is energy, first eight, eights of a group.
+    fn add(&mut self, elements: &Elements, law: &PhaseLaw, group: u32) {
+        let others = elements.others();
+        self.kinds.push(others);
+        self.dissipated.push(elements.dissipated());
+        if law.remembered > 0 {
+            self.segments.extend([self.energies.len() as u32, self.eights.len() as u32, elements.eights() as u32]);
+            self.energies.push(group);
+        }
+        for _ in 0..elements.eights() {
+            self.eights.push([self.data as u32, self.memory as u32, law.params, others as u32 | law.law << 8]);
+            self.data += words_of(others) as u64;
+            self.memory += (LANES * law.remembered) as u64;
+        }
+    }
+
+    /// Makes the rounds.
+    fn sum(&mut self, words: &[u32], places: usize, threads: usize) {
+        let per_round = threads / LANES;
+        let groups: Vec<[u32; 3]> =
+            std::mem::take(&mut self.segments).chunks_exact(3).map(|group| [group[0], group[1], group[2]]).collect();
+        let mut of_place = vec![Vec::new(); places];
+        for (round, eights) in self.eights.chunks(per_round).enumerate() {
+            let (first_entry, first_slot) = (self.entries.len(), self.slots.len());
+            for (number, eight) in eights.iter().enumerate() {
+                slots_of(&words[eight[0] as usize..], (eight[3] & 255) as usize, number, threads, &mut of_place);
+            }
+            for (place, slots) in of_place.iter_mut().enumerate().filter(|(_, slots)| !slots.is_empty()) {
+                self.entries.push(place as u32 | ((self.slots.len() - first_slot) as u32) << 16);
+                self.slots.append(slots);
+            }
+            let count = self.entries.len() - first_entry;
+            self.entries.push(0xffff | ((self.slots.len() - first_slot) as u32) << 16);
+            let [first, end] = [round * per_round, (round + 1) * per_round].map(|eight| eight as u32);
+            self.rounds.push([first_entry as u32, count as u32, first_slot as u32, self.segments.len() as u32]);
+            for &[energy, start, eights] in &groups {
+                let (from, to) = (start.max(first), (start + eights).min(end));
+                if from < to {
+                    self.segments.push(energy | (from - first) << 8 | (to - from) << 16);
+                }
+            }
+        }
+    }
+}
+
+/// Adds the slots of an eight's forces to its places, in the order in which the engine adds them: the other nodes, then the
+/// first one, lane by lane. Empty lanes and places without weight add nothing.
+fn slots_of(words: &[u32], others: usize, number: usize, threads: usize, of_place: &mut [Vec<u16>]) {
+    let float = |word: usize| f32::from_bits(words[word]);
+    let gradients = 4 * (others + 1);
+    for place in 0..=others {
+        for lane in 0..LANES {
+            let has_weight = |axis: usize| float(gradients + 24 * place + 8 * axis + lane) != 0.0;
+            let is_used = float(gradients + 24 * others + lane) > 0.0 && (place == others || (0..3).any(has_weight));
+            if is_used {
+                let at = words[4 * place + lane / 2] >> (16 * (lane % 2)) & 0xffff;
+                of_place[at as usize].push((3 * threads * place + LANES * number + lane) as u16);
+            }
+        }
+    }
+}

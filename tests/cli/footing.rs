@@ -1,0 +1,123 @@
+//! One rule for what a test may stand on, whichever command packs, meshes or tests.
+
+use crate::command::{Folder, Run};
+use serde_json::Value;
+
+/// A cube of 50 mm with 40 % of 5 to 16 mm: in elements of 4 mm a third of its aggregates is lost.
+const WRONG: &str = "fraction = 0.4\n[specimen]\nkind = 'cube'\nside_mm = 50\n[grading]\nd_min_mm = 5\nd_max_mm = 16\n";
+const COARSE: [&str; 2] = ["--element-size-mm", "4"];
+/// A short test.
+const SHORT: [&str; 6] = ["--strain", "0.0003", "--frames", "0", "-o", "out"];
+
+fn wrong() -> Folder {
+    let folder = Folder::new();
+    folder.write("wrong.toml", WRONG);
+    folder
+}
+
+/// The refusal, as the user reads it.
+fn refusal(run: &Run) -> String {
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let line = run.stderr.lines().find(|line| line.starts_with("error: "));
+    line.unwrap_or_else(|| panic!("{}", run.stderr)).to_owned()
+}
+
+/// The case: `solve SPEC.toml` gave a strength, `pack --analysis` and Python refused the mesh.
+#[test]
+fn a_mesh_without_a_third_of_its_aggregates_gets_one_answer_from_every_command() {
+    let folder = wrong();
+    let deck = ["pack", "wrong.toml", "-o", "p.json", "-o", "p.inp", "--analysis", "compression"];
+    let said = refusal(&folder.run(&[&deck[..], &COARSE].concat()));
+    assert!(
+        said.contains(" of the specimen in the mesh and ") && said.contains(": -34 %, where 10 % are accepted"),
+        "{said}"
+    );
+    assert!(
+        said.contains("take --element-size-mm 2.5 (tried on ") || said.contains("take --element-size-mm 2 (tried on "),
+        "{said}"
+    );
+    let model = folder.names();
+    for command in [
+        &["mesh", "p.json", "-o", "m.inp", "--analysis", "compression"][..],
+        &["solve", "wrong.toml", "-o", "out"],
+        &["solve", "p.json", "-o", "out"],
+    ] {
+        let run = folder.run(&[command, &COARSE].concat());
+        assert_eq!(refusal(&run), said, "{command:?}");
+        assert!(!run.stderr.contains("peak"), "{}", run.stderr);
+    }
+    assert_eq!(folder.names().iter().filter(|name| !model.contains(name) && *name != "out").count(), 0);
+    folder.write("STUDY.toml", "spec = 'wrong.toml'\n[solve]\nelement-size-mm = 4\n");
+    let study = folder.run(&["study", "STUDY.toml", "-o", "s"]);
+    assert_eq!(study.code, 1, "{}", study.stderr);
+    assert!(study.stderr.contains(said.trim_start_matches("error: ")), "{}", study.stderr);
+}
+
+#[test]
+fn an_accepted_phase_error_is_carried_by_the_last_line_the_figures_and_the_title() {
+    let folder = wrong();
+    let run = folder.run(&[&["solve", "wrong.toml", "--accept-phase-error"][..], &COARSE, &SHORT].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let at = |text: &str| run.stderr.find(text).unwrap_or_else(|| panic!("{text}: {}", run.stderr));
+    assert!(at("of the aggregates' cells became mortar") < at(" elements, at least "), "{}", run.stderr);
+    let last = run.stderr.lines().last().unwrap();
+    assert!(last.starts_with("warning: peak ") && last.ends_with(" MPa, mesh too coarse: aggregate -34 %"), "{last}");
+    let result: Value = serde_json::from_slice(&folder.read("out/result.json")).unwrap();
+    assert_eq!(result["flags"], serde_json::json!(["mesh too coarse: aggregate -34 %"]));
+    assert_eq!(result["phase_error_of"], "aggregate");
+    assert!((-0.35..-0.33).contains(&result["phase_error"].as_f64().unwrap()), "{}", result["phase_error"]);
+    let page = String::from_utf8(folder.read("out/result.html")).unwrap();
+    let title = page.split("<title>").nth(1).unwrap().split("</title>").next().unwrap();
+    assert!(title.ends_with(", mesh too coarse: aggregate -34 %"), "{title}");
+}
+
+#[test]
+fn an_automatic_element_size_keeps_the_phases_and_is_named_in_the_deck() {
+    let folder = wrong();
+    let flags = ["--analysis", "compression", "--element-size-mm", "auto"];
+    let run = folder.run(&[&["pack", "wrong.toml", "-o", "p.json", "-o", "p.inp"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let deck = String::from_utf8(folder.read("p.inp")).unwrap();
+    let size = deck.split("--element-size-mm ").nth(1).unwrap().split_whitespace().next().unwrap();
+    assert!((1.2..=3.0).contains(&size.parse::<f64>().unwrap()), "{size}");
+    let advised = folder.run(&[&["mesh", "p.json", "-o", "m.msh", "--analysis", "compression"][..], &COARSE].concat());
+    assert!(
+        refusal(&advised).contains(&format!("take --element-size-mm {size} (tried on a cube of 40 mm")),
+        "{}",
+        advised.stderr
+    );
+}
+
+/// The case: a gap of 2 mm, as the warning advised, stood at 46 % for minutes.
+#[test]
+fn a_jam_is_named_within_20_seconds_and_ends_with_the_time_limit() {
+    let folder = wrong();
+    let asked = ["solve", "wrong.toml", "--min-gap-mm", "3", "--time-limit", "20", "--element-size-mm", "2.5"];
+    let run = folder.run(&[&asked[..], &["--accept-phase-error"], &SHORT].concat());
+    let line =
+        run.stderr.lines().find(|line| line.starts_with("jammed after ")).unwrap_or_else(|| panic!("{}", run.stderr));
+    let seconds: f64 = line.split(' ').nth(2).unwrap().parse().unwrap();
+    assert!(seconds <= 20.0 && line.contains("--min-gap-mm") && line.contains("--time-limit"), "{line}");
+    assert!(run.stderr.contains("warning: 0.4 with its gaps is as dense as "), "{}", run.stderr);
+}
+
+/// The case: a shell of some tenths in elements of 5 mm was refused after 107 s of meshing.
+#[test]
+fn a_layer_that_the_elements_cannot_resolve_is_refused_before_a_large_specimen_is_meshed() {
+    let folder = Folder::new();
+    assert_eq!(folder.run(&["init", "en-cylinder-150"]).code, 0);
+    assert_eq!(folder.run(&["pack", "SPEC.toml", "-qo", "c.json"]).code, 0);
+    let run = folder.run(&["mesh", "c.json", "-o", "c.vtu", "--method", "lattice", "--element-size-mm", "5"]);
+    let said = refusal(&run);
+    assert!(said.contains(" of a cube of 40 mm, tried first, in the mesh and "), "{said}");
+}
+
+#[test]
+fn flags_of_a_packing_are_refused_for_a_saved_model() {
+    let folder = Folder::with_model();
+    for flags in [["--min-gap-mm", "1"], ["--time-limit", "5"]] {
+        let run = folder.run(&[&["solve", "small.json"][..], &flags].concat());
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("{} has no effect on a saved model", flags[0])), "{}", run.stderr);
+    }
+}

@@ -1,0 +1,177 @@
+//! Rounded gravel, crushed rock, a user's own grains.
+
+use crate::pack::folder::Folder;
+use meso_core::aggregate::{Aggregate, Kind};
+use meso_core::export::stl;
+use meso_core::geometry::{Polyhedron, convex_hull};
+use meso_core::math::{Aabb, Vec3};
+use meso_core::spec::Spec;
+use meso_core::{Silent, check, pack};
+
+const SMALL: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 60 }\n";
+
+fn bodies(shape: &str) -> Vec<Polyhedron> {
+    let spec = Spec::from_toml(&format!("{SMALL}[shape]\n{shape}")).unwrap_or_else(|error| panic!("{error}"));
+    packed(&spec)
+}
+
+fn packed(spec: &Spec) -> Vec<Polyhedron> {
+    let model = pack(spec, &Silent).unwrap();
+    assert!((model.report.fraction - 0.3).abs() < 0.005, "{}", model.report.fraction);
+    assert_eq!(check::check(&model).findings, []);
+    model.aggregates.into_iter().map(|aggregate| aggregate.body).collect()
+}
+
+/// Wadell's: the area of the ball of the same volume over the body's own.
+fn sphericity(body: &Polyhedron) -> f64 {
+    let ball = (36.0 * std::f64::consts::PI * body.volume() * body.volume()).cbrt();
+    ball / body.area()
+}
+
+fn mean(bodies: &[Polyhedron], of: impl Fn(&Polyhedron) -> f64) -> f64 {
+    bodies.iter().map(of).sum::<f64>() / bodies.len() as f64
+}
+
+fn longest(body: &Polyhedron) -> f64 {
+    let v = body.vertices();
+    v.iter().flat_map(|p| v.iter().map(move |q| (p - q).norm())).fold(0.0, f64::max)
+}
+
+#[test]
+fn gravel_is_rounder_than_the_papers_polyhedra_and_crushed_rock_is_sharper() {
+    let round = mean(&bodies("kind = 'rounded'"), sphericity);
+    let paper = mean(&bodies(""), sphericity);
+    let crushed = mean(&bodies("kind = 'crushed'"), sphericity);
+    assert!(round > 0.9 && round > paper + 0.05 && crushed < paper, "{round} {paper} {crushed}");
+}
+
+#[test]
+fn rounded_grains_of_equal_axes_are_spheres_as_far_as_their_corners_allow() {
+    let one = "{ law = 'constant', value = 1 }";
+    for ball in bodies(&format!("kind = 'rounded'\nvertices = [200, 200]\nelongation = {one}\nflatness = {one}")) {
+        let radius = longest(&ball) / 2.0;
+        let sphere = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        assert!(ball.volume() > 0.94 * sphere, "{} of {sphere}", ball.volume());
+    }
+}
+
+#[test]
+fn the_longest_axis_of_every_kind_lies_in_its_class() {
+    for kind in ["polyhedron", "rounded"] {
+        for body in bodies(&format!("kind = '{kind}'")) {
+            // Axis ends are vertices, and no two points of an ellipsoid are farther apart.
+            assert!((5.0 - 1e-6..20.0 + 1e-6).contains(&longest(&body)), "{kind}: {}", longest(&body));
+        }
+    }
+}
+
+fn cube_stl() -> Vec<u8> {
+    let corners: Vec<Vec3> = (0..8).map(|k| Vec3::new(k as f64 % 2.0, (k / 2) as f64 % 2.0, (k / 4) as f64)).collect();
+    let body = convex_hull(&corners).unwrap();
+    let mut bytes = Vec::new();
+    stl::write(&[Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body }], &mut bytes)
+        .unwrap();
+    bytes
+}
+
+/// A flat pyramid and the same folded inwards, which is not convex.
+fn pyramid(tip: f64) -> String {
+    let corner = |[x, y, z]: [f64; 3]| format!("vertex {x} {y} {z}\n");
+    let base = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
+    let (tip, bottom) = ([1.0, 1.0, tip], [1.0, 1.0, -1.0]);
+    let sides = (0..4).flat_map(|k| {
+        let (a, b) = (base[k], base[(k + 1) % 4]);
+        [[a, b, tip], [b, a, bottom]]
+    });
+    let facets =
+        sides.map(|f| format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", f.map(corner).concat()));
+    format!("solid pyramid\n{}endsolid\n", facets.collect::<String>())
+}
+
+const TETRAHEDRON: &[u8] = b"[{\"name\": \"flint\", \"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]]}]";
+
+fn library(files: &[(&str, &[u8])], name: &str) -> Result<Spec, String> {
+    let text = format!("{SMALL}[shape]\nlibrary = '{name}'\n[grading]\nd_min_mm = 8\n");
+    Spec::from_toml_with(&text, &mut Folder(files)).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_users_grains_are_scaled_and_placed() {
+    let cube = cube_stl();
+    // Some programs write in capitals.
+    let tip = pyramid(1.0).to_uppercase();
+    let files = [("stones/b.STL", &cube[..]), ("stones/a.stl", tip.as_bytes()), ("stones/c.json", TETRAHEDRON)];
+    let spec = library(&files, "stones").unwrap();
+    let corners: Vec<usize> = spec.shape.grains.iter().map(|grain| grain.vertices().len()).collect();
+    assert_eq!(corners, [6, 8, 4], "in the order of the files' names");
+    let bodies = packed(&spec);
+    for count in corners {
+        assert!(bodies.iter().any(|body| body.vertices().len() == count), "no grain with {count} corners");
+    }
+    for body in &bodies {
+        assert!((8.0 - 1e-6..20.0 + 1e-6).contains(&longest(body)), "{}", longest(body));
+    }
+}
+
+#[test]
+fn a_library_stands_in_the_saved_spec_so_that_the_model_can_be_made_again() {
+    let spec = library(&[("flint.json", TETRAHEDRON)], "flint.json").unwrap();
+    let again = Spec::from_value(&serde_json::to_value(&spec).unwrap()).unwrap();
+    assert_eq!(again, spec);
+}
+
+#[test]
+fn grains_in_json_may_be_bare_lists_of_vertices() {
+    let bare = b"\xef\xbb\xbf[[[0,0,0],[3,0,0],[0,2,0],[0,0,2]]]";
+    assert_eq!(library(&[("bare.json", bare)], "bare.json"), library(&[("flint.json", TETRAHEDRON)], "flint.json"));
+}
+
+#[test]
+fn a_grain_that_is_not_convex_is_rejected_by_name() {
+    let (dented, cube) = (pyramid(-0.5), cube_stl());
+    let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
+    let beyond = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,1,9]]}]";
+    for (name, bytes, part) in [
+        (
+            "dented.stl",
+            dented.as_bytes(),
+            "dented.stl: it is not convex: it fills 50.0 % of its hull; shape.hull = true takes its hull",
+        ),
+        ("open.stl", open.as_bytes(), "open.stl: its surface is open"),
+        (
+            "short.stl",
+            &cube[..600],
+            "short.stl: this is not an STL file: it is no text that begins with `solid`, and as a binary file its count",
+        ),
+        ("empty.stl", b"solid empty\nendsolid empty\n", "empty.stl: it has no triangles"),
+        ("flat.json", b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0]]}]", "flat.json: grain 0: the points span 2"),
+        ("far.json", beyond, "far.json: grain 0: a face names vertex 9 of 4"),
+        ("none.json", b"[]", "it has no grains"),
+        ("text.json", b"{}", "it is not a list of grains"),
+        ("cut.json", b"[[[0,0,0],", "it is not JSON: EOF while parsing"),
+    ] {
+        let path = format!("stones/{name}");
+        let error = library(&[(&path, bytes)], "stones").unwrap_err();
+        assert!(error.contains("shape.library is \"stones\": ") && error.contains(part), "{error}");
+    }
+    let error = library(&[("stones/readme.txt", b"")], "stones").unwrap_err();
+    assert!(error.contains("the folder holds no file that ends in .stl, .ply, .obj, .off or .json"), "{error}");
+}
+
+#[test]
+fn the_outline_of_a_template_reaches_as_far_as_its_size() {
+    let spec = library(&[("flint.json", TETRAHEDRON)], "flint.json").unwrap();
+    let volume = spec.shape.grains[0].relative_volume();
+    // 3 x 2 x 2 / 6 over the cube of the longest edge.
+    assert!((volume - 2.0 / 13.0_f64.powf(1.5)).abs() < 1e-12, "{volume}");
+    assert!(Aabb::around(spec.shape.grains[0].vertices()).size() == Vec3::new(3.0, 2.0, 2.0));
+}
+
+#[test]
+fn the_number_of_aggregates_is_foreseen_for_every_kind() {
+    for kind in ["polyhedron", "rounded", "crushed"] {
+        let spec = Spec::from_toml(&format!("{SMALL}[shape]\nkind = '{kind}'")).unwrap();
+        let (foreseen, placed) = (spec.estimated_aggregates(), packed(&spec).len() as f64);
+        assert!((foreseen / placed - 1.0).abs() < 0.25, "{kind}: {foreseen} foreseen, {placed} placed");
+    }
+}

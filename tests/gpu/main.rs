@@ -1,0 +1,4 @@
+//! Tests on a device, beside the processor's.
+
+mod ptx;
+mod same_bytes;

@@ -1,0 +1,10 @@
+//! Tests of meshes, through the facade.
+
+mod conforming_retries;
+mod distance;
+mod itz;
+mod lattice;
+mod periodic;
+mod report;
+pub(crate) mod specimens;
+pub(crate) mod voxel;
