@@ -3,7 +3,6 @@
 use crate::samples::{Meshed, StopAtOnce, brittle, concrete, cube, damaged_plasticity, meshed, options, small_cube, voxels};
 use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
-use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
 use meso_solve::results::sample_of;
 use meso_solve::{Control, Ended, Frame, Interface, Observer, Run, Smoothing, Test, TestKind};

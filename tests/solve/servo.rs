@@ -1,7 +1,6 @@
 //! Plates with a servo: a specimen that collapses stays slow, and its curve up to the peak is that between steady plates.
 
 use crate::samples::{brittle, concrete, damaged_plasticity, slender};
-use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method};
 use meso_solve::{Control, Frame, LawName, Observer, Row, Test};
 use std::cell::RefCell;
