@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Draws the pictures of the README: the packed specimen, a section through it, other specimens, a mesh, an ITZ, cracks.
 
-    pip install '.[plot]' && python docs/render.py [FOLDER]
+    pip install '.[plot]' && python docs/render.py [--only NAME] [FOLDER]
 
-Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes,
-specimens.png, and a mesh, ITZ shells and cracks side by side in results.png. The cracks take some minutes.
+Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes, the same
+specimen turning (turning.gif), other specimens (specimens.png), a mesh, ITZ shells and cracks side by side (results.png), and
+a computed curve beside a published test (curve.png). The cracks and the curve take some minutes each.
 """
 
+import argparse
+import csv
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -40,21 +43,40 @@ SMALL = {"specimen": {"kind": "cube", "side_mm": 40.0}, "fraction": 0.4, "itz": 
 REPEATED = SMALL | {"specimen": {"kind": "cube", "side_mm": 40.0, "periodic": ["x", "y", "z"]}, "fraction": 0.55}
 
 
+# Uniaxial compression of Kupfer, Hilsdorf and Ruesch 1969: plates of 200 x 200 x 50 mm, brush platens.
+EXPERIMENT = Path(__file__).parent / "experiments" / "kupfer_uniaxial.csv"
+# Pictures of the turning specimen, its height in pixels and its colours: 2 MB at most.
+TURNS, TURNING_PX, TURNING_COLORS = 32, 360, 32
+
+
 def main() -> None:
-    """Pack the paper's specimen and draw it twice, and the others once."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "images"
-    folder.mkdir(parents=True, exist_ok=True)
-    packing = mc.pack()
-    save([draw(packing)], folder / "packing.png", height=640)
-    draw_section(packing, folder / "section.png", height=75.0)
-    save([draw(mc.pack(spec)) for spec in OTHERS], folder / "specimens.png", height=460)
-    save([draw_mesh(), draw_itz(), draw_cracks()], folder / "results.png", height=460)
-    print(f"{packing!r}: packing.png, section.png, specimens.png, results.png in {folder}")
+    """Draw every picture, or the one that is named."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).parent / "images")
+    pictures: dict[str, Callable[[Path], None]] = {
+        "packing.png": lambda path: save([draw(mc.pack())], path, height=640),
+        "turning.gif": lambda path: draw_turning(mc.pack(), path),
+        "section.png": lambda path: draw_section(mc.pack(), path, height=75.0),
+        "specimens.png": lambda path: save([draw(mc.pack(spec)) for spec in OTHERS], path, height=460),
+        "results.png": lambda path: save([draw_mesh(), draw_itz(), draw_cracks()], path, height=460),
+        "curve.png": draw_curve,
+    }
+    parser.add_argument("--only", metavar="NAME", choices=pictures)
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    for name in [arguments.only] if arguments.only else pictures:
+        pictures[name](arguments.folder / name)
+        print(f"wrote {arguments.folder / name}", flush=True)
 
 
 def draw(packing: mc.Packing) -> np.ndarray:
     """All aggregates, coloured by class, in the edges of their specimen; periodic ones are cut at its faces."""
-    plotter = new_plotter()
+    return seen(scene(packing), packing.bounds)
+
+
+def scene(packing: mc.Packing, pixels: int = 1500) -> pyvista.Plotter:
+    """The aggregates of a packing and the edges of its specimen."""
+    plotter = new_plotter(pixels)
     bodies = packing.to_pyvista(images="cut")
     clim = (0, len(CLASS_COLORS) - 1)
     plotter.add_mesh(bodies, scalars="class", cmap=CLASS_COLORS, clim=clim, show_scalar_bar=False, ambient=0.15)
@@ -62,7 +84,51 @@ def draw(packing: mc.Packing) -> np.ndarray:
     if outline.n_points:
         plotter.add_mesh(outline, color="black", line_width=3)
     plotter.enable_ssao(radius=12.0, bias=0.4)
-    return seen(plotter, packing.bounds)
+    return plotter
+
+
+def draw_turning(packing: mc.Packing, path: Path) -> None:
+    """The packing as it turns once about its axis, as a GIF that repeats."""
+    plotter = scene(packing, 2 * TURNING_PX)
+    # Frames are drawn twice as large as they are kept.
+    plotter.disable_anti_aliasing()
+    plotter.show(auto_close=False)
+    middle = np.mean(packing.bounds, axis=0)
+    frames = []
+    for turn in range(TURNS):
+        angle = 2.0 * np.pi * turn / TURNS - 0.9
+        plotter.camera_position = [middle + 600.0 * np.array([np.cos(angle), np.sin(angle), 0.48]), middle, (0, 0, 1)]
+        plotter.camera.parallel_projection = True
+        plotter.camera.parallel_scale = 0.46 * np.linalg.norm(np.diff(packing.bounds, axis=0))
+        plotter.reset_camera_clipping_range()
+        plotter.render()
+        pixels = plotter.screenshot(None, return_img=True)
+        frames.append(Image.fromarray(pixels).resize((TURNING_PX, TURNING_PX), Image.Resampling.LANCZOS))
+    # One palette for all frames and no dither: colours that change from frame to frame flicker, and cost bytes.
+    palette = frames[0].quantize(TURNING_COLORS)
+    still = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    colors = np.array(palette.getpalette()).reshape(-1, 3)
+    colors[colors.sum(axis=1).argmax()] = 255  # the ground is white, not nearly so
+    for frame in still:
+        frame.putpalette(colors.ravel().tolist())
+    still[0].save(path, save_all=True, append_images=still[1:], duration=90, loop=0, optimize=True)
+
+
+def draw_curve(path: Path) -> None:
+    """The computed curve of a plate like that of the experiment, beside the measured one."""
+    with EXPERIMENT.open(encoding="utf-8") as file:
+        measured = np.array([[-float(strain), -float(stress)] for strain, stress in csv.reader(file)])
+    measured = measured[np.argsort(measured[:, 0])]
+    packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 50.0}, "fraction": 0.4, "placement": {"min_gap_mm": 1.0}}, seed=1)
+    response = packing.mesh(for_test=True, element_size=2.0).solve(friction=0.0, strain=0.006)
+    figure, axes = pyplot.subplots(figsize=(5.2, 3.9), layout="constrained")
+    axes.plot(100 * measured[:, 0], measured[:, 1], "o", ms=3.5, color="black", label="test, Kupfer et al. 1969 (digitised)")
+    axes.plot(100 * response.curve["strain"], response.curve["stress_mpa"], color=CRACK, lw=2, label="mesocrete, default materials")
+    axes.set(xlabel="strain, %", ylabel="stress, MPa", xlim=(0, 0.6), ylim=(0, 1.35 * measured[:, 1].max()))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False)
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
 
 
 def draw_mesh() -> np.ndarray:
@@ -137,9 +203,9 @@ def add_painted(plotter: pyvista.Plotter, shown: pyvista.PolyData, colors: Calla
     plotter.add_mesh(shown, scalars="colour", rgb=True, ambient=0.15, **options)
 
 
-def new_plotter() -> pyvista.Plotter:
+def new_plotter(pixels: int = 1500) -> pyvista.Plotter:
     """An empty white picture."""
-    plotter = pyvista.Plotter(off_screen=True, window_size=[1500, 1500])
+    plotter = pyvista.Plotter(off_screen=True, window_size=[pixels, pixels])
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter

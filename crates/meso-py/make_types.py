@@ -131,7 +131,8 @@ def join(types: list[str]) -> str:
 
 def describe(schema: dict[str, Any], name: str) -> str:
     """Return a schema's description on one line, links of Rust's documentation taken out."""
-    text = schema.get("description", f"Options: {name}.")
+    form = f"Name of this form: '{schema['const']}'." if "const" in schema else f"Options: {name}."
+    text = schema.get("description", form)
     text = re.sub(r"\[(`[^`]*`)\](\([^)]*\))?", r"\1", text)
     return " ".join(text.replace("::", ".").replace('"', "'").split())
 

@@ -37,7 +37,11 @@ fn an_existing_file_is_kept_unless_forced() {
     let run = folder.run(&["pack", "small.toml", "--force"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(folder.read("model.vtu").starts_with(b"<?xml"));
-    assert!(run.stderr.contains("wrote model.vtu\n"), "named as it was typed: {}", run.stderr);
+    assert!(
+        run.stderr.contains("wrote model.json, model.vtu, model.inp, model.html\n"),
+        "named as it was typed: {}",
+        run.stderr
+    );
 }
 
 #[test]

@@ -14,6 +14,96 @@ fn help() {
     assert_snapshot!("help", folder.run(&["--help"]).stdout());
 }
 
+const COMMANDS: [&str; 14] = [
+    "pack",
+    "mesh",
+    "solve",
+    "study",
+    "check",
+    "report",
+    "convert",
+    "image",
+    "init",
+    "recipes",
+    "schema",
+    "completions",
+    "man",
+];
+
+#[test]
+fn every_command_has_an_example_in_its_help() {
+    let folder = Folder::new();
+    for command in COMMANDS {
+        let text = folder.run(&[command, "-h"]).stdout().to_owned();
+        assert!(text.contains("Example") && text.contains(&format!("  mesocrete {command}")), "{text}");
+    }
+}
+
+#[test]
+fn short_help_leaves_out_what_few_need() {
+    let folder = Folder::new();
+    let [short, long] = ["-h", "--help"].map(|flag| folder.run(&["pack", flag]).stdout().to_owned());
+    let flags = |text: &str| text.matches("\n      --").count() + text.matches("\n  -").count();
+    assert!(flags(&short) <= 20 && flags(&long) >= 38, "{} of {}", flags(&short), flags(&long));
+    assert!(!short.contains("--subsamples") && long.contains("--subsamples"));
+    assert!(short.contains("[possible values: auto, take-and-place, rearrange]"), "{short}");
+}
+
+/// Section 4 of the users' review: 29 lines of figures after the first command.
+#[test]
+fn the_default_output_of_pack_fits_twelve_lines_and_verbose_has_the_rest() {
+    let folder = Folder::with_spec();
+    let said = folder.run(&["pack", "small.toml"]).stderr;
+    assert!(said.lines().count() <= 12, "{said}");
+    for part in [
+        "packed ",
+        "grading: ",
+        "; worst class ",
+        "meshed ",
+        "surface error ",
+        "wrote model.json, ",
+        "next: open model.html",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let all = folder.run(&["pack", "small.toml", "--force", "--verbose"]).stderr;
+    for part in ["    class, mm", "        phase  of specimen", "shortest altitude", "explicit steps of"] {
+        assert!(all.contains(part) && !said.contains(part), "{part}: {all}");
+    }
+    assert_eq!(folder.run(&["pack", "small.toml", "-v", "-q"]).code, 2);
+}
+
+#[test]
+fn a_methods_paragraph_has_the_figures_of_the_model_and_its_sources() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["report", "small.json", "--cite"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    let text = run.stdout().replace('\n', " ");
+    let model: serde_json::Value = serde_json::from_slice(&folder.read("small.json")).unwrap();
+    let count = model["aggregates"].as_array().unwrap().len();
+    for part in [
+        concat!("mesocrete ", env!("CARGO_PKG_VERSION")),
+        &format!("{count} aggregates were placed"),
+        "Every pair of aggregates is proved to share no point.",
+        "10.3390/buildings15213883",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(folder.run(&["report", "small.json", "--cite", "-o", "a.html"]).code, 2);
+    assert_eq!(folder.run(&["report", "small.json"]).code, 2);
+}
+
+#[test]
+fn manual_pages_go_to_the_folder_that_is_named() {
+    let folder = Folder::new();
+    let run = folder.run(&["man", "pages/man1"]);
+    assert_eq!(
+        (run.code, run.stderr.as_str()),
+        (0, "wrote 15 pages to pages/man1; read one: man pages/man1/mesocrete.1\n")
+    );
+    assert!(folder.read("pages/man1/mesocrete-pack.1").starts_with(b".ie"));
+}
+
 #[test]
 fn without_a_command_the_help_is_shown_as_wrong_usage() {
     let run = Folder::new().run(&[]);

@@ -112,7 +112,7 @@ fn durations_and_time_increments_can_be_asked_for() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     let deck = text(&folder, "m.inp");
     assert!(deck.contains("\n, 0.01\n") && deck.contains("*FIXED MASS SCALING, DT=2e-7"));
-    assert!(run.stderr.contains("explicit steps of 2e-7 s take"), "{}", run.stderr);
+    assert!(run.stderr.contains("explicit steps of 2e-7 s need"), "{}", run.stderr);
     for flag in ["--duration", "--time-increment"] {
         let run = folder.run(&["mesh", "small.json", "-o", "no.inp", flag, "-1"]);
         assert!(run.code == 2 && run.stderr.contains("it must be a positive number"), "{}", run.stderr);

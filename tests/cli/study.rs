@@ -380,3 +380,18 @@ fn a_study_on_standard_output_is_refused_and_makes_no_folder() {
     assert_eq!((run.code, run.stderr.as_str()), (2, said));
     assert_eq!(folder.names(), ["study.toml"]);
 }
+
+/// A study in a pipe said nothing for five minutes.
+#[test]
+fn a_study_in_a_pipe_says_how_many_cases_it_has() {
+    let folder = Folder::new();
+    folder.write(
+        "S.toml",
+        "[spec]\nspecimen = { kind = \"cube\", side_mm = 40 }\nfraction = 0.2\n[over]\nseed = [1, 2]\n",
+    );
+    let run = folder.run(&["study", "S.toml"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("study of 2 cases, 0 done before\n"), "{}", run.stderr);
+    let again = folder.run(&["study", "S.toml"]).stderr;
+    assert!(!again.contains("study of"), "nothing is left to do: {again}");
+}

@@ -275,7 +275,7 @@ fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
     assert!(slimmer.iter().any(shape), "{slimmer:?}");
     let fewer = found(&|m| drop(m.inclusions.pop()));
     let report = |finding: &Finding| matches!(finding, Finding::Report { .. });
-    assert!(fewer.iter().all(report) && fewer.iter().any(|f| f.to_string().contains("fibres lack")), "{fewer:?}");
+    assert!(fewer.iter().all(report) && fewer.iter().any(|f| f.to_string().contains("fibres are ")), "{fewer:?}");
     let outside = found(&|m| {
         let up = 60.0 * meso_core::math::Vec3::z();
         m.inclusions[fibre].body = m.inclusions[fibre].body.translated(&up);

@@ -114,7 +114,7 @@ fn the_papers_rule_falls_short_of_a_half_and_says_which_class() {
     let model = packed(&Spec { placement: literal(100), ..small(0.5) });
     assert_eq!(model.report.stop_reason, StopReason::AttemptsExhausted);
     assert!((0.36..0.44).contains(&model.report.fraction), "{}", model.report.fraction);
-    assert!(model.report.stop_detail.contains("5-10 mm lacks"), "{}", model.report.stop_detail);
+    assert!(model.report.stop_detail.contains("5-10 mm is "), "{}", model.report.stop_detail);
     assert!(model.report.discarded > 0);
     assert_apart(&model);
 }

@@ -71,9 +71,15 @@ def test_the_page_fits_turns_and_has_no_errors(pages, report, width):
     page.wait_for_timeout(300)
     turned = canvas.screenshot()
     assert turned != before, "the block does not turn"
-    page.locator("#cut").evaluate("cut => { cut.value = 0.5; cut.dispatchEvent(new Event('input')); }")
-    page.wait_for_timeout(300)
-    assert canvas.screenshot() != turned, "the block is not cut"
+    for axis in "xyz":
+        before = canvas.screenshot()
+        page.locator(f"#cut-{axis}").evaluate("cut => { cut.value = 0.5; cut.dispatchEvent(new Event('input')); }")
+        page.wait_for_timeout(300)
+        assert canvas.screenshot() != before, f"the block is not cut along {axis}"
+    with page.expect_download() as saved_picture:
+        page.locator("#save").click()
+    assert saved_picture.value.path().read_bytes().startswith(b"\x89PNG")
+    assert page.locator(".key").count() >= 5, "the legend has every class, voids and fibres"
     # Drivers say on some machines that reading pixels stalls; that is no fault of the page.
     assert [text for text in said if "GPU stall" not in text] == []
     page.close()

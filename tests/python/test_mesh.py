@@ -1,9 +1,12 @@
 """Meshes from Python: arrays, files, and what other libraries make of them."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 import mesocrete as mc
+import mesocrete._mesocrete
 
 
 @pytest.fixture(scope="module")
@@ -233,3 +236,23 @@ def test_a_mesh_beyond_the_memory_is_refused_before_it_is_taken(packing, monkeyp
     big = mc.pack({"specimen": {"kind": "cube", "side_mm": 1400.0}, "grading": {"d_min_mm": 100.0, "d_max_mm": 200.0}}, fraction=0.05)
     with pytest.raises(MemoryError, match="GB are free; take a larger element_size"):
         big.mesh(method="lattice", element_size=1.0, itz="none")
+
+
+def test_a_mesh_is_pickled_with_its_packing_and_meshes_on():
+    packing = mc.pack({"specimen": mc.Specimen.cube(40), "fraction": 0.2}, seed=3)
+    for options in ({"method": "voxel", "element_size": 4.0}, {"method": "lattice", "element_size": 4.0, "itz": "cohesive"}):
+        mesh = packing.mesh(**options)
+        again = pickle.loads(pickle.dumps(mesh))
+        assert again == mesh and again.notes() == mesh.notes()
+        assert again.quality() == mesh.quality()
+    _, (state, model, options) = mesh.__reduce__()
+    broken = (*state[:2], state[2] + np.uint32(1_000_000), *state[3:])
+    with pytest.raises(ValueError, match="the pickle is damaged: its arrays do not fit each other"):
+        mesocrete._mesocrete._restore_mesh(broken, model, options)
+
+
+def test_notebooks_show_meshes_and_specs_as_html():
+    packing = mc.pack({"specimen": mc.Specimen.cube(40), "fraction": 0.2}, seed=3)
+    shown = packing.mesh(element_size=4.0)._repr_html_()
+    assert "1,000, hexahedron" in shown and "mortar" in shown
+    assert packing.spec._repr_html_().startswith("<pre>") and "fraction = 0.2" in packing.spec._repr_html_()

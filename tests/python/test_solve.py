@@ -1,8 +1,9 @@
-"""The test itself from Python: arrays, figures, files, and the way out of a long one."""
+"""The test itself from Python: arrays, figures, files, and how a long one is stopped."""
 
 import csv
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -248,3 +249,16 @@ def test_ctrl_c_ends_the_test_within_half_a_second(mesh):
     before = time.process_time()
     time.sleep(0.3)
     assert time.process_time() - before < 0.1
+
+
+def test_frames_are_pickled_with_their_fields(response):
+    for frame in (*response.frames, response.last):
+        again = pickle.loads(pickle.dumps(frame))
+        assert (again.strain, again.stress_mpa, again.time_s) == (frame.strain, frame.stress_mpa, frame.time_s)
+        for name in ("displacement", "stress", "damage", "damage_tension", "damage_compression", "crack_opening_mm", "phase"):
+            assert np.array_equal(getattr(again, name), getattr(frame, name)), name
+
+
+def test_notebooks_show_a_response_with_its_curve(response):
+    shown = response._repr_html_()
+    assert "<polyline points='" in shown and f"{response.result['peak_mpa']:.2f} MPa" in shown

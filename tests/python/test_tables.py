@@ -91,12 +91,13 @@ def test_a_notebook_gets_a_picture_and_the_figures(packing):
 
 def test_plots_of_cuts_and_meshes_are_pictures(packing, tmp_path):
     """A cut, the ITZ and a mesh are drawn off screen."""
-    pytest.importorskip("pyvista")
+    pyvista = pytest.importorskip("pyvista")
     packing.plot(cut="z", itz=True, screenshot=tmp_path / "cut.png")
     packing.plot(cut=("x", 20.0), screenshot=tmp_path / "half.png")
     packing.plot(itz=True, screenshot=tmp_path / "cores.png")
     mesh = packing.mesh(element_size=3.0)
     mesh.plot(cut="y", screenshot=tmp_path / "mesh.png")
+    assert mesh.plot(cut=("y", 29.5), plotter=pyvista.Plotter(off_screen=True)).bounds[3] == pytest.approx(29.5), "a cut is smooth"
     mesh.plot(phases=["aggregate"], screenshot=tmp_path / "aggregate.png")
     assert all((tmp_path / f"{name}.png").stat().st_size > 5000 for name in ("cut", "half", "cores", "mesh", "aggregate"))
     with pytest.raises(ValueError, match="cut is 'w'; it must be one of"):

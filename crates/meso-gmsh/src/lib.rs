@@ -116,7 +116,7 @@ impl Gmsh {
     fn missing(&self, error: &io::Error) -> MeshError {
         let why = match error.kind() {
             io::ErrorKind::NotFound => "there is no such program".to_owned(),
-            io::ErrorKind::PermissionDenied => "it is not a program, or you lack the permission to run it".to_owned(),
+            io::ErrorKind::PermissionDenied => "it is not a program, or you may not run it".to_owned(),
             _ => error.to_string(),
         };
         self.missing_since(format!("cannot be run ({why})"))

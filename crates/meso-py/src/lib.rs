@@ -12,6 +12,7 @@ mod files;
 mod gjk;
 mod mesh;
 mod packing;
+mod pickle;
 mod polyhedron;
 mod response;
 mod run;
@@ -32,13 +33,13 @@ mod _mesocrete {
     #[pymodule_export]
     use super::gjk::{PyBodies, closest_points, distance, intersects, intersects_many, penetration, time_of_impact};
     #[pymodule_export]
-    use super::mesh::PyMesh;
+    use super::mesh::{PyMesh, restore_mesh};
     #[pymodule_export]
     use super::packing::{PyAggregates, PyPacking, load, pack, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]
-    use super::response::{PyFrame, PyResponse};
+    use super::response::{PyFrame, PyResponse, restore_frame};
     #[pymodule_export]
     use super::spec::{PySpec, all_recipes, restore_spec};
     #[pymodule_export]

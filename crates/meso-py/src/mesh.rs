@@ -3,6 +3,7 @@
 use crate::arrays;
 use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
 use crate::files;
+use crate::pickle;
 use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
@@ -21,7 +22,7 @@ use meso_solve::footing::{self, Footing};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -352,7 +353,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// cut : str or pair, optional
-    ///     "z", or ("z", 30.0) in mm: takes away whole cells whose centres lie beyond a plane.
+    ///     "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there.
     /// phases : sequence of str, optional
     ///     Shows only these: "mortar", "ITZ", "aggregate", "fibre".
     /// screenshot : path or True, optional
@@ -385,6 +386,18 @@ impl PyMesh {
         format!("Mesh({points} points, {cells} cells of type {})", self.cell_type())
     }
 
+    /// HTML for notebooks: sizes and phases as a table.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("mesh_to_html", slf, None)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_mesh")?;
+        let Self(mesh, model, options) = self;
+        let contents = (pickle::of_mesh(py, mesh)?, pickle::of_model(py, model)?, pickle::json(options)?);
+        (restore, contents).into_pyobject(py)
+    }
+
     fn __copy__(slf: Py<Self>) -> Py<Self> {
         slf
     }
@@ -392,4 +405,22 @@ impl PyMesh {
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
         slf
     }
+}
+
+/// Unpickles a `Mesh`: its arrays, its packing and its options.
+#[pyfunction(name = "_restore_mesh")]
+pub(crate) fn restore_mesh(
+    py: Python<'_>,
+    state: &Bound<'_, PyTuple>,
+    packing: (Vec<u8>, String),
+    options: &str,
+) -> PyResult<PyMesh> {
+    arrays::load_numpy(py)?;
+    guard(|| {
+        let (bytes, report) = packing;
+        let model = pickle::to_model(py, &bytes, &report)?;
+        let table: MeshTable = pickle::from_json(options)?;
+        let options = table.resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
+        Ok(PyMesh(Arc::new(pickle::to_mesh(state)?), Arc::new(model), options))
+    })
 }

@@ -3,6 +3,7 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};
 use crate::files;
+use crate::pickle;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
@@ -13,10 +14,10 @@ use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
 use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyIndexError, PyUserWarning};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use serde::Deserialize;
 use std::cell::RefCell;
 use std::ffi::CString;
@@ -54,7 +55,7 @@ pub(crate) struct PyResponse(Arc<Tested>);
 
 /// The fields of a moment of a test.
 #[pyclass(name = "Frame", module = "mesocrete", frozen)]
-pub(crate) struct PyFrame(Arc<Mesh>, Arc<Snapshot>);
+pub(crate) struct PyFrame(pub(crate) Arc<Mesh>, pub(crate) Arc<Snapshot>);
 
 /// Keywords of [`solve`].
 pub(crate) struct Asked {
@@ -284,6 +285,11 @@ impl PyResponse {
         )
     }
 
+    /// HTML for notebooks: the curve beside its figures.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("response_to_html", slf, None)
+    }
+
     fn __copy__(slf: Py<Self>) -> Py<Self> {
         slf
     }
@@ -372,6 +378,15 @@ impl PyFrame {
         format!("Frame(strain {:.5}, {:.2} MPa)", self.strain(), self.stress_mpa())
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_frame")?;
+        let Self(mesh, fields) = self;
+        let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
+        let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
+        let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
+        (restore, (pickle::of_mesh(py, mesh)?, pickle::json(&fields.moment)?, arrays)).into_pyobject(py)
+    }
+
     fn __copy__(slf: Py<Self>) -> Py<Self> {
         slf
     }
@@ -383,4 +398,38 @@ impl PyFrame {
 
 fn rows<'py, const N: usize>(py: Python<'py>, values: &[[f32; N]]) -> PyResult<Bound<'py, PyArray2<f32>>> {
     PyArray1::from_slice(py, values.as_flattened()).reshape([values.len(), N])
+}
+
+/// Unpickles a `Frame`.
+#[pyfunction(name = "_restore_frame")]
+pub(crate) fn restore_frame(
+    py: Python<'_>,
+    state: &Bound<'_, PyTuple>,
+    moment: &str,
+    fields: [PyReadonlyArray1<'_, f32>; 6],
+) -> PyResult<PyFrame> {
+    arrays::load_numpy(py)?;
+    guard(|| {
+        let (mesh, moment): (Mesh, results::Moment) = (pickle::to_mesh(state)?, pickle::from_json(moment)?);
+        let [displacement, stress, damage, tension, compression, opening_mm] =
+            fields.map(|array| pickle::vector(&array));
+        let snapshot = Snapshot {
+            moment,
+            displacement: displacement?.as_chunks().0.to_vec(),
+            stress: stress?.as_chunks().0.to_vec(),
+            damage: damage?,
+            tension: tension?,
+            compression: compression?,
+            opening_mm: opening_mm?,
+        };
+        let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
+        let fits = snapshot.displacement.len() == mesh.points.len()
+            && snapshot.stress.len() == mesh.cell_count()
+            && cells.iter().all(|values| values.len() == mesh.cell_count());
+        if fits {
+            Ok(PyFrame(Arc::new(mesh), Arc::new(snapshot)))
+        } else {
+            Err(pickle::damaged("its fields do not fit its mesh"))
+        }
+    })
 }

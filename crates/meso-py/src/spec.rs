@@ -3,6 +3,7 @@
 use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
+use crate::views::call_view;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// ----------
 /// **options
 ///     `seed`, `fraction`, and the sections of a SPEC.toml as dicts: `specimen`, `grading`, `shape`, `itz`,
-///     `placement`, `voids`, `fibres`, and `mix` in place of `fraction`.
+///     `placement`, `voids`, `fibres`, and `mix` instead of `fraction`.
 ///
 /// Raises
 /// ------
@@ -298,6 +299,11 @@ impl PySpec {
         let dict = self.to_dict(py)?;
         let fields = dict.cast::<PyDict>()?.iter().map(|(key, value)| Ok(format!("{key}={}", value.repr()?)));
         Ok(format!("Spec({})", fields.collect::<PyResult<Vec<_>>>()?.join(", ")))
+    }
+
+    /// HTML for notebooks: the text of the SPEC.toml.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("spec_to_html", slf, None)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -88,7 +88,9 @@ const turntable = (canvas, { vertex, fragment, around, above, scale }) => {
   for (const end of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
   }
+  // The wheel scrolls the page until the canvas is clicked.
   canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== canvas && !event.ctrlKey) return;
     event.preventDefault();
     zoomBy(Math.exp(-event.deltaY / 600));
   }, { passive: false });
@@ -106,6 +108,17 @@ const turntable = (canvas, { vertex, fragment, around, above, scale }) => {
     content = next;
     redraw();
   };
-  return { gl, uniform, vertices, redraw, show };
+  // Saves the picture with a transparent ground. A buffer is readable only until the browser shows it.
+  const save = (name) => {
+    draw();
+    canvas.toBlob((blob) => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(blob);
+      link.download = name;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    });
+  };
+  return { gl, uniform, vertices, redraw, show, save };
 };
 const decoded = (id) => Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));

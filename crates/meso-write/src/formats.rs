@@ -295,13 +295,13 @@ impl ImageFormat {
         let is_section = matches!(options.region, Region::Section { .. });
         match (self, options.quantity) {
             (Self::Png | Self::Svg, _) if !is_section => {
-                Err("it shows one section; name one, as in z=75, or take .npy, .tif or .vti")
+                Err("it holds one section; name one, as in z=75, or use .npy, .tif or .vti")
             }
             (Self::Png, Quantity::Grain | Quantity::Distance) => {
-                Err("it shows phases or shares; take .npy, .tif or .vti")
+                Err("it holds phases or shares; use .npy, .tif or .vti")
             }
             (Self::Svg, Quantity::Grain | Quantity::Distance | Quantity::Share) => {
-                Err("it shows phases; take .npy, .tif, .vti or .png")
+                Err("it holds phases; use .npy, .tif, .vti or .png")
             }
             _ => Ok(()),
         }

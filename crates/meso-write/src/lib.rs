@@ -7,5 +7,6 @@
 
 pub mod export;
 pub mod formats;
+pub mod methods;
 pub mod page;
 pub mod voxel_image;

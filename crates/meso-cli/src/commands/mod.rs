@@ -4,6 +4,7 @@ pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod devices;
+mod examples;
 pub(crate) mod image;
 pub(crate) mod init;
 pub(crate) mod mesh;
@@ -43,32 +44,46 @@ First steps:
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
     /// Pack a specimen with aggregates and write it
+    #[command(after_help = examples::PACK)]
     Pack(pack::Args),
     /// Mesh a saved model for finite elements
+    #[command(after_help = examples::MESH)]
     Mesh(mesh::Args),
     /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
+    #[command(after_help = examples::SOLVE)]
     Solve(Box<solve::Args>),
     /// List the devices that `solve --device` can take
+    #[command(after_help = examples::DEVICES)]
     Devices(devices::Args),
     /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
+    #[command(after_help = examples::STUDY)]
     Study(study::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
+    #[command(after_help = examples::CHECK)]
     Check(check::Args),
     /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone
+    #[command(after_help = examples::REPORT)]
     Report(report::Args),
     /// Write a saved model in another format
+    #[command(after_help = examples::CONVERT)]
     Convert(convert::Args),
     /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
+    #[command(after_help = examples::IMAGE)]
     Image(image::Args),
     /// Write a commented SPEC.toml to start from
+    #[command(after_help = examples::INIT)]
     Init(init::Args),
     /// List the specimens that `init` knows
+    #[command(after_help = examples::RECIPES)]
     Recipes,
     /// Write the options of a SPEC.toml as a JSON Schema, so that editors complete and check it
+    #[command(after_help = examples::SCHEMA)]
     Schema(schema::Args),
     /// Write a shell's completions
+    #[command(after_help = examples::COMPLETIONS)]
     Completions(completions::Args),
     /// Write the manual pages
+    #[command(after_help = examples::MAN)]
     Man(completions::ManArgs),
 }
 

@@ -1,21 +1,27 @@
 //! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
 
-/// Reads a name that serde knows as one of `T`'s.
-pub(super) fn parse<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
-    let name: StrDeserializer<'_, Error> = text.into_deserializer();
-    T::deserialize(name).map_err(|_| format!("it must be one of {}", list::<T>()))
+/// Parser of the names that serde knows as those of `T`; help, completions and tips list them.
+pub(super) fn parser<T>() -> impl TypedValueParser<Value = T>
+where
+    T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(all::<T>().iter().copied()).try_map(|name| {
+        let name: StrDeserializer<'_, Error> = name.as_str().into_deserializer();
+        T::deserialize(name)
+    })
 }
 
-/// All names of `T`, with commas.
-pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
+/// All names of `T`.
+fn all<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
     let mut names: &[&str] = &[];
     // It always fails, after it has received the names.
     let _ = T::deserialize(Ask(&mut names));
-    names.join(", ")
+    names
 }
 
 /// The name of `value`; empty where serde has none for it.
@@ -52,12 +58,17 @@ impl<'de> Deserializer<'de> for Ask<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::{Arg, Command};
     use meso_core::packing::Strategy;
 
     #[test]
     fn names_are_those_of_the_spec() {
-        assert_eq!(list::<Strategy>(), "auto, take-and-place, rearrange");
-        assert_eq!(parse("rearrange"), Ok(Strategy::Rearrange));
-        assert_eq!(parse::<Strategy>("fast"), Err("it must be one of auto, take-and-place, rearrange".to_owned()));
+        assert_eq!(all::<Strategy>(), ["auto", "take-and-place", "rearrange"]);
+        let command = Command::new("x").arg(Arg::new("strategy").value_parser(parser::<Strategy>()));
+        let found = command.clone().try_get_matches_from(["x", "rearrange"]).unwrap();
+        assert_eq!(found.get_one("strategy"), Some(&Strategy::Rearrange));
+        let error = command.try_get_matches_from(["x", "rearange"]).unwrap_err().to_string();
+        assert!(error.contains("[possible values: auto, take-and-place, rearrange]"), "{error}");
+        assert!(error.contains("a similar value exists: 'rearrange'"), "{error}");
     }
 }

@@ -5,9 +5,9 @@ use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
-use meso_core::page;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
+use meso_core::{methods, page};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,8 +16,11 @@ pub(crate) struct Args {
     /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// Page to write (.html), or the statistics alone (.json); `-` writes the page to standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "cite")]
+    output: Option<PathBuf>,
+    /// Print a paragraph for the methods section of a paper, with the figures of this model and what to cite
+    #[arg(long, conflicts_with = "output")]
+    cite: bool,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
@@ -25,8 +28,23 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let content = content(&args.output)?;
-    let target = Target::new(&args.output, args.writing.force)?;
+    match &args.output {
+        Some(output) => write(args, output),
+        None => cite(args),
+    }
+}
+
+fn cite(args: &Args) -> Result<u8, Failure> {
+    let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 0.0));
+    let model = inputs::model(&args.model, &watch)?;
+    watch.finish();
+    Unit::default().fill(&Target::Stdout, false, |out| writeln!(out, "{}", methods::paragraph(&model)))?;
+    Ok(0)
+}
+
+fn write(args: &Args, output: &Path) -> Result<u8, Failure> {
+    let content = content(output)?;
+    let target = Target::new(output, args.writing.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 5.0));
     let model = inputs::model(&args.model, &watch)?;
@@ -48,7 +66,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 impl Args {
     /// Refuses flags that no file can make right.
     pub(super) fn validate(&self) -> Result<(), Failure> {
-        content(&self.output).map(drop)
+        self.output.as_deref().map_or(Ok(()), |output| content(output).map(drop))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Counts that builders leave in a mesh: bridged gaps, thinned shells, cells that changed their phase.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Notes {
     /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
     pub conforming: bool,

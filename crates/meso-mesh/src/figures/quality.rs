@@ -112,7 +112,7 @@ pub struct QualityReport {
     pub shortest_altitude_mm: (f64, usize),
     /// Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest.
     pub dihedral_histogram: [usize; 8],
-    /// The cells with a dihedral angle below [`BAD_DEG`](Self::BAD_DEG).
+    /// The cells with a dihedral angle below 8 degrees.
     pub bad_cells: Vec<usize>,
     /// Cells with no positive volume.
     pub inverted: usize,

@@ -9,7 +9,7 @@ use meso_concrete::aggregate::Itz;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
-/// Options of a mesh by their names in Python and in `--summary-json`. Absent ones follow from the mesh's [`Purpose`].
+/// Options of `Packing.mesh` and of `--summary-json`. Leave out the options of other methods.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

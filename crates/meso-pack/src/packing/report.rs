@@ -61,6 +61,14 @@ pub struct SpecimenReport {
     pub origin_mm: Option<[f64; 3]>,
 }
 
+impl Report {
+    /// Relative error of the class that is furthest from its target; `None` without classes.
+    pub fn worst_class(&self) -> Option<f64> {
+        let asked = self.classes.iter().filter(|class| class.target_fraction > 0.0);
+        asked.map(|class| class.fraction / class.target_fraction - 1.0).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+}
+
 impl SpecimenReport {
     /// The entry of a specimen.
     pub fn new(specimen: &Specimen) -> Self {
@@ -237,7 +245,7 @@ impl ClassReport {
     /// The class's shortfall in words; `largest` is the share of the specimen that its largest grain takes.
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
-        Some(format!("{}-{} mm lacks {percent}", self.d_min_mm, self.d_max_mm))
+        Some(format!("{}-{} mm is {percent} short", self.d_min_mm, self.d_max_mm))
     }
 
     fn too_small(&self) -> String {
@@ -261,7 +269,7 @@ impl PhaseReport {
     /// Says by how much a phase fell short of its target, like [`ClassReport::lack`]; `None` where it did not.
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
-        Some(format!("{} lack {percent}", self.phase.plural()))
+        Some(format!("{} are {percent} short", self.phase.plural()))
     }
 }
 

@@ -320,7 +320,7 @@ class QualityReport(TypedDict):
     dihedral_histogram: list[int]
     """Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest."""
     bad_cells: list[int]
-    """The cells with a dihedral angle below `BAD_DEG`."""
+    """The cells with a dihedral angle below 8 degrees."""
     inverted: int
     """Cells with no positive volume."""
     stable_time_step_s: float

@@ -113,7 +113,7 @@ class Study:
     def table(self, frame: str | None = None) -> object:
         """Return one row a case, as in `table.csv`: a dict of arrays, or a frame; also writes the files anew.
 
-        `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`; values that a case lacks are
+        `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`; absent values are
         missing there, and in arrays NaN, or "" among texts. ImportError where the library is not installed.
         """
         framed = framing(frame)

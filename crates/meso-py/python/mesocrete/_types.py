@@ -18,7 +18,7 @@ class NormalAspectRatio(TypedDict, total=False):
     """Normal, redrawn until it lies within the limits."""
 
     law: Literal["normal"]
-    """Options: law."""
+    """Name of this form: 'normal'."""
     max: float
     """Upper limit."""
     mean: float
@@ -33,7 +33,7 @@ class UniformAspectRatio(TypedDict, total=False):
     """Uniform within the limits."""
 
     law: Literal["uniform"]
-    """Options: law."""
+    """Name of this form: 'uniform'."""
     max: float
     """Upper limit."""
     min: float
@@ -44,7 +44,7 @@ class ConstantAspectRatio(TypedDict, total=False):
     """One value."""
 
     law: Literal["constant"]
-    """Options: law."""
+    """Name of this form: 'constant'."""
     value: float
     """The value."""
 
@@ -67,7 +67,7 @@ class FullerCurve(TypedDict, total=False):
     exponent: float
     """The exponent n."""
     kind: Literal["fuller"]
-    """Options: kind."""
+    """Name of this form: 'fuller'."""
 
 
 class BolomeyCurve(TypedDict, total=False):
@@ -76,14 +76,14 @@ class BolomeyCurve(TypedDict, total=False):
     a: float
     """A, 0.08 for stiff to 0.16 for fluid concrete."""
     kind: Literal["bolomey"]
-    """Options: kind."""
+    """Name of this form: 'bolomey'."""
 
 
 class SievesCurve(TypedDict, total=False):
     """A sieve analysis; between two sieves P is linear in log d, as such curves are drawn."""
 
     kind: Literal["sieves"]
-    """Options: kind."""
+    """Name of this form: 'sieves'."""
     passing: _Numbers
     """Share that passes each sieve, 0 to 1."""
     sieves_mm: _Numbers
@@ -94,7 +94,7 @@ class StandardCurve(TypedDict, total=False):
     """A curve of a standard; of a band the middle."""
 
     kind: Literal["standard"]
-    """Options: kind."""
+    """Name of this form: 'standard'."""
     name: Literal["din-1045-2-a8", "din-1045-2-b8", "din-1045-2-c8", "din-1045-2-a16", "din-1045-2-b16", "din-1045-2-c16", "din-1045-2-a32", "din-1045-2-b32", "din-1045-2-c32", "en-12620-4-8", "en-12620-8-16", "en-12620-16-32", "astm-c33-1", "astm-c33-2", "astm-c33-3", "astm-c33-357", "astm-c33-4", "astm-c33-467", "astm-c33-5", "astm-c33-56", "astm-c33-57", "astm-c33-6", "astm-c33-67", "astm-c33-7", "astm-c33-8", "astm-c33-89", "astm-c33-9", "gbt-14685-5-16", "gbt-14685-5-20", "gbt-14685-5-25", "gbt-14685-5-31.5", "gbt-14685-5-40"]
     """Which."""
 
@@ -105,7 +105,7 @@ class SievesFileCurve(TypedDict, total=False):
     file: str
     """A CSV file that lies beside the spec: sieve_mm,passing."""
     kind: Literal["sieves"]
-    """Options: kind."""
+    """Name of this form: 'sieves'."""
 
 
 Curve = FullerCurve | BolomeyCurve | SievesCurve | StandardCurve | SievesFileCurve
@@ -193,7 +193,7 @@ class CubeSpecimen(TypedDict, total=False):
     """A cube from the origin."""
 
     kind: Literal["cube"]
-    """Options: kind."""
+    """Name of this form: 'cube'."""
     periodic: Periodic
     """The axes along which it repeats itself; it has no walls across them."""
     side_mm: float
@@ -204,7 +204,7 @@ class BoxSpecimen(TypedDict, total=False):
     """A box from the origin."""
 
     kind: Literal["box"]
-    """Options: kind."""
+    """Name of this form: 'box'."""
     periodic: Periodic
     """The axes along which it repeats itself; it has no walls across them."""
     size_mm: _Numbers
@@ -217,7 +217,7 @@ class PrismSpecimen(TypedDict, total=False):
     depth_mm: float
     """Along z, mm."""
     kind: Literal["prism"]
-    """Options: kind."""
+    """Name of this form: 'prism'."""
     length_mm: float
     """Along x, mm."""
     width_mm: float
@@ -232,7 +232,7 @@ class CylinderSpecimen(TypedDict, total=False):
     height_mm: float
     """Along z, mm."""
     kind: Literal["cylinder"]
-    """Options: kind."""
+    """Name of this form: 'cylinder'."""
 
 
 class SphereSpecimen(TypedDict, total=False):
@@ -241,7 +241,7 @@ class SphereSpecimen(TypedDict, total=False):
     diameter_mm: float
     """Diameter, mm."""
     kind: Literal["sphere"]
-    """Options: kind."""
+    """Name of this form: 'sphere'."""
 
 
 class NotchedPrismSpecimen(TypedDict, total=False):
@@ -250,7 +250,7 @@ class NotchedPrismSpecimen(TypedDict, total=False):
     depth_mm: float
     """Along z, the notch's included, mm."""
     kind: Literal["notched-prism"]
-    """Options: kind."""
+    """Name of this form: 'notched-prism'."""
     length_mm: float
     """Along x, mm."""
     notch_depth_mm: float
@@ -265,7 +265,7 @@ class DogboneSpecimen(TypedDict, total=False):
     """A plate that narrows in round arcs to a neck in the middle of its length."""
 
     kind: Literal["dogbone"]
-    """Options: kind."""
+    """Name of this form: 'dogbone'."""
     length_mm: float
     """Along x, mm."""
     neck_length_mm: float
@@ -284,7 +284,7 @@ class PolyhedronSpecimen(TypedDict, total=False):
     """The convex hull of points, moved to the origin."""
 
     kind: Literal["polyhedron"]
-    """Options: kind."""
+    """Name of this form: 'polyhedron'."""
     vertices_mm: Sequence[_Numbers]
     """Four points or more, mm."""
 
@@ -293,7 +293,7 @@ class MeshSpecimen(TypedDict, total=False):
     """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name a surface file (STL, PLY, OBJ, OFF) instead."""
 
     kind: Literal["mesh"]
-    """Options: kind."""
+    """Name of this form: 'mesh'."""
     triangles: Sequence[Sequence[int]]
     """Indices of corners, counter-clockwise seen from outside."""
     vertices_mm: Sequence[_Numbers]
@@ -306,7 +306,7 @@ class MeshFileSpecimen(TypedDict, total=False):
     file: str
     """A surface file (STL, PLY, OBJ, OFF) that lies beside the spec."""
     kind: Literal["mesh"]
-    """Options: kind."""
+    """Name of this form: 'mesh'."""
     scale: float
     """Millimetres in a unit of the file: 1000 for metres, 25.4 for inches; 1 by default."""
 
@@ -352,7 +352,7 @@ class SpecOptions(TypedDict, total=False):
 
 
 class MeshOptions(TypedDict, total=False):
-    """Options of a mesh by their names in Python and in `--summary-json`. Absent ones follow from the mesh's `Purpose`."""
+    """Options of `Packing.mesh` and of `--summary-json`. Leave out the options of other methods."""
 
     fit: Literal["fitted", "plain"] | None
     """Fit of a lattice to the aggregates' surfaces; lattices only."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import importlib
 import os
 import tempfile
@@ -189,11 +190,11 @@ def plot_mesh(
             message = f"phases holds {unknown[0]!r}; it may hold {', '.join(map(repr, known))}"
             raise ValueError(message)
         kept &= np.isin(mesh.phase, [known[name] for name in phases])
+    part = grid.extract_cells(np.flatnonzero(kept))
     if cut is not None:
-        points = mesh.points
-        axis, at = _across(cut, (points.min(axis=0), points.max(axis=0)))
-        kept &= points[mesh.cells, axis].mean(axis=1) <= at
-    shown = grid.extract_cells(np.flatnonzero(kept)).extract_surface(algorithm="dataset_surface")
+        axis, at = _across(cut, (mesh.points.min(axis=0), mesh.points.max(axis=0)))
+        part = part.clip(np.eye(3)[axis], origin=at * np.eye(3)[axis])
+    shown = part.extract_surface(algorithm="dataset_surface")
     if not {"color", "scalars"} & options.keys():
         shown.cell_data["colour"] = _painted(np.asarray(shown.cell_data["phase"]))
         options = {"scalars": "colour", "rgb": True} | options
@@ -213,11 +214,50 @@ def packing_to_html(packing: Any) -> str:
         "fraction": f"{report['fraction']:.4f} of {report['target_fraction']:.4g} asked",
         "seed": report["seed"],
     }
-    cells = "".join(f"<tr><th style='text-align:left'>{key}</th><td>{value}</td></tr>" for key, value in rows.items())
     return (
         "<div style='display:flex;flex-wrap:wrap;gap:1em;align-items:center'>"
         f"<img alt='section at half height' style='width:240px' src='data:image/svg+xml;base64,{picture}'>"
-        f"<table>{cells}</table></div>"
+        f"{_table_html(rows)}</div>"
+    )
+
+
+def _table_html(rows: dict[str, Any]) -> str:
+    """Return rows of names and values as a table of a notebook."""
+    cells = "".join(f"<tr><th style='text-align:left'>{key}</th><td>{value}</td></tr>" for key, value in rows.items())
+    return f"<table>{cells}</table>"
+
+
+def mesh_to_html(mesh: Any) -> str:
+    """Return the sizes of a mesh and the volumes of its phases, for notebooks."""
+    rows = {"cells": f"{len(mesh):,}, {mesh.cell_type}", "nodes": f"{len(mesh.points):,}"}
+    if len(mesh.cohesive):
+        rows["cohesive elements"] = f"{len(mesh.cohesive):,}"
+    return _table_html(rows | {name: f"{volume:,.0f} mm³" for name, volume in mesh.volumes().items() if volume})
+
+
+def spec_to_html(spec: Any) -> str:
+    """Return the text of a SPEC.toml, for notebooks."""
+    return f"<pre>{html.escape(spec.to_toml())}</pre>"
+
+
+def response_to_html(response: Any) -> str:
+    """Return the curve of a test beside its most important figures, for notebooks."""
+    result, curve = response.result, response.curve
+    strain, stress = curve["strain"], curve["stress_mpa"]
+    width, height = max(strain.max(initial=0), 1e-12), max(stress.max(initial=0), 1e-12)
+    points = " ".join(f"{230 * x / width + 5:.1f},{155 - 150 * y / height:.1f}" for x, y in zip(strain, stress, strict=True))
+    line = f"<polyline points='{points}' fill='none' stroke='currentColor' stroke-width='1.5'/>"
+    axes = "<path d='M5 5V155H235' fill='none' stroke='currentColor' stroke-opacity='.4'/>"
+    rows = {
+        "test": f"{result['test']}, {result['law']}",
+        "peak": f"{result['peak_mpa']:.2f} MPa at a strain of {result['peak_strain']:.5f}",
+        "modulus": f"{result['modulus_mpa']:,.0f} MPa",
+    }
+    rows |= {"warning": html.escape(warning) for warning in result["warnings"][:1]}
+    rows |= {"error": html.escape(error) for error in result["errors"][:1]}
+    return (
+        "<div style='display:flex;flex-wrap:wrap;gap:1em;align-items:center'>"
+        f"<svg width='240' height='160' role='img' aria-label='stress over strain'>{axes}{line}</svg>{_table_html(rows)}</div>"
     )
 
 

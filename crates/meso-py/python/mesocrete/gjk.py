@@ -31,7 +31,7 @@ class Penetration(NamedTuple):
     depth: float
     """Moved by this along `direction`, b shares at most points of its surface with a."""
     at_least: float
-    """No shorter move parts them."""
+    """No shorter move separates them."""
     direction: NDArray[np.float64]
     """Of unit length, from a to b: shape (3,)."""
 
@@ -49,7 +49,7 @@ class Impact(NamedTuple):
 
 
 def penetration(a: ArrayLike | Aggregate | Polyhedron, b: ArrayLike | Aggregate | Polyhedron) -> Penetration | None:
-    """Return the shortest move that parts two convex hulls, or None where they share no point.
+    """Return the shortest move that separates two convex hulls, or None where they share no point.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};
 use crate::mesh::{self, PyMesh};
+use crate::pickle;
 use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
 use crate::tree::plain;
@@ -24,10 +25,10 @@ use meso_core::images::Images;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
-use meso_core::{Model, Watch as _, saved};
+use meso_core::{Model, Watch as _};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,7 +61,7 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// Parameters
 /// ----------
 /// path : path-like
-///     A `.json` or `.json.gz` that `save` or the command wrote.
+///     A `.json` or `.json.gz` that `Packing.write` or the command wrote.
 /// progress : bool or callable, optional
 ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
 ///     specimen's surface, where it is one.
@@ -497,10 +498,7 @@ impl PyPacking {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_packing")?;
-        let mut model = Vec::new();
-        saved::write(&self.0, &mut model)?;
-        let report = serde_json::to_string(&self.0.report).map_err(|error| wrong_value(error.to_string()))?;
-        (restore, (PyBytes::new(py, &model), report)).into_pyobject(py)
+        (restore, pickle::of_model(py, &self.0)?).into_pyobject(py)
     }
 }
 
@@ -508,10 +506,5 @@ impl PyPacking {
 #[pyfunction(name = "_restore_packing")]
 pub(crate) fn restore_packing(py: Python<'_>, model: &[u8], report: &str) -> PyResult<PyPacking> {
     arrays::load_numpy(py)?;
-    let damaged = |error: String| wrong_value(format!("the pickle is damaged: {error}"));
-    guard(|| {
-        let mut model = py.detach(|| saved::read(model)).map_err(|error| damaged(error.to_string()))?;
-        model.report = serde_json::from_str(report).map_err(|error| damaged(error.to_string()))?;
-        Ok(PyPacking(Arc::new(model)))
-    })
+    guard(|| Ok(PyPacking(Arc::new(pickle::to_model(py, model, report)?))))
 }

@@ -60,7 +60,7 @@ impl Sample<'_> {
         (touching > Mesh::FEW_TOUCH).then(|| {
             format!(
                 "{share:.1} % of the cohesive faces lie between two aggregates: without mortar there these form a skeleton \
-                 that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
+                 that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements resolve"
             )
         })
     }

@@ -97,17 +97,17 @@ pub struct Summary {
 /// Energies at the end of a test, mJ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energies {
-    /// See [`Row`].
+    /// Kinetic energy.
     pub kinetic: f64,
-    /// See [`Row`].
+    /// Work of the elements' forces: stored, dissipated and hourglass energy.
     pub internal: f64,
-    /// See [`Row`].
+    /// Work of the plates.
     pub external: f64,
-    /// See [`Row`].
+    /// Dissipated by friction on the plates.
     pub friction_work: f64,
-    /// See [`Row`].
+    /// Energy of hourglass modes.
     pub hourglass: f64,
-    /// See [`Row`].
+    /// Dissipated in cracks, crushing and plastic flow.
     pub dissipated: f64,
 }
 

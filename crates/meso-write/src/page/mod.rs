@@ -56,7 +56,8 @@ th{font-weight:600;border-bottom:1px solid var(--line)}th:first-child,td:first-c
 .row{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0;max-width:100%}figcaption{color:var(--soft);font-size:.85rem}
 svg{display:block;max-width:100%;height:auto}svg text{font:11px system-ui,sans-serif;fill:var(--label)}
 canvas{display:block;width:100%;height:min(70vh,36rem,100vw);touch-action:none;cursor:grab}
-input[type=range]{width:min(16rem,40vw);vertical-align:middle}
+input[type=range]{width:min(11rem,40vw);vertical-align:middle}
+.key{white-space:nowrap;margin-right:.8rem}.key i{display:inline-block;width:.8em;height:.8em;margin-right:.35em;border-radius:.15em}
 .a{stroke:none}.f{fill:none;stroke:#9aa0a6}.g{stroke:var(--faint)}
 section{max-width:100%}.e{stroke:#6b6f76;stroke-linejoin:round}
 pre{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}

@@ -5,6 +5,7 @@ use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::images::Images;
 use meso_concrete::specimen::Surface;
+use meso_concrete::thousands;
 use meso_pack::model::Model;
 use meso_view::embedded::{TURNTABLE, base64};
 use std::collections::BTreeMap;
@@ -28,16 +29,44 @@ pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
         out,
         "<canvas id=\"view\" tabindex=\"0\" data-size=\"{x} {y} {z}\" role=\"img\" aria-label=\"the packing in 3D\"></canvas>"
     )?;
-    writeln!(
-        out,
-        "<p class=\"note\"><label>cut <input id=\"cut\" type=\"range\" min=\"0\" max=\"1\" step=\"0.005\" value=\"1\"></label> \
-         Drag to turn, use the wheel or two fingers to zoom, or the arrow keys, + and -. Coloured by size class, from the finest{}.</p>",
-        if shown.len() < bodies.len() { "; the largest bodies alone are shown" } else { "" }
-    )?;
+    controls(out)?;
+    legend(model, out)?;
+    if shown.len() < bodies.len() {
+        writeln!(out, "<p class=\"note\">The {} largest bodies alone are shown.</p>", thousands(MOST))?;
+    }
     for (name, bytes) in [("bodies", bodies_of(shown, &all)), ("edges", edges_of(&surface, &all))] {
         writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{}</script>", base64(&bytes))?;
     }
     writeln!(out, "<script>\n{TURNTABLE}{}</script>", include_str!("viewer.js"))
+}
+
+/// A slider for the cut along each axis, and the button that saves the picture.
+fn controls(out: &mut impl Write) -> io::Result<()> {
+    write!(out, "<p class=\"note\">")?;
+    for axis in ["x", "y", "z"] {
+        write!(
+            out,
+            "<label>cut {axis} <input id=\"cut-{axis}\" type=\"range\" min=\"0\" max=\"1\" step=\"0.005\" value=\"1\"></label> "
+        )?;
+    }
+    writeln!(out, "<button id=\"save\">save the picture</button></p>")?;
+    writeln!(
+        out,
+        "<p class=\"note\">Drag to turn; click, then zoom with the wheel. Two fingers, the arrow keys, + and - do the same.</p>"
+    )
+}
+
+/// The colour of each size class, and of voids and fibres.
+fn legend(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let classes = model.report.classes.iter().map(|class| format!("{} to {} mm", class.d_min_mm, class.d_max_mm));
+    let mut names: BTreeMap<u16, String> = (0..).zip(classes).collect();
+    names.extend(model.inclusions.iter().map(|body| (body.class, body.kind.plural().to_owned())));
+    write!(out, "<p class=\"note\">")?;
+    for (class, name) in names {
+        let [r, g, b] = CLASSES[usize::from(class) % CLASSES.len()];
+        write!(out, "<span class=\"key\"><i style=\"background:#{r:02x}{g:02x}{b:02x}\"></i>{name}</span> ")?;
+    }
+    writeln!(out, "</p>")
 }
 
 /// A position in the box as three numbers of 16 bits, the lowest byte first.

@@ -2,6 +2,7 @@
 
 use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use meso_core::formats::Format;
 use meso_core::images::Images;
 use std::path::{Path, PathBuf};
@@ -13,20 +14,21 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", required = true)]
     #[arg(help = format!("File to write, its format by the extension: {}; `-` is standard output. May be repeated", known(".")))]
     pub(super) output: Vec<PathBuf>,
-    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_name)]
-    #[arg(help = format!("Format on standard output: {}", known("")))]
+    /// Format on standard output
+    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_names())]
     pub(super) format: Format,
     /// Compress the data of a .vtu or .vtp (zlib)
     #[arg(long)]
     pub(super) compress: bool,
-    #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
-    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
+    /// Aggregates that cross a face of a periodic specimen, where surfaces are written
+    #[arg(long, default_value = "none", value_parser = names::parser::<Images>())]
+    #[arg(hide_short_help = true)]
     pub(super) images: Images,
     /// Add the mortar to a .step: a solid with a cavity per aggregate
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) mortar: bool,
     /// Write an .stl as text, each aggregate a solid with its name
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) named_solids: bool,
     #[command(flatten)]
     pub(super) threads: Threads,
@@ -34,8 +36,9 @@ pub(crate) struct Args {
     pub(super) writing: Writing,
 }
 
-fn format_name(text: &str) -> Result<Format, String> {
-    Format::from_path(&Path::new("x").with_extension(text)).ok_or_else(|| format!("it must be one of {}", known("")))
+fn format_names() -> impl TypedValueParser<Value = Format> {
+    let names = PossibleValuesParser::new(Format::ALL.map(Format::extension));
+    names.try_map(|name| Format::from_path(&Path::new("x").with_extension(name)).ok_or("unknown format"))
 }
 
 /// The extensions of all formats, each after `dot`.

@@ -17,11 +17,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "H", default_value_t = ImageOptions::default().voxel_size_mm, value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     pub(super) voxel_size_mm: f64,
-    #[arg(long, default_value = "phase", value_parser = names::parse::<Quantity>)]
-    #[arg(help = format!("Quantity at the voxels: {}", names::list::<Quantity>()))]
+    /// Quantity at the voxels
+    #[arg(long, default_value = "phase", value_parser = names::parser::<Quantity>())]
     pub(super) what: Quantity,
-    #[arg(long, value_parser = names::parse::<ShareOf>)]
-    #[arg(help = format!("Bodies whose share of a voxel is written, with --what share: {} [default: aggregate, ITZ included]", names::list::<ShareOf>()))]
+    /// Bodies whose share of a voxel is written, with --what share [default: aggregate, ITZ included]
+    #[arg(long, value_parser = names::parser::<ShareOf>())]
     pub(super) of: Option<ShareOf>,
     /// Write only the voxels on a plane normal to an axis, in mm: z=75
     #[arg(long, value_name = "AXIS=MM", value_parser = plane, conflicts_with = "box")]

@@ -41,7 +41,7 @@ fn format(path: &Path, options: &ImageOptions) -> Result<ImageFormat, Failure> {
         Failure::Usage(format!("{}: unknown image format; the extension must be one of {known}", path.display()))
     })?;
     if matches!(format, ImageFormat::Png | ImageFormat::Svg) && !matches!(options.region, Region::Section { .. }) {
-        let message = "it shows one section; add one, as --section z=75, or take .npy, .tif or .vti";
+        let message = "it holds one section; add --section z=75, or use .npy, .tif or .vti";
         return Err(Failure::Usage(format!("{}: {message}", path.display())));
     }
     format.check(options).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;

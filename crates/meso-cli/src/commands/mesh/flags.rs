@@ -15,10 +15,10 @@ pub(crate) struct Args {
     #[command(flatten)]
     pub(super) threads: Threads,
     /// Compress the data of a .vtu (zlib)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) compress: bool,
     /// Exit with 3 when a phase is more than 1 % off its exact volume
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) strict: bool,
     #[command(flatten)]
     pub(super) writing: Writing,

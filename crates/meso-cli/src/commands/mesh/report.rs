@@ -73,59 +73,86 @@ impl MeshReport {
         writeln!(out)
     }
 
-    /// Prints most of it on stderr.
-    pub(super) fn print(&self) {
+    /// Prints the size of the mesh, its errors and what to do about them on stderr.
+    pub(super) fn brief(&self) {
+        let shares = self.shares().into_iter();
+        let errors: Vec<String> = shares.map(|(name, share)| format!("{name} {:+.3} %", percent_off(share))).collect();
+        stderr::line(format!("{}; volumes: {}", self.size(), errors.join(", ")));
+        self.thick_shells();
+        self.lost_inclusions();
+        self.surface();
+        gaps(&self.notes, self.cohesive_elements > 0);
+        self.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+    }
+
+    fn size(&self) -> String {
         let cohesive = match self.cohesive_elements {
             0 => String::new(),
             elements => format!(" and {} cohesive ones", thousands(elements)),
         };
         let (elements, nodes) = (thousands(self.elements), thousands(self.nodes));
         let how = format!("{:?}, {} mm", self.options.method.name(), self.options.element_size_mm).to_lowercase();
-        stderr::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
+        format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})")
+    }
+
+    /// Prints most of it on stderr.
+    pub(super) fn print(&self) {
+        stderr::line(self.size());
         self.volumes();
         self.thick_shells();
         self.lost_inclusions();
-        let distance = &self.quality.interface_distance;
-        stderr::line(format!(
-            "of {} interface nodes, {} lie off the aggregates' surfaces: {:.4} mm rms over all, {:.4} mm at most",
-            thousands(distance.nodes),
-            thousands(distance.off),
-            distance.rms_mm,
-            distance.max_mm
-        ));
-        if distance.joined > 0 {
-            stderr::line(format!(
-                "of these, {} bridge a closed gap: {:.4} mm rms, {:.4} mm at most",
-                thousands(distance.joined),
-                distance.joined_rms_mm,
-                distance.joined_max_mm
-            ));
-        }
-        notes(&self.notes, self.cohesive_elements > 0);
+        self.surface();
+        self.joined();
+        gaps(&self.notes, self.cohesive_elements > 0);
+        notes(&self.notes);
         self.worst();
         self.scaled();
         self.curve();
     }
 
-    /// A row for each phase that exists or should.
-    fn volumes(&self) {
-        let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
-        stderr::line("        phase  of specimen       exact     error");
-        for phase in Phase::ALL {
-            let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
-            // A smeared ITZ is mortar.
-            let share = match phase {
-                Phase::Mortar if self.smeared => of_specimen(meshed, phase) + of_specimen(meshed, Phase::Itz),
-                Phase::Itz if self.smeared => 0.0,
-                _ => of_specimen(meshed, phase),
-            };
-            let wanted = exact.map_or(f64::NAN, |exact| of_specimen(exact, phase));
-            if share > 0.0 || wanted > 0.0 {
-                volume_row(&phase.name().to_lowercase(), [share, wanted]);
-            }
+    /// Distance of the interfaces from the aggregates' exact surfaces.
+    fn surface(&self) {
+        let distance = &self.quality.interface_distance;
+        let hint = if self.voxels { " (voxels; --method lattice follows the surfaces)" } else { "" };
+        stderr::line(format!("surface error {:.2} mm rms, {:.2} mm max{hint}", distance.rms_mm, distance.max_mm));
+    }
+
+    /// Counts of the interface nodes behind that distance.
+    fn joined(&self) {
+        let distance = &self.quality.interface_distance;
+        let (off, nodes) = (thousands(distance.off), thousands(distance.nodes));
+        stderr::line(format!("{off} of {nodes} interface nodes lie off their aggregate's surface"));
+        if distance.joined > 0 {
+            let (joined, rms, max) = (thousands(distance.joined), distance.joined_rms_mm, distance.joined_max_mm);
+            stderr::line(format!("{joined} of them bridge a closed gap: {rms:.2} mm rms, {max:.2} mm max"));
         }
-        if let Some(volumes) = self.voids_mm3 {
-            volume_row("void", volumes.map(|volume| volume / self.specimen_volume_mm3));
+    }
+
+    /// The phases that exist or should, each with its share of the specimen in the mesh and its exact one.
+    fn shares(&self) -> Vec<(String, [f64; 2])> {
+        let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
+        let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
+        let share = |phase: &Phase| {
+            // A smeared ITZ is mortar.
+            let share = match *phase {
+                Phase::Mortar if self.smeared => of_specimen(meshed, *phase) + of_specimen(meshed, Phase::Itz),
+                Phase::Itz if self.smeared => 0.0,
+                phase => of_specimen(meshed, phase),
+            };
+            (phase.name().to_lowercase(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, *phase))])
+        };
+        let is_there = |(_, [share, wanted]): &(String, [f64; 2])| *share > 0.0 || *wanted > 0.0;
+        let voids = self.voids_mm3.map(|volumes| volumes.map(|volume| volume / self.specimen_volume_mm3));
+        let voids = voids.map(|shares| ("void".to_owned(), shares));
+        Phase::ALL.iter().map(share).filter(is_there).chain(voids).collect()
+    }
+
+    /// A row for each phase.
+    fn volumes(&self) {
+        stderr::line("        phase  of specimen       exact     error");
+        for (name, shares) in self.shares() {
+            let ([share, wanted], error) = (shares, percent_off(shares));
+            stderr::line(format!("  {name:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%"));
         }
         if self.smeared {
             let (itz, mortar) = (self.quality.volumes_mm3.itz, self.quality.volumes_mm3.mortar);
@@ -162,7 +189,7 @@ impl MeshReport {
         let scaling = &self.mass_scaling;
         let phases: Vec<String> = scaling.phases.iter().map(times).collect();
         stderr::line(format!(
-            "explicit steps of {:e} s take {:.2} times the mass, {:+.0} % by mass scaling ({})",
+            "explicit steps of {:e} s need {:.2} times the mass, {:+.0} % by mass scaling ({})",
             scaling.time_step_s,
             scaling.factor,
             scaling.added_percent(),
@@ -209,11 +236,10 @@ impl MeshReport {
     }
 }
 
-/// A phase's share of the specimen in the mesh, and its exact one.
-fn volume_row(name: &str, [share, wanted]: [f64; 2]) {
+/// Error of a phase's share of the specimen, in percent of its exact one.
+fn percent_off([share, wanted]: [f64; 2]) -> f64 {
     // Rounding is no error.
-    let error = (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0;
-    stderr::line(format!("  {name:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%"));
+    (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0
 }
 
 /// A phase and the factor of its mass.
@@ -221,22 +247,12 @@ fn times(phase: &PhaseScaling) -> String {
     format!("{} x {:.2}", phase.phase.to_lowercase(), phase.factor)
 }
 
-/// Decisions of the builder: gaps closed, layers thinned.
-fn notes(notes: &Notes, parted_by_itz: bool) {
-    gaps_between_aggregates(notes, parted_by_itz);
+/// Decisions of the builder: gaps split, layers thinned.
+fn notes(notes: &Notes) {
     if notes.split_gap_edges > 0 {
         let edges = thousands(notes.split_gap_edges);
         stderr::line(format!(
             "{edges} edges from one aggregate to another got a node in the middle: --narrow-gaps keep leaves them"
-        ));
-    }
-    if notes.closed_side_gaps > 0 {
-        stderr::line(format!(
-            "gaps that the elements cannot show: {} nodes join {} aggregates to the specimen's sides (widest {:.4} mm); to keep \
-             mortar there, use a larger wall_gap_mm",
-            thousands(notes.closed_side_gaps),
-            thousands(notes.closed_side_gap_aggregates),
-            notes.widest_closed_side_gap_mm
         ));
     }
     if notes.off_surface_nodes > 0 {
@@ -260,31 +276,34 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
     }
 }
 
-fn gaps_between_aggregates(notes: &Notes, parted_by_itz: bool) {
+/// Gaps that are narrower than the elements, and what keeps them.
+fn gaps(notes: &Notes, has_cohesive: bool) {
+    let (pairs, nodes, widest) = (notes.closed_gap_pairs, notes.closed_gaps, notes.widest_closed_gap_mm);
     if notes.parted_nodes > 0 {
         stderr::line(format!(
-            "{} pairs of aggregates would have been joined at {} nodes, since the elements cannot show the gaps between them: \
-             mortar parts them now, {:.0} mm3 of it in place of aggregates; a larger min_gap_mm or a smaller --element-size-mm \
-             keeps these",
+            "{} pairs of grains are closer than the elements can resolve. Mortar replaced {:.0} mm3 of aggregate to keep them \
+             apart. Smaller elements or a larger min_gap_mm avoid this",
             thousands(notes.parted_pairs),
-            thousands(notes.parted_nodes),
             notes.parted_mm3
         ));
-    } else if notes.closed_gaps > 0 && parted_by_itz {
+    } else if nodes > 0 {
+        let (pairs, nodes) = (thousands(pairs), thousands(nodes));
+        let end = if has_cohesive {
+            "cohesive elements separate them there"
+        } else {
+            "smaller elements or a larger min_gap_mm keep mortar between them"
+        };
         stderr::line(format!(
-            "at {} nodes {} pairs of aggregates meet, since the elements cannot show the gaps between them (widest {:.2} mm): \
-             cohesive elements part them",
-            thousands(notes.closed_gaps),
-            thousands(notes.closed_gap_pairs),
-            notes.widest_closed_gap_mm
+            "{pairs} pairs of grains are closer than the elements can resolve (up to {widest:.2} mm) and share {nodes} nodes; {end}"
         ));
-    } else if notes.closed_gaps > 0 {
+    }
+    if notes.closed_side_gaps > 0 {
         stderr::line(format!(
-            "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
-             a smaller --element-size-mm or a larger min_gap_mm",
-            thousands(notes.closed_gaps),
-            thousands(notes.closed_gap_pairs),
-            notes.widest_closed_gap_mm
+            "{} grains are as close to the specimen's sides (up to {:.2} mm) and touch them at {} nodes; a larger wall_gap_mm keeps \
+             mortar there",
+            thousands(notes.closed_side_gap_aggregates),
+            notes.widest_closed_side_gap_mm,
+            thousands(notes.closed_side_gaps)
         ));
     }
 }

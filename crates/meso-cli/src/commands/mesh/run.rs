@@ -85,8 +85,13 @@ impl Settings {
     }
 
     /// Prints the figures of a mesh, and how to get the ITZ that it has not.
-    pub(crate) fn print(&self, mesh: &Mesh, model: &Model) {
-        self.report(mesh, model).print();
+    pub(crate) fn print(&self, mesh: &Mesh, model: &Model, verbose: bool) {
+        let report = self.report(mesh, model);
+        if verbose {
+            report.print()
+        } else {
+            report.brief()
+        }
         self.hint.iter().for_each(stderr::line);
     }
 }

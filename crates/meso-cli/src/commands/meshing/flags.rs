@@ -32,8 +32,8 @@ fn element_size(text: &str) -> Result<ElementSize, String> {
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Mesh and materials")]
 pub(crate) struct MeshFlags {
-    #[arg(long, value_parser = names::parse::<MethodName>)]
-    #[arg(help = format!("Method of meshing: {} [default: voxel; for a test lattice]", names::list::<MethodName>()))]
+    /// Method of meshing [default: voxel; for a test lattice]
+    #[arg(long, value_parser = names::parser::<MethodName>())]
     method: Option<MethodName>,
     /// Edge length of the elements, mm, or auto: the largest of some sizes that keeps every phase within 5 % on a small cube
     /// of the packing [default: 2; for a test without a model 4]
@@ -43,40 +43,50 @@ pub(crate) struct MeshFlags {
     #[arg(skip)]
     tried: OnceLock<f64>,
     /// Accept a phase more than 10 % off its exact volume, which is an error otherwise; results carry a flag then
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) accept_phase_error: bool,
-    #[arg(long, value_parser = names::parse::<ItzForm>)]
-    #[arg(help = format!("Interfacial transition zone in the mesh: {} [default: solid, or none where the elements are thicker than it; for a test smeared]", names::list::<ItzForm>()))]
+    /// Interfacial transition zone in the mesh [default: solid, or none where the elements are thicker than it; for a
+    /// test smeared]
+    #[arg(long, value_parser = names::parser::<ItzForm>())]
     itz: Option<ItzForm>,
-    #[arg(long, value_parser = names::parse::<Joined>)]
-    #[arg(help = format!("Treatment of aggregates that would share nodes: {} [default: keep; for a test mortar]", names::list::<Joined>()))]
+    /// Treatment of aggregates that would share nodes [default: keep; for a test mortar]
+    #[arg(long, value_parser = names::parser::<Joined>())]
+    #[arg(hide_short_help = true)]
     joined: Option<Joined>,
-    #[arg(long, value_parser = names::parse::<Volumes>)]
-    #[arg(help = format!("Volume of the aggregates in a mesh that follows them, with any --itz but solid: {} [default: fitted; for a test exact]", names::list::<Volumes>()))]
+    /// Volume of the aggregates in a mesh that follows them, with any --itz but solid [default: fitted; for a test
+    /// exact]
+    #[arg(long, value_parser = names::parser::<Volumes>())]
+    #[arg(hide_short_help = true)]
     volumes: Option<Volumes>,
-    #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
-    #[arg(help = format!("Gaps one tetrahedron wide between aggregates: {} [default: keep; for a test of a model split]", names::list::<NarrowGaps>()))]
+    /// Gaps one tetrahedron wide between aggregates [default: keep; for a test of a model split]
+    #[arg(long, value_name = "GAPS", value_parser = names::parser::<NarrowGaps>())]
+    #[arg(hide_short_help = true)]
     narrow_gaps: Option<NarrowGaps>,
-    #[arg(long, value_parser = names::parse::<Fit>)]
-    #[arg(help = format!("Fit of a lattice to the aggregates' surfaces: {} [default: fitted]", names::list::<Fit>()))]
+    /// Fit of a lattice to the aggregates' surfaces [default: fitted]
+    #[arg(long, value_parser = names::parser::<Fit>())]
+    #[arg(hide_short_help = true)]
     fit: Option<Fit>,
     /// Order of the elements [default: 1]; 2 puts a node in the middle of every edge of a tetrahedron (C3D10)
     #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     order: Option<u32>,
     /// Let the ITZ be thinner than one voxel, with holes in it
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     thin_itz: bool,
     /// Sub-samples per voxel and axis, 1 to 8 [default: 1]; with more than 1 each body gets as many voxels as its samples fill
     #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     subsamples: Option<u32>,
     /// Number of slabs that gmsh fills one by one; absent: as many as its memory needs
     #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     slabs: Option<u32>,
     /// A TOML file with a [materials] table; absent values keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     pub(super) materials: Option<PathBuf>,
     /// The program gmsh, for --method conforming
     #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
+    #[arg(hide_short_help = true)]
     pub(super) gmsh: PathBuf,
 }
 
@@ -135,34 +145,39 @@ impl MeshFlags {
 #[command(next_help_heading = "Decks")]
 pub(crate) struct DeckFlags {
     /// Hexahedra with reduced integration (C3D8R)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) reduced_integration: bool,
     /// Only nodes, elements, sets and surfaces, for *INCLUDE
     #[arg(long)]
     pub(super) geometry_only: bool,
     /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) periodic_equations: bool,
-    #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
-    #[arg(help = format!("Analysis of the deck; any but none meshes, and packs, for a test: {}", names::list::<Analysis>()))]
+    /// Analysis of the deck; any but none meshes, and packs, for a test
+    #[arg(long, default_value = "none", value_parser = names::parser::<Analysis>())]
     pub(super) analysis: Analysis,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) strain: Option<f64>,
     #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(help = format!("Friction between plates and specimen in compression [default: {}]", Loading::default().friction))]
+    #[arg(hide_short_help = true)]
     friction: Option<f64>,
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(help = format!("Length of the step in compression and tension, s [default: {}]", Loading::default().duration_s))]
+    #[arg(hide_short_help = true)]
     duration: Option<f64>,
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(help = format!("Time increment that mass scaling keeps in compression and tension, s [default: {:e}]", Loading::default().time_increment_s))]
+    #[arg(hide_short_help = true)]
     time_increment: Option<f64>,
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     #[arg(help = format!("Frames of field output in compression and tension [default: {}]", Loading::default().frames))]
+    #[arg(hide_short_help = true)]
     frames: Option<u32>,
     /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) with_damage: bool,
 }
 

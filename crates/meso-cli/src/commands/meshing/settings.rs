@@ -149,8 +149,8 @@ impl Meshing {
         let [low, high] = spec.itz.thickness_mm;
         (self.mesh.table().itz.is_none() && itz == ItzForm::None && high > 0.0).then(|| {
             format!(
-                "the mesh has no ITZ: shells of {low} to {high} mm are thinner than its elements; --itz cohesive or --method \
-                 lattice shows them"
+                "no ITZ in the mesh: shells of {low} to {high} mm are thinner than its elements. --itz cohesive or --method lattice \
+                 includes them"
             )
         })
     }
@@ -180,7 +180,9 @@ impl MeshFlags {
         Ok(left.map(|(room, gap)| match room {
             Room::Everywhere(_) => format!("packing with gaps of {gap} mm, which a conforming mesh needs"),
             Room::Between(_) => {
-                format!("packing with gaps of {gap} mm between aggregates, so that the elements can show mortar there")
+                format!(
+                    "packing with gaps of {gap} mm between aggregates, so that the elements resolve the mortar there"
+                )
             }
         }))
     }

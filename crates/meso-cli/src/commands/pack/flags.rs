@@ -21,11 +21,12 @@ pub(crate) struct Args {
     /// Volume of the aggregates over the specimen's, 0 to 1
     #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) fraction: Option<f64>,
-    #[arg(long, value_parser = names::parse::<Strategy>)]
-    #[arg(help = format!("Strategy of placement: {}", names::list::<Strategy>()))]
+    /// Strategy of placement
+    #[arg(long, value_parser = names::parser::<Strategy>())]
     pub(super) strategy: Option<Strategy>,
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) attempts: Option<u32>,
     /// Smallest distance between two aggregates; 0 only proves them apart. The default is 0, with `--method conforming`
     /// 0.05, and with an --analysis half an element, or less where the packing would get too dense
@@ -34,23 +35,28 @@ pub(crate) struct Args {
     /// Smallest distance between an aggregate and the specimen's surface. Periodic packings are shifted until no aggregate
     /// touches a face
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) wall_gap_mm: Option<f64>,
     /// Stop after S seconds with the best packing found. If generation used up the time, placement gets one more second
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) time_limit: Option<f64>,
     #[command(flatten)]
     pub(super) threads: Threads,
-    #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
-    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
+    /// Aggregates that cross a face of a periodic specimen, where surfaces are written
+    #[arg(long, default_value = "none", value_parser = names::parser::<Images>())]
+    #[arg(hide_short_help = true)]
     pub(super) images: Images,
     /// Exit with 3 when the target is not reached
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) strict: bool,
     /// Compress the data of a .vtu or .vtp (zlib)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) compress: bool,
     #[command(flatten)]
     pub(super) writing: Writing,
+    /// Print every size class, and all figures of the mesh
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub(super) verbose: bool,
     /// Write the figures of the run as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub(super) summary_json: Option<PathBuf>,

@@ -88,6 +88,19 @@ impl Plan {
         there.chain(&self.summary).filter_map(Target::file)
     }
 
+    /// The next step: the page, where one is written, else the command that writes it.
+    pub(super) fn next(&self) -> Option<String> {
+        let of = |wanted: Content| self.outputs.iter().find(|(_, content)| *content == wanted);
+        let file = |wanted| of(wanted).and_then(|(target, _)| target.file()).map(|path| path.display().to_string());
+        let page = || file(Content::Page).map(|page| format!("next: open {page} in a browser"));
+        let model = || {
+            let model = file(Content::Packing(Format::Json))?;
+            let page = Path::new(&model).with_extension("html");
+            Some(format!("next: mesocrete report {model} -o {}", page.display()))
+        };
+        page().or_else(model)
+    }
+
     pub(super) fn meshes(&self) -> impl Iterator<Item = (&Target, MeshFormat)> {
         self.outputs.iter().filter_map(|(target, content)| match content {
             Content::Mesh(format) => Some((target, *format)),

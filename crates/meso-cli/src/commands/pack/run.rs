@@ -7,7 +7,7 @@ use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
 use crate::progress::{PACK, Watch};
 use crate::stderr;
 use meso_concrete::thousands;
-use meso_core::packing::{Report, StopReason};
+use meso_core::packing::{PhaseReport, Report, StopReason};
 use meso_core::watch::Stage;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -46,11 +46,15 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     watch.finish();
     let (model, mesh) = written?;
     if !args.writing.quiet {
-        print(&model.report);
+        print(&model.report, args.verbose);
         if let (Ok(Some(mesh)), Some(settings)) = (&mesh, &settings) {
-            settings.print(mesh, &model);
+            settings.print(mesh, &model, args.verbose);
         }
-        plan.files(mesh.is_ok()).for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        let files: Vec<String> = plan.files(mesh.is_ok()).map(|path| path.display().to_string()).collect();
+        if !files.is_empty() {
+            stderr::line(format!("wrote {}", files.join(", ")));
+        }
+        plan.next().iter().for_each(stderr::line);
         if let (Ok(_), Some(settings)) = (&mesh, &settings) {
             plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &settings.deck));
         }
@@ -59,8 +63,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(exit_code(&model.report, args.strict))
 }
 
-/// The result as a table.
-fn print(report: &Report) {
+/// The result in lines; every size class where `verbose`, else the one that is furthest off.
+fn print(report: &Report, verbose: bool) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
     stderr::line(format!(
@@ -72,20 +76,31 @@ fn print(report: &Report) {
         report.strategy,
         report.seed
     ));
+    if verbose {
+        table(report);
+    } else {
+        let off = report.worst_class().map_or(String::new(), |off| format!("; worst class {:+.2} %", 100.0 * off));
+        stderr::line(format!("grading: {}{off}", report.grading));
+        let phase = |p: &PhaseReport| format!("{} {:.5} of {} asked", p.phase.plural(), p.fraction, p.target_fraction);
+        report.phases.iter().for_each(|p| stderr::line(phase(p)));
+    }
+}
+
+/// Every size class and further phase as a row.
+fn table(report: &Report) {
     stderr::line(format!("grading: {}", report.grading));
     stderr::line("    class, mm       asked     reached  aggregates");
     for class in &report.classes {
         let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
-        let aggregates = thousands(class.aggregates);
-        stderr::line(format!(
-            "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
-            class.target_fraction, class.fraction
-        ));
+        row(&limits, class.target_fraction, class.fraction, class.aggregates);
     }
     for phase in &report.phases {
-        let (name, bodies) = (phase.phase.plural(), thousands(phase.bodies));
-        stderr::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
+        row(phase.phase.plural(), phase.target_fraction, phase.fraction, phase.bodies);
     }
+}
+
+fn row(name: &str, asked: f64, reached: f64, bodies: usize) {
+    stderr::line(format!("  {name:>11}  {asked:>10.5}  {reached:>10.5}  {:>10}", thousands(bodies)));
 }
 
 /// Exit code of a run that wrote its files; prints why it stopped short.

@@ -3,6 +3,7 @@
 use crate::commands::meshing::MeshFlags;
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
+use clap::builder::TypedValueParser;
 use meso_gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
 use std::path::PathBuf;
@@ -15,8 +16,8 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
-    #[arg(long, default_value = "compression", value_parser = names::parse::<TestKind>)]
-    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<TestKind>()))]
+    /// Load on the specimen, along z
+    #[arg(long, default_value = "compression", value_parser = names::parser::<TestKind>())]
     pub(super) test: TestKind,
     /// Friction between plates and specimen; in tension the plates are glued on
     #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
@@ -25,14 +26,16 @@ pub(crate) struct Args {
     /// Mean axial strain at the end [default: 0.005 in compression, 0.0005 in tension]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) strain: Option<f64>,
-    #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
-    #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
+    /// The law of mortar and ITZ
+    #[arg(long, default_value_t = LawText(Test::default().law), value_parser = names::parser::<LawName>().map(LawText))]
     pub(super) law: LawText,
-    #[arg(long, value_name = "OVER", value_parser = names::parse::<Smoothing>)]
-    #[arg(help = format!("Smooth the strains of tetrahedra, so that peaks hardly depend on their size: {} [default: edges; none for voxels]", names::list::<Smoothing>()))]
+    /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
+    #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
+    #[arg(hide_short_help = true)]
     pub(super) smoothing: Option<Smoothing>,
-    #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parse::<Control>)]
-    #[arg(help = format!("Plates that slow down while the specimen breaks, or keep their speed as in a deck: {}", names::list::<Control>()))]
+    /// Plates that slow down while the specimen breaks, or keep their speed as in a deck
+    #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parser::<Control>())]
+    #[arg(hide_short_help = true)]
     pub(super) control: Control,
     /// Frames of all fields, evenly over the test, 0 for none; more while a servo holds the plates back
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
@@ -40,12 +43,15 @@ pub(crate) struct Args {
     pub(super) frames: u32,
     /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) duration: Option<f64>,
     /// Time step that mass scaling keeps, s [default: by the element size]
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) time_step: Option<f64>,
     /// Write checkpoint.bin every S seconds, for --resume
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
     pub(super) checkpoint: Option<f64>,
     /// Resume from the checkpoint.bin in DIR; give the same flags as before
     #[arg(long)]
@@ -83,8 +89,4 @@ impl std::fmt::Display for LawText {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&names::of(&self.0))
     }
-}
-
-fn law(text: &str) -> Result<LawText, String> {
-    names::parse(text).map(LawText)
 }

@@ -14,12 +14,14 @@ use meso_study::{Again, Case, CaseState, Plan, RunError, Status, StudyRun, TABLE
 use std::io::{self, IsTerminal};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
 use steps::Given;
 
-/// How often a line without a terminal says how far the planning is, and how often a terminal shows it.
+/// How often a line without a terminal says how far the planning is and which case starts, and how often a terminal is
+/// redrawn.
 const LINE: Duration = Duration::from_secs(5);
+const CASE_LINE: Duration = Duration::from_secs(10);
 const REDRAW: Duration = Duration::from_millis(200);
 
 #[derive(clap::Args, Debug)]
@@ -170,11 +172,13 @@ struct Shown {
     quiet: bool,
     is_terminal: bool,
     last: Mutex<Instant>,
+    first: Once,
 }
 
 impl Shown {
     fn new(quiet: bool) -> Self {
-        Self { quiet, is_terminal: io::stderr().is_terminal(), last: Mutex::new(Instant::now()) }
+        let last = Mutex::new(Instant::now());
+        Self { quiet, is_terminal: io::stderr().is_terminal(), last, first: Once::new() }
     }
 
     /// How much of the work before the first case is done.
@@ -196,6 +200,20 @@ impl Shown {
             let text =
                 format!("study {bar} {} of {}, {} failed: {}", tally.over(), tally.cases, tally.failed, case.folder);
             show(&format!("{CLEAR}{}", fit(&text)));
+        } else if !self.quiet {
+            self.first
+                .call_once(|| stderr::line(format!("study of {} cases, {} done before", tally.cases, tally.before)));
+            self.line(tally, case);
+        }
+    }
+
+    /// Without a terminal, a line now and then names the case that starts.
+    fn line(&self, tally: Tally, case: &Case) {
+        let Ok(mut last) = self.last.try_lock() else { return };
+        if last.elapsed() >= CASE_LINE {
+            *last = Instant::now();
+            let (over, cases, failed) = (tally.over(), tally.cases, tally.failed);
+            stderr::line(format!("{over} of {cases} cases over, {failed} failed; next: {}", case.folder));
         }
     }
 

@@ -57,8 +57,8 @@ pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
     let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength);
     (width > widest).then(|| {
         format!(
-            "crack bands are {width:.2} mm wide; beyond {widest:.2} mm mortar would snap back, and it spends more crushing energy \
-             than asked for: take smaller elements or a larger materials.mortar_strength.crushing_energy_n_per_mm"
+            "elements too large for this crushing energy: crack bands of {width:.2} mm, limit {widest:.2} mm. Dissipation will be \
+             too high. Use smaller elements, or a larger materials.mortar_strength.crushing_energy_n_per_mm"
         )
     })
 }

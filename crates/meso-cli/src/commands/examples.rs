@@ -1,0 +1,80 @@
+//! Examples at the end of each command's help.
+
+pub(super) const PACK: &str = "\
+Examples:
+  mesocrete pack --fraction 0.4                              a 150 mm cube: model.json, .vtu, .inp, .html
+  mesocrete pack SPEC.toml --seed 7 -o model.json            a packing of your own
+  mesocrete pack -o deck.inp --analysis compression          from nothing to a deck of a test";
+
+pub(super) const MESH: &str = "\
+Examples:
+  mesocrete mesh model.json -o mesh.vtu --element-size-mm 2
+  mesocrete mesh model.json -o mesh.msh --method lattice     interfaces without steps
+  mesocrete mesh model.json -o deck.inp --analysis compression";
+
+pub(super) const SOLVE: &str = "\
+Examples:
+  mesocrete solve model.json -o out                          compression of a saved model
+  mesocrete solve SPEC.toml -o out --test tension            packs first
+  mesocrete solve model.json -o out --resume                 goes on from a checkpoint";
+
+pub(super) const DEVICES: &str = "\
+Examples:
+  mesocrete devices                                          what --device can take
+  mesocrete devices --check                                  compares each with the processor";
+
+pub(super) const STUDY: &str = "\
+Example of a STUDY.toml:
+  spec = \"SPEC.toml\"
+  outputs = [\"model.json\"]
+  [over]
+  seed = [1, 2, 3]
+  fraction = [0.3, 0.4]
+
+Run it:
+  mesocrete study STUDY.toml -o study --jobs 2";
+
+pub(super) const CHECK: &str = "\
+Example:
+  mesocrete check model.json";
+
+pub(super) const REPORT: &str = "\
+Examples:
+  mesocrete report model.json -o model.html                  one page to look at
+  mesocrete report model.json -o figures.json                the statistics alone
+  mesocrete report model.json --cite                         a paragraph for a paper";
+
+pub(super) const CONVERT: &str = "\
+Examples:
+  mesocrete convert model.json -o model.step                 a solid per aggregate, for CAD
+  mesocrete convert model.json -o grains.stl -o grains.csv";
+
+pub(super) const IMAGE: &str = "\
+Examples:
+  mesocrete image model.json -o labels.tif --voxel-size-mm 0.5
+  mesocrete image model.json -o ids.npy --what grain
+  mesocrete image model.json -o cut.png --section z=75";
+
+pub(super) const INIT: &str = "\
+Examples:
+  mesocrete init                                             SPEC.toml of the default specimen
+  mesocrete init en-cube-150 -o cube.toml                    a specimen of a standard";
+
+pub(super) const RECIPES: &str = "\
+Example:
+  mesocrete recipes | grep cylinder";
+
+pub(super) const SCHEMA: &str = "\
+Example:
+  mesocrete schema > spec.schema.json";
+
+pub(super) const COMPLETIONS: &str = "\
+Examples:
+  mesocrete completions bash > ~/.local/share/bash-completion/completions/mesocrete
+  mesocrete completions zsh > ~/.zfunc/_mesocrete
+  mesocrete completions fish > ~/.config/fish/completions/mesocrete.fish
+  mesocrete completions powershell >> $PROFILE";
+
+pub(super) const MAN: &str = "\
+Example:
+  mesocrete man ~/.local/share/man/man1";

@@ -1,0 +1,98 @@
+//! Contents of pickles: models as saved, meshes as numpy arrays, small tables as JSON.
+
+use crate::boundary::wrong_value;
+use crate::views::cell_type;
+use meso_core::math::Vec3;
+use meso_core::mesh::{CellKind, Mesh, Notes, Phase};
+use meso_core::{Model, saved};
+use numpy::{Element, PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyTuple};
+
+const KINDS: [CellKind; 3] = [CellKind::Tetrahedron, CellKind::QuadraticTetrahedron, CellKind::Hexahedron];
+const PHASES: [Phase; 4] = Phase::ALL;
+
+/// Error of a pickle that holds nothing of ours.
+pub(crate) fn damaged(what: &str) -> PyErr {
+    wrong_value(format!("the pickle is damaged: {what}"))
+}
+
+pub(crate) fn json<T: serde::Serialize>(value: &T) -> PyResult<String> {
+    serde_json::to_string(value).map_err(|error| wrong_value(error.to_string()))
+}
+
+pub(crate) fn from_json<T: for<'de> serde::Deserialize<'de>>(text: &str) -> PyResult<T> {
+    serde_json::from_str(text).map_err(|error| damaged(&error.to_string()))
+}
+
+pub(crate) fn vector<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
+    Ok(array.as_slice()?.to_vec())
+}
+
+/// Everything of a mesh: kind, periodic axes, notes, points, cells, phases, owners, ids, cohesive elements and owners.
+pub(crate) fn of_mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyTuple>> {
+    let points: Vec<f64> = mesh.points.iter().flat_map(|point| [point.x, point.y, point.z]).collect();
+    let phases = mesh.phase.iter().map(|&phase| phase as u8).collect();
+    let indices = [&mesh.cells, &mesh.owner, &mesh.id_of, &mesh.cohesive, &mesh.cohesive_owner];
+    let [cells, owner, id_of, cohesive, below] = indices.map(|numbers| PyArray1::from_slice(py, numbers));
+    let (points, phases) = (PyArray1::from_vec(py, points), PyArray1::from_vec(py, phases));
+    let head = (cell_type(mesh.kind), mesh.periodic, json(&mesh.notes)?);
+    (head, points, cells, phases, owner, id_of, cohesive, below).into_pyobject(py)
+}
+
+type Numbers<'py> = PyReadonlyArray1<'py, u32>;
+type State<'py> = (
+    (String, [bool; 3], String),
+    PyReadonlyArray1<'py, f64>,
+    Numbers<'py>,
+    PyReadonlyArray1<'py, u8>,
+    Numbers<'py>,
+    Numbers<'py>,
+    Numbers<'py>,
+    Numbers<'py>,
+);
+
+pub(crate) fn to_mesh(state: &Bound<'_, PyTuple>) -> PyResult<Mesh> {
+    let ((kind, periodic, notes), points, cells, phases, owner, id_of, cohesive, below): State<'_> = state.extract()?;
+    let kind = KINDS.into_iter().find(|known| cell_type(*known) == kind).ok_or_else(|| damaged("kind of cell"))?;
+    let phase = |label: &u8| PHASES.into_iter().find(|phase| *phase as u8 == *label);
+    let phase: Option<Vec<Phase>> = phases.as_slice()?.iter().map(phase).collect();
+    let notes: Notes = from_json(&notes)?;
+    let mesh = Mesh {
+        points: points.as_slice()?.chunks_exact(3).map(Vec3::from_column_slice).collect(),
+        kind,
+        cells: vector(&cells)?,
+        phase: phase.ok_or_else(|| damaged("phase"))?,
+        owner: vector(&owner)?,
+        id_of: vector(&id_of)?,
+        cohesive: vector(&cohesive)?,
+        cohesive_owner: vector(&below)?,
+        periodic,
+        notes,
+    };
+    if is_whole(&mesh) { Ok(mesh) } else { Err(damaged("its arrays do not fit each other")) }
+}
+
+/// Whether all lengths and indices of a mesh fit each other.
+fn is_whole(mesh: &Mesh) -> bool {
+    let count = mesh.phase.len();
+    let faces = mesh.kind.face_nodes()[0].len();
+    let body = |owner: &u32| *owner == Mesh::NO_BODY || (*owner as usize) < mesh.id_of.len();
+    mesh.cells.len() == count * mesh.kind.nodes()
+        && mesh.owner.len() == count
+        && mesh.cohesive.len() == mesh.cohesive_owner.len() * 2 * faces
+        && mesh.cells.iter().chain(&mesh.cohesive).all(|node| (*node as usize) < mesh.points.len())
+        && mesh.owner.iter().chain(&mesh.cohesive_owner).all(body)
+}
+
+/// A model: the bytes of a saved one, which names its version, and its report with the seconds.
+pub(crate) fn of_model<'py>(py: Python<'py>, model: &Model) -> PyResult<(Bound<'py, PyBytes>, String)> {
+    let mut bytes = Vec::new();
+    saved::write(model, &mut bytes)?;
+    Ok((PyBytes::new(py, &bytes), json(&model.report)?))
+}
+
+pub(crate) fn to_model(py: Python<'_>, model: &[u8], report: &str) -> PyResult<Model> {
+    let read = py.detach(|| saved::read(model)).map_err(|error| damaged(&error.to_string()))?;
+    Ok(Model { report: from_json(report)?, ..read })
+}

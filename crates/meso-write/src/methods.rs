@@ -1,0 +1,111 @@
+//! A paragraph for the methods section of a paper, with the figures of one packing and the sources to cite.
+
+use meso_concrete::aggregate::{ShapeKind, SizeDefinition};
+use meso_concrete::thousands;
+use meso_pack::Spec;
+use meso_pack::model::Model;
+use meso_pack::packing::{PhaseReport, StopReason};
+
+/// The software and the paper behind its method, as a list of references.
+const SOURCES: &str = "\
+[1] The mesocrete developers. mesocrete: mesoscale concrete, packed without overlap. Version {version}.
+[2] Rapid Generation of 3D Mesoscale Concrete Models Using an Improved GJK Algorithm for Collision Detection. Buildings
+    2025, 15(21), 3883. doi:10.3390/buildings15213883";
+
+/// Describes how `model` was made, in sentences that can be copied, and lists the sources.
+pub fn paragraph(model: &Model) -> String {
+    let (report, spec) = (&model.report, &model.spec);
+    let sentences = [
+        format!(
+            "The mesoscale model was generated with mesocrete {} [1], which implements and extends the method of [2].",
+            report.version
+        ),
+        format!(
+            "The specimen is a {} of {} mm3.",
+            report.specimen.kind.replace('-', " "),
+            thousands(report.specimen.volume_mm3.round() as usize)
+        ),
+        shapes(spec),
+        format!("Sizes follow {}, and are {}.", report.grading, size(spec)),
+        format!(
+            "{} aggregates were placed ({}, seed {}), which is a volume fraction of {:.4}, ITZ included.",
+            thousands(report.aggregates),
+            report.strategy,
+            report.seed,
+            report.fraction
+        ),
+        classes(model),
+        inclusions(model),
+        gaps(spec),
+        itz(spec),
+        "The same version, spec and seed give the same model, bit for bit.".to_owned(),
+    ];
+    let text: Vec<String> = sentences.into_iter().filter(|sentence| !sentence.is_empty()).collect();
+    format!("{}\n\n{}", wrapped(&text.join(" ")), SOURCES.replace("{version}", &report.version))
+}
+
+fn shapes(spec: &Spec) -> String {
+    let [fewest, most] = spec.shape.vertices;
+    match spec.shape.kind {
+        ShapeKind::Library => "Aggregates are the convex hulls of given grains, scaled to their size.".to_owned(),
+        ShapeKind::Polyhedron => format!("Aggregates are random convex polyhedra with {fewest} to {most} vertices."),
+        ShapeKind::Rounded => format!("Aggregates are rounded convex polyhedra with {fewest} to {most} vertices."),
+        ShapeKind::Crushed => format!("Aggregates are angular convex polyhedra with {fewest} to {most} vertices."),
+    }
+}
+
+fn size(spec: &Spec) -> &'static str {
+    match spec.grading.size {
+        SizeDefinition::Sieve => "widths of the smallest square opening that a grain passes",
+        SizeDefinition::LongestAxis => "longest axes",
+    }
+}
+
+/// Error of the grading; a run that fell short says so.
+fn classes(model: &Model) -> String {
+    let off = model.report.worst_class().unwrap_or(0.0);
+    let worst = format!("The volume of the worst size class is {:+.2} % off its target.", 100.0 * off);
+    match model.report.stop_reason {
+        StopReason::TargetReached => worst,
+        _ => format!("The target of {} was not reached. {worst}", model.report.target_fraction),
+    }
+}
+
+fn inclusions(model: &Model) -> String {
+    let phase = |phase: &PhaseReport| format!("{} ({:.4})", phase.phase.plural(), phase.fraction);
+    let phases: Vec<String> = model.report.phases.iter().map(phase).collect();
+    if phases.is_empty() { String::new() } else { format!("It also has {}.", phases.join(" and ")) }
+}
+
+fn gaps(spec: &Spec) -> String {
+    match spec.placement.min_gap_mm {
+        0.0 => "Every pair of aggregates is proved to share no point.".to_owned(),
+        gap => format!("Every pair of aggregates is proved to be at least {gap} mm apart."),
+    }
+}
+
+fn itz(spec: &Spec) -> String {
+    let [low, high] = spec.itz.thickness_mm;
+    match high {
+        0.0 => "There is no ITZ.".to_owned(),
+        _ if low == high => format!("Each aggregate has an ITZ shell {low} mm thick."),
+        _ => format!("Each aggregate has an ITZ shell of constant thickness, uniform between {low} and {high} mm."),
+    }
+}
+
+/// Columns of the paragraph.
+const WIDTH: usize = 100;
+
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        if lines.last().is_some_and(|line| !line.is_empty() && line.len() + 1 + word.len() > WIDTH) {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            let space = if line.is_empty() { "" } else { " " };
+            *line += &format!("{space}{word}");
+        }
+    }
+    lines.join("\n")
+}
