@@ -145,6 +145,8 @@ fn curves_that_abaqus_refuses_are_named() {
     let mesh = two_voxels(false);
     let with = |change: fn(&mut Strength)| {
         let mut options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
+        options.materials.mortar.youngs_modulus_mpa = 26_000.0;
+        options.materials.mortar_strength.tensile_mpa = 3.0;
         change(&mut options.materials.mortar_strength);
         options
     };
