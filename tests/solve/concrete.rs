@@ -1,6 +1,8 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, StopAtOnce, brittle, concrete, cube, damaged_plasticity, meshed, options, small_cube, voxels};
+use crate::samples::{
+    Meshed, StopAtOnce, brittle, concrete, cube, damaged_plasticity, meshed, options, small_cube, voxels,
+};
 use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
 use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
