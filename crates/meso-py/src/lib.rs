@@ -6,6 +6,7 @@
 
 mod aggregate;
 mod arrays;
+mod beside;
 mod boundary;
 mod command;
 mod files;

@@ -1,5 +1,6 @@
 //! `Spec`: everything that decides a model.
 
+use crate::beside::Told;
 use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
@@ -7,7 +8,6 @@ use crate::views::call_view;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
-use meso_files::Beside;
 use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -35,7 +35,7 @@ pub(crate) struct PySpec(pub(crate) Spec);
 
 /// A spec from a dict-like tree; files that it names are looked for in the working directory.
 fn from_value(value: &Value) -> PyResult<Spec> {
-    Spec::from_value_with(value, &mut Beside(Path::new(""))).map_err(|error| spec_error(&error))
+    Spec::from_value_with(value, &mut Told::beside(Path::new(""))).map_err(|error| spec_error(&error))
 }
 
 /// The exception of a spec that cannot be, or that the time limit left unproved.
@@ -66,7 +66,7 @@ fn read(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<S
     let text = String::from_utf8(bytes).map_err(not_text)?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_while(&text, &mut Beside(folder), watch, time_limit_s).map_err(|error| {
+    Spec::from_toml_while(&text, &mut Told::beside(folder), watch, time_limit_s).map_err(|error| {
         let error = error.of_limit(time_limit_s, "time_limit");
         let text = format!("{name}: {error}");
         if error.is_late { PyTimeoutError::new_err(text) } else { wrong_value(text) }
@@ -114,7 +114,7 @@ impl Given {
         match self {
             Self::Spec(spec) => Ok(*spec),
             Self::Tree(tree) => {
-                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), watch, time_limit_s);
+                let spec = Spec::from_value_while(&tree, &mut Told::beside(Path::new("")), watch, time_limit_s);
                 spec.map_err(|error| spec_error(&error.of_limit(time_limit_s, "time_limit")))
             }
             Self::File(path) => read(&path, watch, time_limit_s),
