@@ -1,6 +1,6 @@
 //! Decks of analyses, read back from their cards: they hold nothing that an analyst would refuse.
 
-use crate::mesh::voxel::deck;
+use crate::mesh::voxel::{deck, options_by_hand};
 use crate::write::deck_reader::{Card, Deck};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
@@ -322,7 +322,8 @@ fn an_elastic_deck_with_a_cohesive_itz_is_elastic() {
 
 #[test]
 fn debonded_faces_still_bear_compression_and_sliding_takes_more_energy_than_opening() {
-    let deck = Deck::read(&deck(&COHESIVE, &compression()));
+    let options = DeckOptions { analysis: Analysis::Compression, ..options_by_hand() };
+    let deck = Deck::read(&deck(&COHESIVE, &options));
     let section = deck.sections.iter().find(|section| section.cohesive).unwrap();
     let controls = section.controls.as_ref().expect("it has section controls");
     assert_eq!([controls.parameter("ELEMENT DELETION"), controls.parameter("MAX DEGRADATION")], ["NO", "1.0"]);
