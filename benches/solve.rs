@@ -123,8 +123,10 @@ fn main() {
         cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Meso, 0.6, set));
         cases.push(smoothed(LawName::Elastic, 0.0, set));
         cases.push(smoothed(LawName::Cdp, 0.6, set));
+        cases.push(smoothed(LawName::Meso, 0.6, set));
     }
     cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));

@@ -431,12 +431,27 @@ class DeckMaterials(TypedDict, total=False):
     """Interfacial transition zone."""
     itz_strength_ratio: float
     """Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature."""
+    meso: DeckMesoscale
+    """Crushing and confinement of the solver's law `meso`, which decks do not have."""
     mortar: DeckElastic
     """Mortar."""
     mortar_strength: DeckStrength
     """Strength of the mortar."""
     plasticity: DeckPlasticity
     """Yield surface and flow of the damaged plasticity."""
+
+
+class DeckMesoscale(TypedDict, total=False):
+    """Parameters of the law `meso` beside the strengths."""
+
+    confined_ductility: float
+    """Growth of crushing strains with the least confinement over the strength."""
+    crushing_length_mm: float
+    """Least width of a band of crushing, mm."""
+    dilation_angle_deg: float
+    """Dilation angle before cohesion is lost, degrees."""
+    meridian_ratio: float
+    """Ratio of the second invariants on the tensile and the compressive meridian at low pressure, K_c."""
 
 
 class DeckPlasticity(TypedDict, total=False):
@@ -625,7 +640,7 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    law: Literal["elastic", "cdp", "cdpm2"]
+    law: Literal["elastic", "cdp", "cdpm2", "meso"]
     """The law of mortar and ITZ."""
     pressure_mpa: float | None
     """Lateral pressure of a triaxial test, MPa; 5 where absent."""

@@ -1,12 +1,12 @@
 //! Material of a phase: its elasticity, its density, and its law.
 
 use crate::element::hex::{BoxShape, hourglass_stiffness};
-use crate::law::{self, Law, cdp, cdpm2};
+use crate::law::{self, Law, cdp, cdpm2, meso};
 use crate::real::Real;
 use crate::test::LawName;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
-use meso_mesh::materials::{Elastic, MATERIALS, Materials, Plasticity, Strength};
+use meso_mesh::materials::{Elastic, MATERIALS, Materials, Mesoscale, Plasticity, Strength};
 use std::any::Any;
 use std::fmt;
 use std::sync::OnceLock;
@@ -75,6 +75,8 @@ pub(crate) enum Behaviour {
     Cdp(Strength, Plasticity),
     /// CDPM2, with the biaxial over the uniaxial strength.
     Cdpm2(Strength, f64),
+    /// Mortar between grains, with the biaxial over the uniaxial strength.
+    Meso(Strength, f64, Mesoscale),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -87,6 +89,7 @@ pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOf
         LawName::Elastic => materials.validate_elastic(),
         LawName::Cdp => cdp::validate(materials),
         LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
+        LawName::Meso => meso::validate(materials),
     }?;
     materials.validate_cohesive()
 }
@@ -131,6 +134,9 @@ impl Matter {
             (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,
             (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
             (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
+            (LawName::Meso, Some(strength)) => {
+                Behaviour::Meso(strength, materials.plasticity.biaxial_ratio, materials.meso)
+            }
         };
         let is_unbreakable = materials.strength(phase).is_none();
         Self { is_unbreakable, ..Self::of(*materials.elastic(phase), behaviour) }
@@ -152,6 +158,9 @@ impl Matter {
             Behaviour::Cdpm2(strength, biaxial) => {
                 task.run(self.prepared.law(|| self.cdpm2::<R>(strength, *biaxial)).get())
             }
+            Behaviour::Meso(strength, biaxial, own) => {
+                task.run(self.prepared.law(|| self.meso::<R>(strength, *biaxial, own)).get())
+            }
         }
     }
 
@@ -163,6 +172,10 @@ impl Matter {
         law::Cdpm2::new(&self.elastic, strength, biaxial, &cdpm2::Options::default())
     }
 
+    fn meso<R: Real>(&self, strength: &Strength, biaxial: f64, own: &Mesoscale) -> law::Meso<R> {
+        law::Meso::new(&self.elastic, strength, biaxial, own)
+    }
+
     /// Registers that an element remembers: the law's history and the integrity.
     pub(crate) fn remembered(&self) -> usize {
         fn with_integrity<W: Law<f64>>() -> usize {
@@ -172,6 +185,7 @@ impl Matter {
             Behaviour::Elastic => 0,
             Behaviour::Cdp(..) => with_integrity::<law::Cdp<f64>>(),
             Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
+            Behaviour::Meso(..) => with_integrity::<law::Meso<f64>>(),
         }
     }
 
@@ -181,6 +195,7 @@ impl Matter {
             Behaviour::Elastic => [f64::INFINITY; 2],
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
             Behaviour::Cdpm2(strength, biaxial) => self.cdpm2::<f64>(strength, *biaxial).widest_mm(),
+            Behaviour::Meso(strength, biaxial, own) => self.meso::<f64>(strength, *biaxial, own).widest_mm(),
         }
     }
 

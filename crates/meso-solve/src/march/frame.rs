@@ -215,9 +215,11 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
     let response = law.stress(strain, &mut history, width);
     let state = law.state(strain, &history, width);
     let stress = response.stress.map(L::eight);
+    // Laws lose stiffness or strength.
+    let weakened = L::splat(0.0).lt(state.weakened);
+    let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
     let [damage, tension, compression, opening, stored] =
-        [L::splat(1.0) - response.integrity, state.tension, state.compression, state.opening, state.stored]
-            .map(L::eight);
+        [damage, state.tension, state.compression, state.opening, state.stored].map(L::eight);
     std::array::from_fn(|lane| Point {
         stress: stress.map(|s| s.0[lane]),
         damage: damage.0[lane],

@@ -110,6 +110,8 @@ pub enum LawName {
     Cdp,
     /// CDPM2, with the parameters of its paper beside those of `[materials]`.
     Cdpm2,
+    /// Mortar between grains: cracks by the signs of stress, and crushing that leaves friction.
+    Meso,
 }
 
 /// Where strains belong to.
