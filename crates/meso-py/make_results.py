@@ -27,6 +27,7 @@ SOURCES = {
     "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-pack/src/check/mod.rs": ["Check"],
     "meso-solve/src/march/curve.rs": ["Figures"],
+    "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
@@ -38,7 +39,7 @@ CHANGED = {
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
-        {"figures"},
+        {"figures", "beyond_peak"},
         [
             ("version", "str", "Of mesocrete."),
             ("seed", "int", "Of the packing."),
@@ -50,7 +51,7 @@ CHANGED = {
     ),
 }
 # A dict that has the keys of another, too.
-BASES = {"Summary": "CurveFigures"}
+BASES = {"Summary": "CurveFigures, BeyondPeak"}
 PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",
     "String": "str", "&'static str": "str",

@@ -15,4 +15,5 @@ mod refusals;
 mod samples;
 mod servo;
 mod softening;
+mod stone;
 mod twins;

@@ -10,6 +10,7 @@ mod boundary;
 mod command;
 mod files;
 mod gjk;
+mod materials;
 mod mesh;
 mod packing;
 mod pickle;
@@ -32,6 +33,8 @@ mod _mesocrete {
     use super::command::run_command;
     #[pymodule_export]
     use super::gjk::{PyBodies, closest_points, distance, intersects, intersects_many, penetration, time_of_impact};
+    #[pymodule_export]
+    use super::materials::concrete_materials;
     #[pymodule_export]
     use super::mesh::{PyMesh, restore_mesh};
     #[pymodule_export]

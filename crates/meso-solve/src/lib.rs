@@ -23,8 +23,8 @@ mod test;
 pub use error::SolveError;
 pub use lanes::InstructionSet;
 pub use march::{
-    Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary, checkpoint_note,
-    device,
+    BeyondPeak, Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary,
+    checkpoint_note, device,
 };
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, LawName, Smoothing, Test, TestKind};

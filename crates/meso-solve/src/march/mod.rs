@@ -1,5 +1,6 @@
 //! A test step by step: the state of a run, its loop, and the response of the specimen.
 
+mod beyond_peak;
 mod curve;
 mod frame;
 mod nodes;
@@ -9,6 +10,7 @@ mod response;
 mod run;
 mod servo;
 
+pub use beyond_peak::BeyondPeak;
 pub use curve::{Figures, Row};
 pub use frame::{Frame, Mean, Point};
 pub use observer::Observer;
