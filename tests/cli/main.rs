@@ -17,6 +17,7 @@ mod conforming_periodic;
 mod conforming_slabs;
 mod conforming_specimens;
 mod files;
+mod fit;
 mod footing;
 mod help;
 mod hostile;
