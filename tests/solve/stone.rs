@@ -30,7 +30,8 @@ fn a_block_of_stone_breaks_at_its_strength_under_every_law() {
             let peak = block(method, size).solve(&with(stone.clone()), &test).result.figures.peak_mpa;
             assert!((peak / 120.0 - 1.0).abs() < 0.03, "{method:?} {law:?} {peak}");
         }
-        let test = Test { kind: TestKind::Tension, smoothing: Some(smoothing), ..Test::default() };
+        let kind = TestKind::Tension;
+        let test = Test { kind, smoothing: Some(smoothing), strain: Some(0.002), ..Test::default() };
         let pulled = block(method, size).solve(&with(stone.clone()), &test).result;
         // The plates hold the ends.
         assert!((0.97..1.2).contains(&(pulled.figures.peak_mpa / 11.0)), "{method:?} {:?}", pulled.figures);
@@ -43,8 +44,7 @@ fn weak_stone_breaks_and_lowers_the_peak_and_strong_stone_is_as_good_as_elastic(
     let model = small_cube(1.0);
     let meshed =
         Meshed::of(&model.aggregates, model.spec.specimen.clone(), options(Method::FITTED, 2.5, ItzForm::Smeared));
-    let solve =
-        |materials: &Materials| meshed.solve(materials, &Test { strain: Some(0.003), ..Test::default() }).result;
+    let solve = |materials: &Materials| meshed.solve(materials, &Test::default()).result;
     let elastic = solve(&Materials::default());
     assert_eq!(elastic.broken_stone, None);
     let of = |ratio: f64, weibull_modulus| {
@@ -54,8 +54,8 @@ fn weak_stone_breaks_and_lowers_the_peak_and_strong_stone_is_as_good_as_elastic(
     let strong = of(4.0, None);
     assert_eq!(strong.broken_stone, Some(0.0));
     assert!((strong.figures.peak_mpa / elastic.figures.peak_mpa - 1.0).abs() < 2e-3, "{:?}", strong.figures);
-    let weak = of(0.2, None);
-    assert!(weak.broken_stone.unwrap() > 0.05, "{:?}", weak.broken_stone);
+    let weak = of(0.1, None);
+    assert!(weak.broken_stone.unwrap() > 0.02, "{:?}", weak.broken_stone);
     assert!(weak.figures.peak_mpa < 0.95 * elastic.figures.peak_mpa, "{:?} {:?}", weak.figures, elastic.figures);
     let drawn = of(0.4, Some(3.0));
     assert!((0.0..weak.broken_stone.unwrap()).contains(&drawn.broken_stone.unwrap()), "{:?}", drawn.broken_stone);

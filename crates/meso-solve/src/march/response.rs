@@ -225,7 +225,8 @@ fn broken_stone(run: &Run) -> Option<f64> {
     };
     let all: f64 = (0..mesh.cell_count()).filter(is_stone).map(volume).sum();
     let broken: f64 = (0..mesh.cell_count()).filter(is_stone).filter(|&cell| damage[cell] > BROKEN).map(volume).sum();
-    (all > 0.0).then(|| broken / all)
+    // A sum of nothing is -0.
+    (all > 0.0).then(|| broken / all + 0.0)
 }
 
 fn phases(run: &Run) -> Vec<PhaseResult> {
