@@ -3,16 +3,18 @@
 #
 #     benches/gpu.sh MESOCRETE CUBE LARGE OUT
 #
-# MESOCRETE is the built command, CUBE and LARGE are saved models: a cube of 24 mm, and the 150 mm cube of `mesocrete pack
-# --fraction 0.4 --min-gap-mm 1`. OUT gets gpu.csv, one row a run, written as soon as it is known, and the logs. Every stage has
-# a time limit of its own, and one that fails does not end the others.
+# MESOCRETE is the built command, CUBE and LARGE are saved models: a cube of 24 mm, and the 150 mm cube of
+# `mesocrete pack --fraction 0.4 --min-gap-mm 1`. OUT gets gpu.csv, one row a run, written as soon as it is known, and the
+# logs. Every stage has a time limit of its own, and one that fails does not end the others. DEVICE (cuda:0), COMMIT (a note
+# in gpu.csv) and PROFILE=1 (ncu) may be set.
 set -u
 mesocrete=$(realpath "$1") cube=$(realpath "$2") large=$(realpath "$3") out=$4
 device=${DEVICE:-cuda:0}
 work=$(mktemp -d)
 mkdir -p "$out"
 rows="$out/gpu.csv"
-echo "case,device,elements,steps,loop_seconds,whole_seconds,ns_per_tetrahedron_step,peak_mpa,curve_sha256" >"$rows"
+card=$(nvidia-smi --query-gpu=name --format=csv,noheader 2>/dev/null | head -1)
+echo "case,device,elements,steps,loop_seconds,whole_seconds,ns_per_tetrahedron_step,peak_mpa,curve_sha256,machine,commit" >"$rows"
 
 say() { echo "[$SECONDS s] $*"; }
 
@@ -26,9 +28,9 @@ run() {
     shift 4
     timeout -s INT -k 20 "$limit" "$mesocrete" solve "$model" -o "$work/$name" --device "$on" --force "$@" 2>&1 >/dev/null |
         while IFS= read -r line; do echo "$(date +%s.%N) $line"; done >"$out/$name.log"
-    python3 - "$work/$name" "$out/$name.log" "$name" "$on" "$rows" <<'PY'
+    python3 - "$work/$name" "$out/$name.log" "$name" "$on" "$rows" "${card:-no card}" "${COMMIT:-unknown}" <<'PY'
 import hashlib, json, pathlib, sys
-folder, log, name, on, rows = sys.argv[1:]
+folder, log, name, on, rows, card, commit = sys.argv[1:]
 stamps = [line.split(" ", 1) for line in pathlib.Path(log).read_text().splitlines()]
 at = lambda word: next((float(s) for s, text in stamps if word in text and not text.startswith("warning")), None)
 try:
@@ -41,7 +43,7 @@ except OSError as error:
 begun, ended = at(f"on {on.split(':')[0]}:") or at("to a strain of"), at("peak ")
 loop = ended - begun if begun and ended else float("nan")
 ns = loop * 1e9 / result["elements"] / max(result["steps"], 1)
-row = [name, on, result["elements"], result["steps"], f"{loop:.3f}", f"{result['seconds']['total']:.2f}", f"{ns:.4f}", result["peak_mpa"], curve]
+row = [name, on, result["elements"], result["steps"], f"{loop:.3f}", f"{result['seconds']['total']:.2f}", f"{ns:.4f}", result["peak_mpa"], curve, card, commit]
 with open(rows, "a") as file:
     file.write(",".join(map(str, row)) + "\n")
 print(f"  {name} on {on}: {result['elements']} tetrahedra, {result['steps']} steps, {loop:.2f} s in the loop, {ns:.4f} ns a tetrahedron and step, curve {curve}")
@@ -51,7 +53,6 @@ PY
 # same A B: whether the curves (as far as the shorter one goes) and the frames of two runs are equal.
 same() {
     local a=$work/$1 b=$work/$2 rows
-    rows=$(cat "$a/curve.csv" "$b/curve.csv" 2>/dev/null | wc -l)
     rows=$(($(wc -l <"$a/curve.csv") < $(wc -l <"$b/curve.csv") ? $(wc -l <"$a/curve.csv") : $(wc -l <"$b/curve.csv")))
     # The last row of a stopped run may be cut short.
     if cmp -s <(head -n "$rows" "$a/curve.csv") <(head -n "$rows" "$b/curve.csv"); then

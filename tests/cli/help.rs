@@ -6,7 +6,7 @@ use insta::assert_snapshot;
 #[test]
 fn help() {
     let folder = Folder::new();
-    for command in ["pack", "mesh", "solve", "study", "check", "report", "convert", "init", "recipes"] {
+    for command in ["pack", "mesh", "solve", "study", "check", "report", "convert", "init", "recipes", "devices"] {
         let run = folder.run(&[command, "--help"]);
         assert_eq!((run.code, run.stderr.as_str()), (0, ""));
         assert_snapshot!(format!("help_{command}"), run.stdout());
@@ -14,10 +14,11 @@ fn help() {
     assert_snapshot!("help", folder.run(&["--help"]).stdout());
 }
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "pack",
     "mesh",
     "solve",
+    "devices",
     "study",
     "fit",
     "check",

@@ -195,7 +195,7 @@ fn flags_of_decks_are_refused_if_no_deck_is_written() {
     let folder = Folder::with_model();
     let mesh = ["--element-size-mm", "8", "--accept-phase-error", "--geometry-only"];
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.vtu"][..], &mesh].concat());
-    let said = "error: --geometry-only has no effect: no .inp is written; leave it out\n";
+    let said = "error: --geometry-only has no effect: no .inp or .k is written; leave it out\n";
     assert_eq!((run.code, run.stderr.as_str()), (2, said));
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp", "--analysis", "elastic"][..], &mesh].concat());
     assert_eq!((run.code, run.stderr.as_str()), (2, "error: --analysis is elastic; geometry_only leaves it out\n"));

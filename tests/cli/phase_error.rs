@@ -57,10 +57,12 @@ fn what_is_accepted_is_written_and_strict_says_how_far_it_is_off() {
 }
 
 #[test]
-fn a_coarse_test_warns_of_the_volume_it_lost_and_goes_on() {
+fn a_coarse_test_is_refused_unless_its_phase_error_is_accepted() {
     let folder = Folder::with_model();
     let solve = ["solve", "small.json", "-o", "out", "--element-size-mm", "8", "--strain", "0.003", "--frames", "1"];
-    let run = folder.run(&solve);
+    let refused = folder.run(&solve);
+    assert!(refused.code == 1 && refused.stderr.contains("where 10 % are accepted; take "), "{}", refused.stderr);
+    let run = folder.run(&[&solve[..], &["--accept-phase-error"]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("warning: "), "{}", run.stderr);
     let result: serde_json::Value = serde_json::from_slice(&folder.read("out/result.json")).unwrap();

@@ -179,7 +179,7 @@ fn wrong_studies_are_refused_before_the_work() {
 #[test]
 fn tests_of_a_study_are_in_the_table() {
     let study = "recipe = 'paper-compression'\n".to_owned()
-        + "[solve]\nelement-size-mm = 6\nframes = 1\nstrain = 0.001\n\
+        + "[solve]\nelement-size-mm = 6\naccept-phase-error = true\nframes = 1\nstrain = 0.001\n\
            [over]\nspecimen.side_mm = [40]\nseed = [1, 2]\nsolve.friction = [0.0, 0.3]\n";
     let folder = folder(&study);
     let run = folder.run(&["study", "STUDY.toml"]);
@@ -187,6 +187,23 @@ fn tests_of_a_study_are_in_the_table() {
     let text = String::from_utf8(folder.read("study/table.csv")).unwrap();
     assert!(text.lines().next().unwrap().contains(",solve.peak_mpa,"), "{text}");
     assert_eq!(text.lines().count(), 5);
+}
+
+/// The case: decks of a study had packings without gaps, other than those of `pack --analysis`.
+#[test]
+fn packings_of_a_study_keep_the_gaps_that_its_deck_or_its_test_needs() {
+    let gap = |section: &str, flags: &[&str]| {
+        let folder = folder(&tiny_then(&format!("{section}[over]\nseed = [1]\n")));
+        let run = folder.run(&[&["study", "STUDY.toml"], flags].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let model = folder.read(&format!("study/{}/model.json", cases(&folder)[0]));
+        let model: serde_json::Value = serde_json::from_slice(&model).unwrap();
+        model["spec"]["placement"]["min_gap_mm"].as_f64().unwrap_or(0.0)
+    };
+    let deck = "[mesh]\noutput = 'm.inp'\nelement-size-mm = 2\nanalysis = 'elastic'\naccept-phase-error = true\n";
+    assert_eq!(gap(deck, &[]), 1.0);
+    assert_eq!(gap(deck, &["--min-gap-mm", "0.5"]), 0.5);
+    assert_eq!(gap("[mesh]\noutput = 'm.msh'\nitz = 'none'\naccept-phase-error = true\n", &[]), 0.0);
 }
 
 /// A cube that packs at once, with `rest` behind it.
@@ -204,7 +221,7 @@ fn tiny_then(sections: &str) -> String {
 /// The shared case study_errors_unseen.toml: kinetic energy of 92 %, yet done, exit 0 and no column of errors.
 #[test]
 fn a_test_with_errors_fails_its_case() {
-    let solve = "[solve]\nelement-size-mm = 4\nframes = 1\nduration = 1e-5\n";
+    let solve = "[solve]\nelement-size-mm = 4\naccept-phase-error = true\nframes = 1\nduration = 1e-5\n";
     let folder = folder(&tiny_then(&format!("{solve}[over]\nseed = [1, 2]\n")));
     let run = folder.run(&["study", "STUDY.toml"]);
     assert_eq!(run.code, 1, "{}", run.stderr);
@@ -230,7 +247,7 @@ fn a_test_with_errors_fails_its_case() {
 
 #[test]
 fn one_case_with_errors_among_others_fails_the_study() {
-    let solve = "[solve]\nelement-size-mm = 4\nframes = 1\nstrain = 0.0005\n[over]\nsolve.duration = [1e-5, 0.01]\n";
+    let solve = "[solve]\nelement-size-mm = 4\naccept-phase-error = true\nframes = 1\nstrain = 0.0005\n[over]\nsolve.duration = [1e-5, 0.01]\n";
     let folder = folder(&tiny_then(solve));
     let run = folder.run(&["study", "STUDY.toml", "--jobs", "2"]);
     let statuses: Vec<_> = rows(&folder).iter().map(|row| row[2].clone()).collect();

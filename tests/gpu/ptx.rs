@@ -52,7 +52,6 @@ fn assemble(path: &Path, architecture: &str) {
         before.and_then(|text| text.split_whitespace().last()?.parse().ok()).unwrap_or(0)
     };
     for line in report.lines() {
-        println!("{}: {line}", path.display());
         assert_eq!(number_before(line, " bytes spill"), 0, "{line}");
         assert!(number_before(line, " registers") <= MOST_REGISTERS, "{line}");
         assert!(number_before(line, " bytes smem") <= MOST_SHARED, "{line}");

@@ -83,3 +83,78 @@ def test_the_page_fits_turns_and_has_no_errors(pages, report, width):
     # Drivers say on some machines that reading pixels stalls; that is no fault of the page.
     assert [text for text in said if "GPU stall" not in text] == []
     page.close()
+
+
+@pytest.fixture(scope="module")
+def tested(tmp_path_factory):
+    """The page of a small test that softens: peak, 80 % after it, and the end."""
+    folder = tmp_path_factory.mktemp("test")
+    spec = "fraction = 0.3\n[specimen]\nkind = 'cube'\nside_mm = 30\n[grading]\nd_min_mm = 6\nd_max_mm = 12\n"
+    (folder / "spec.toml").write_text(spec)
+    flags = ["--element-size-mm", "3", "--accept-phase-error", "--frames", "0", "--control", "steady"]
+    command = [sys.executable, "-m", "mesocrete", "solve", folder / "spec.toml", "-o", folder / "out", *flags]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder / "out" / "result.html"
+
+
+def drag(page, place, by):
+    """Drags the mouse from `place`, in pixels of the window, by `by`."""
+    page.mouse.move(*place)
+    page.mouse.down()
+    page.mouse.move(place[0] + by[0], place[1] + by[1], steps=4)
+    page.mouse.up()
+    page.wait_for_timeout(300)
+
+
+def thumb(page, name):
+    """The place of a slider's thumb, in pixels of the window, and the slider's width; brings it into view."""
+    page.locator(name).scroll_into_view_if_needed()
+    box = page.locator(name).bounding_box()
+    share = page.locator(name).evaluate("s => s.max > 0 ? s.value / s.max : 0")
+    return (box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2), box["width"]
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (1280, "dark"), (400, "light"), (400, "dark")])
+def test_the_page_of_a_test_follows_its_sliders(pages, tested, width, scheme):
+    page = pages.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
+    said = []
+    page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda asked: said.append(asked.url) if asked.url.startswith("http") else None)
+    page.goto(tested.as_uri())
+    page.wait_for_timeout(500)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width, "the page scrolls sideways"
+    main = page.locator("main").bounding_box()
+    assert main["width"] > 0.95 * width, "the page leaves its width empty"
+    canvas, dot, told = page.locator("#cracks"), page.locator(".now"), page.locator("#told")
+    canvas.scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    assert told.inner_text().startswith("end: strain ")
+    at_dot = "dot => [dot.cx.baseVal.value, dot.cy.baseVal.value]"
+    end = dot.evaluate(at_dot)
+    at_the_end = canvas.screenshot()
+    place, wide = thumb(page, "#moment")
+    drag(page, place, (-2 * wide, 0))
+    assert told.inner_text().startswith("peak: strain ")
+    peak = dot.evaluate(at_dot)
+    assert peak[0] < end[0] and peak[1] < end[1], "the dot does not follow the slider"
+    at_the_peak = canvas.screenshot()
+    assert at_the_peak != at_the_end, "the body does not follow the slider"
+    shown = page.locator("section[data-moment]:visible h2").all_inner_texts()
+    assert len(shown) == 1 and shown[0].startswith("Damage: peak, "), shown
+    place, wide = thumb(page, "#factor")
+    drag(page, place, (wide / 3, 0))
+    deformed = canvas.screenshot()
+    assert deformed != at_the_peak, "the body does not deform"
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    drag(page, (box["x"] + box["width"] / 2, box["y"] + box["height"] / 3), (60, 20))
+    assert canvas.screenshot() != deformed, "the body does not turn"
+    # Names of curves lie above their axes.
+    above = """() => [...document.querySelectorAll("svg")].every((plot) => {
+      const top = plot.querySelector(".f").getBoundingClientRect().top;
+      return [...plot.querySelectorAll("rect + text")].every((name) => name.getBoundingClientRect().bottom <= top + 1);
+    })"""
+    assert page.evaluate(above), "a name lies on a curve"
+    assert [text for text in said if "GPU stall" not in text] == []
+    page.close()

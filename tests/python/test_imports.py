@@ -168,6 +168,7 @@ CRATE_FLOORS = {
     "meso-gmsh": 3,
     "meso-solve": 4,
     "meso-core": 5,
+    "meso-gpu": 5,
     "meso-study": 6,
     "meso-cli": 7,
     "meso-py": 8,

@@ -36,6 +36,43 @@ def response(mesh):
     return mesh.solve(friction=0.1, frames=2, control="steady", **QUICK)
 
 
+# The case: in elements of 4 mm a third of these aggregates is lost, and `solve` gave a strength.
+WRONG = {
+    "specimen": {"kind": "cube", "side_mm": 50.0},
+    "fraction": 0.4,
+    "grading": {"d_min_mm": 5.0, "d_max_mm": 16.0},
+}
+
+
+def test_a_wrong_mesh_gets_the_answer_of_the_command(tmp_path):
+    packing = mc.pack(WRONG, for_test=True, element_size=4.0)
+    packing.write(tmp_path / "model.json")
+    command = [sys.executable, "-m", "mesocrete", "solve", "model.json", "-o", "out", "--element-size-mm", "4"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 1
+    said = next(line for line in run.stderr.splitlines() if line.startswith("error: "))
+    said = said.removeprefix("error: ").replace("--element-size-mm", "element_size")
+    said = said.replace("--accept-phase-error accepts", "accept_phase_error=True accepts")
+    with pytest.raises(ValueError, match="where 10 % are accepted") as caught:
+        packing.mesh(for_test=True, element_size=4.0)
+    assert str(caught.value) == said
+
+
+def test_an_accepted_mesh_warns_before_the_test_and_marks_its_response():
+    mesh = mc.pack(WRONG, for_test=True, element_size=4.0).mesh(for_test=True, element_size=4.0, accept_phase_error=True)
+    with pytest.warns(UserWarning, match="mesh too coarse: aggregate -34 %; .* became mortar"):
+        response = mesh.solve(strain=0.0002)
+    assert ", mesh too coarse: aggregate -34 %," in repr(response)
+    assert response.result["flags"] == ["mesh too coarse: aggregate -34 %"]
+
+
+def test_an_automatic_element_size_keeps_the_phases():
+    packing = mc.pack(WRONG, for_test=True, element_size="auto")
+    mesh = packing.mesh(for_test=True, element_size="auto")
+    volumes = mesh.volumes()
+    assert volumes["aggregate"] / 50.0**3 == pytest.approx(0.4, rel=0.05)
+
+
 def test_the_curve_is_a_dict_of_arrays(response):
     curve, result = response.curve, response.result
     assert {"strain", "stress_mpa", "kinetic", "internal", "external", "friction_work", "hourglass"} <= set(curve)
@@ -51,7 +88,7 @@ def test_the_curve_is_a_dict_of_arrays(response):
 def test_a_mesh_for_a_test_gives_the_curve_of_the_command(tmp_path):
     packing = mc.pack(CUBE)
     packing.write(tmp_path / "model.json")
-    asked = ["--element-size-mm", "3", "--strain", "0.001", "--frames", "1", "--quiet"]
+    asked = ["--element-size-mm", "3", "--strain", "0.001", "--frames", "1", "--quiet", "--accept-phase-error"]
     command = [sys.executable, "-m", "mesocrete", "solve", "model.json", "-o", "out", *asked]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=120)
     mesh = packing.mesh(for_test=True, element_size=3.0, accept_phase_error=True)
@@ -114,6 +151,14 @@ def test_threads_change_nothing(mesh, response):
         again = mesh.solve(friction=0.1, control="steady", threads=threads, **QUICK)
         assert all((again.curve[name] == column).all() for name, column in response.curve.items())
         assert (again.last.damage == response.last.damage).all()
+
+
+def test_a_device_changes_nothing(mesh, response):
+    try:
+        again = mesh.solve(friction=0.1, frames=2, control="steady", device="gpu", **QUICK)
+    except ValueError as missing:
+        pytest.skip(str(missing))
+    assert all((again.curve[name] == column).all() for name, column in response.curve.items())
 
 
 def test_files_are_those_of_the_command(response, tmp_path):
@@ -185,6 +230,8 @@ def test_strains_of_tetrahedra_are_smoothed_which_takes_strength_that_the_elemen
         ({"materials": {"mortar": {"poisson_ratio": 0.7}}}, "materials.mortar.poisson_ratio is 0.7"),
         ({"threads": 0}, "threads is 0; it must be an int from 1 to 1024"),
         ({"time_step_s": 1.0}, "time_step_s is 1"),
+        ({"device": "abacus"}, "abacus.* is no device; take cpu, gpu, cuda:N or opencl:N"),
+        ({"device": "cuda:99"}, "there is no device cuda:99; install its driver"),
     ],
 )
 def test_values_that_cannot_be_are_named(mesh, options, message):
@@ -262,6 +309,12 @@ def test_frames_are_pickled_with_their_fields(response):
 def test_notebooks_show_a_response_with_its_curve(response):
     shown = response._repr_html_()
     assert "<polyline points='" in shown and f"{response.result['peak_mpa']:.2f} MPa" in shown
+
+
+def test_a_response_says_what_pickles_instead(response):
+    with pytest.raises(TypeError, match=r"pickle its curve, result or frames, or write it: response.write\(folder\)"):
+        pickle.dumps(response)
+    assert pickle.loads(pickle.dumps(response.result)) == response.result
 
 
 def test_materials_of_a_concrete_and_of_its_mortar_are_those_of_a_test():

@@ -15,7 +15,7 @@ const BAR: usize = 16;
 const STEPS: u64 = 1000;
 /// From this width on there is space for the clock and for the effect of Ctrl-C.
 const WIDE: u16 = 72;
-/// A jam is no news before, s: most end by themselves.
+/// Jams in the first seconds are not printed: most end by themselves.
 const JAM_S: f64 = 5.0;
 /// A run without a terminal reports no more often.
 const LINE: Duration = Duration::from_secs(10);
@@ -42,7 +42,7 @@ pub(crate) struct Watch {
     started: Instant,
     measure: Measure,
     shown: Shown,
-    /// Whether the user was told of a jam.
+    /// Whether a jam was printed.
     jammed: Once,
     polling: Option<interrupt::Polling>,
 }

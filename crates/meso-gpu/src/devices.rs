@@ -1,39 +1,12 @@
 //! Which devices there are, and which one a user means.
 
 use crate::host::{Host, cuda, opencl};
+use crate::name::{DeviceName, Driver, THREADS};
 use std::fmt;
 use std::str::FromStr;
 
-/// Threads of a group of elements, unless asked otherwise.
-pub const THREADS: usize = 128;
 /// Threads that a group may have; the results are the same bytes.
 const SIZES: [usize; 4] = [32, 64, 128, 256];
-
-/// A driver's interface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Driver {
-    /// CUDA.
-    Cuda,
-    /// OpenCL.
-    OpenCl,
-}
-
-/// A device that was found.
-#[derive(Clone, Debug)]
-pub struct DeviceName {
-    /// Its driver.
-    pub driver: Driver,
-    /// Its number with this driver, from 0.
-    pub number: usize,
-    /// Its own name.
-    pub name: String,
-    /// Its memory, bytes.
-    pub memory: u64,
-    /// Threads of a group of elements.
-    pub threads: usize,
-    /// What it cannot keep of the promise of the same bytes, by its own account.
-    pub faults: Vec<&'static str>,
-}
 
 /// What takes the steps of a test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,15 +56,6 @@ impl fmt::Display for Choice {
     }
 }
 
-impl fmt::Display for Driver {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Cuda => "cuda",
-            Self::OpenCl => "opencl",
-        })
-    }
-}
-
 /// All devices: CUDA's, then OpenCL's.
 pub fn devices() -> Vec<DeviceName> {
     let mut all = cuda::devices();
@@ -117,23 +81,16 @@ impl Choice {
         let threads = if let Self::Numbered(_, _, threads) = self { threads } else { THREADS };
         found.map(|found| Some(DeviceName { threads, ..found })).ok_or_else(|| {
             format!(
-                "there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"
+                "there is no device {self}; install its driver (`mesocrete devices` lists all), or take the device cpu"
             )
         })
     }
 }
 
-impl fmt::Display for DeviceName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{} {}", self.driver, self.number, self.name)
-    }
-}
-
-impl DeviceName {
-    pub(crate) fn open(&self) -> Result<Box<dyn Host>, String> {
-        Ok(match self.driver {
-            Driver::Cuda => Box::new(cuda::Cuda::open(self.number)?),
-            Driver::OpenCl => Box::new(opencl::OpenCl::open(self.number)?),
-        })
-    }
+/// Opens a device.
+pub(crate) fn open(device: &DeviceName) -> Result<Box<dyn Host>, String> {
+    Ok(match device.driver {
+        Driver::Cuda => Box::new(cuda::Cuda::open(device.number)?),
+        Driver::OpenCl => Box::new(opencl::OpenCl::open(device.number)?),
+    })
 }

@@ -1,7 +1,8 @@
 //! A run on a device: its tables in the device's memory, and its steps.
 
-use crate::devices::DeviceName;
+use crate::devices::open;
 use crate::host::{Buffer, Host, Kernel};
+use crate::name::DeviceName;
 use crate::source::Laws;
 use crate::tables::{LANES, Tables};
 use bytemuck::{cast_slice, cast_slice_mut};
@@ -14,6 +15,10 @@ const HALT: usize = 17;
 /// Threads of a group for nodes and for sums, as the kernels' source has them.
 const NODES: usize = 256;
 const SUMS: usize = 256;
+/// Memory that a group may share on every card of CUDA without asking for more, bytes.
+const NEAR_BYTES: usize = 48 << 10;
+/// Bytes beyond the memory's end that kernels may fetch ahead.
+const AHEAD: usize = 4 * LANES * LANES;
 /// Longest batch of steps: whoever stops a test waits no longer.
 const BATCH: Duration = Duration::from_millis(250);
 
@@ -55,10 +60,9 @@ impl Store<'_> {
 impl Engine {
     /// Puts a run onto a device.
     pub(crate) fn new(upload: &Upload, device: &DeviceName) -> Result<Self, String> {
-        let threads = device.threads;
         let laws = Laws::of(upload);
-        let tables = Tables::of(upload, &laws.of_phase, threads);
-        let mut host = device.open()?;
+        let (tables, threads) = fitting(upload, &laws, device.threads);
+        let mut host = open(device)?;
         host.compile(&laws.source(&tables, threads))?;
         let mut store = Store { host: &mut *host, bytes: 0 };
         let [u, v] = upload.motion();
@@ -109,10 +113,21 @@ impl Engine {
     }
 }
 
+/// Tables for groups of `threads`, or of fewer where a group would share too much memory.
+fn fitting(upload: &Upload, laws: &Laws, mut threads: usize) -> (Tables, usize) {
+    loop {
+        let tables = Tables::of(upload, &laws.of_phase, threads);
+        if tables.near_bytes(threads) <= NEAR_BYTES || threads <= 32 {
+            return (tables, threads);
+        }
+        threads /= 2;
+    }
+}
+
 /// The elements' data and memory, some blocks at a time.
 fn fields(upload: &Upload, tables: &Tables, store: &mut Store) -> Result<(Buffer, Buffer), String> {
     let total = |words: &[u64]| 4 * words.last().copied().unwrap_or(0) as usize;
-    let (data, memory) = (store.empty(total(&tables.data))?, store.empty(total(&tables.memory))?);
+    let (data, memory) = (store.empty(total(&tables.data))?, store.empty(total(&tables.memory) + AHEAD)?);
     let numbers: Vec<usize> = (0..upload.blocks()).collect();
     for some in numbers.chunks(256) {
         let (mut words, mut registers) = (Vec::new(), Vec::new());

@@ -4,6 +4,9 @@
 typedef unsigned int uint;
 typedef unsigned short ushort;
 #define KERNEL(threads) extern "C" __global__ void __launch_bounds__(threads)
+/* Groups of 128 threads that share a multiprocessor's registers. */
+#define KERNEL_OF_ELEMENTS extern "C" __global__ void __launch_bounds__(THREADS, RESIDENT * 128 / THREADS)
+#define PREFETCH(address) asm volatile("prefetch.global.L2 [%0];" ::"l"(address))
 #define GLOBAL
 #define LOCAL __shared__
 #define NEAR
@@ -18,6 +21,8 @@ typedef unsigned short ushort;
 #pragma OPENCL FP_CONTRACT OFF
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #define KERNEL(threads) kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
+#define KERNEL_OF_ELEMENTS KERNEL(THREADS)
+#define PREFETCH(address)
 #define GLOBAL global
 #define LOCAL local
 #define NEAR local
@@ -104,27 +109,37 @@ DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, cons
     const float a = g[24 * k], b = g[24 * k + 8], c = g[24 * k + 16];
     const float f0 = fma(xx, a, fma(xy, b, zx * c)), f1 = fma(xy, a, fma(yy, b, yz * c)), f2 = fma(zx, a, fma(yz, b, zz * c));
     r0 = r0 - f0; r1 = r1 - f1; r2 = r2 - f2;
-    f[3 * THREADS * k] = f0; f[3 * THREADS * k + THREADS] = f1; f[3 * THREADS * k + 2 * THREADS] = f2;
+    f[8 * k] = f0; f[8 * k + SLOTS] = f1; f[8 * k + 2 * SLOTS] = f2;
   }
-  f[3 * THREADS * n] = r0; f[3 * THREADS * n + THREADS] = r1; f[3 * THREADS * n + 2 * THREADS] = r2;
+  f[8 * n] = r0; f[8 * n + SLOTS] = r1; f[8 * n + 2 * SLOTS] = r2;
+}
+
+/* Asks for the data and the memory of an eight of the next round. */
+DEVICE void fetch(GLOBAL const uint4* eights, GLOBAL const uint* data, GLOBAL const float* memory, const uint lane) {
+#ifdef __CUDACC__
+  const uint4 eight = *eights;
+  const uint n = eight.w & 255, words = 28 * n + 20;
+  for (uint word = 8 * lane; word < words; word += 64) PREFETCH(data + eight.x + word);
+  PREFETCH(memory + eight.y + 8 * lane);
+#endif
 }
 
 /* One block of the engine: its nodes' displacements to their shares of the forces, round by round. */
-KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* RESTRICT places, GLOBAL const uint4* RESTRICT eights,
+KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* RESTRICT places, GLOBAL const uint4* RESTRICT eights,
     GLOBAL const uint* RESTRICT data, GLOBAL float* RESTRICT memory, GLOBAL const uint4* RESTRICT rounds,
     GLOBAL const uint* RESTRICT entries, GLOBAL const ushort* RESTRICT slots, GLOBAL const uint* RESTRICT segments,
     GLOBAL const uint* RESTRICT energies, GLOBAL const float* RESTRICT params, GLOBAL const double* RESTRICT u,
     GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state) {
   LOCAL float near_u[3 * PLACES];
   LOCAL float sum[3 * PLACES];
-  LOCAL float f[3 * NODES * THREADS];
+  LOCAL float f[3 * SLOTS];
   LOCAL float spent_of[THREADS];
   LOCAL float volume_of[THREADS];
   LOCAL float energy[8 * ENERGIES];
   if (state[HALT] != 0) return;
   const uint t = THREAD;
   GLOBAL const uint* b = blocks + 8 * GROUP;
-  const uint first_place = b[0], count = b[1], first_round = b[2], round_count = b[3], first_eight = b[4], lanes = 8 * b[5];
+  const uint first_place = b[0], count = b[1], first_round = b[2], round_count = b[3], first_eight = b[4], eight_count = b[5];
   const uint first_energy = b[6], energy_count = b[7];
   const uint o = 3 * places[first_place];
   const double o0 = u[o], o1 = u[o + 1], o2 = u[o + 2];
@@ -136,10 +151,12 @@ KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* 
   for (uint i = t; i < 8 * energy_count; i += THREADS) energy[i] = 0;
   BARRIER;
   for (uint r = 0; r < round_count; r++) {
-    const uint i = r * THREADS + t;
-    if (i < lanes) {
-      const uint4 eight = eights[first_eight + (i >> 3)];
-      const uint lane = i & 7, n = eight.w & 255, law = eight.w >> 8;
+    const uint4 round = rounds[first_round + r];
+    const uint next = r + 1 < round_count ? rounds[first_round + r + 1].y >> 16 : eight_count;
+    const uint i = (round.y >> 16) + (t >> 3), lane = t & 7;
+    if (i < next) {
+      const uint4 eight = eights[first_eight + i];
+      const uint n = eight.w & 255, law = (eight.w >> 8) & 255;
       GLOBAL const uint* at = data + eight.x + (lane >> 1);
       GLOBAL const float* g = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
       const uint shift = (lane & 1) * 16;
@@ -147,6 +164,7 @@ KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* 
       switch (n) {
 //STRAINS
       }
+      fetch(next + (t >> 3) < eight_count ? eights + first_eight + next + (t >> 3) : eights + first_eight + i, data, memory, lane);
       const float volume = g[24 * n], width = g[24 * n + 8];
       float lost = 0;
       switch (law) {
@@ -158,13 +176,12 @@ KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* 
       }
     }
     BARRIER;
-    const uint4 round = rounds[first_round + r];
-    for (uint q = t; q < round.y; q += THREADS) {
+    for (uint q = t; q < (round.y & 0xffff); q += THREADS) {
       const uint entry = entries[round.x + q], place = 3 * (entry & 0xffff), end = entries[round.x + q + 1] >> 16;
       float x = sum[place], y = sum[place + 1], z = sum[place + 2];
       for (uint k = entry >> 16; k < end; k++) {
         const uint slot = slots[round.z + k];
-        x += f[slot]; y += f[slot + THREADS]; z += f[slot + 2 * THREADS];
+        x += f[slot]; y += f[slot + SLOTS]; z += f[slot + 2 * SLOTS];
       }
       sum[place] = x; sum[place + 1] = y; sum[place + 2] = z;
     }
@@ -252,6 +269,17 @@ KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
 
 #define SUMS 256
 
+/* Adds numbers in their order. */
+DEVICE double chain(NEAR const double* a, const uint count, double x) {
+  if (count == SUMS) {
+#pragma unroll 32
+    for (uint i = 0; i < SUMS; i++) x += a[i];
+  } else {
+    for (uint i = 0; i < count; i++) x += a[i];
+  }
+  return x;
+}
+
 /* Sums over every span of nodes, in their order; the last group sums what the blocks spent. */
 KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT state, GLOBAL const double* RESTRICT work,
     GLOBAL const double* RESTRICT met, GLOBAL const uint* RESTRICT span_contacts, GLOBAL const double* RESTRICT spent,
@@ -267,7 +295,7 @@ KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
       const uint some = blocks - from < SUMS ? blocks - from : SUMS;
       if (t < some) own[0][t] = spent[from + t];
       BARRIER;
-      if (t == 0) for (uint i = 0; i < some; i++) x += own[0][i];
+      if (t == 0) x = chain(own[0], some, x);
       BARRIER;
     }
     if (t == 0) span_sums[6 * spans] = x;
@@ -282,8 +310,8 @@ KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
     if (t < some) { own[0][t] = work[2 * (first + from + t)]; own[1][t] = work[2 * (first + from + t) + 1]; }
     if (t < some_met) for (uint k = 0; k < 4; k++) touched[k][t] = met[k * all + at + t];
     BARRIER;
-    if (t < 2) for (uint i = 0; i < some; i++) x += own[t][i];
-    if (t >= 32 && t < 36) for (uint i = 0; i < some_met; i++) x += touched[t - 32][i];
+    if (t < 2) x = chain(own[t], some, x);
+    if (t >= 32 && t < 36) x = chain(touched[t - 32], some_met, x);
     BARRIER;
   }
   /* The plates' forces, their work, friction; work of the elements, kinetic energy. */
@@ -345,13 +373,18 @@ DEVICE void follow(GLOBAL const double* rules, GLOBAL double* state, const doubl
 KERNEL(64) scalars(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT span_sums,
     GLOBAL double* RESTRICT state) {
   LOCAL double total[6];
+  LOCAL double near_sums[6 * 64];
   if (state[HALT] != 0) return;
   const uint t = THREAD, spans = sizes[S_SPANS];
-  if (t < 6) {
-    double x = 0;
-    for (uint span = 0; span < spans; span++) x += span_sums[6 * span + t];
-    total[t] = x;
+  double x = 0;
+  for (uint from = 0; from < spans; from += 64) {
+    const uint some = spans - from < 64 ? spans - from : 64;
+    for (uint i = t; i < 6 * some; i += 64) near_sums[i] = span_sums[6 * from + i];
+    BARRIER;
+    if (t < 6) for (uint i = 0; i < some; i++) x += near_sums[6 * i + t];
+    BARRIER;
   }
+  if (t < 6) total[t] = x;
   BARRIER;
   if (t != 0) return;
   const double spent = span_sums[6 * spans], progress = state[PROGRESS], held = state[HELD];

@@ -9,32 +9,26 @@ mod devices;
 mod engine;
 mod host;
 mod law;
+mod name;
 mod source;
 mod tables;
 
-pub use devices::{Choice, DeviceName, Driver, THREADS, devices};
+pub use devices::{Choice, devices};
 pub use host::cuda::ptx;
+pub use name::{DeviceName, Driver, THREADS};
 
-use meso_solve::Run;
-
-/// Why a device does not take a test.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum GpuError {
-    /// A test that devices have no code for.
-    #[error(transparent)]
-    Test(#[from] meso_solve::SolveError),
-    /// The device or its driver failed.
-    #[error("{0}: {1}; take another device (`mesocrete devices`), or --device cpu")]
-    Device(String, String),
-}
+use meso_solve::{Run, SolveError};
 
 /// Hands the further steps of `run` to `device`; the bytes that it takes there.
 ///
 /// # Errors
 /// Tests that devices cannot take, and failures of the device.
-pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, GpuError> {
+pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, SolveError> {
     let engine = engine::Engine::new(&run.upload()?, device);
-    let engine = engine.map_err(|why| GpuError::Device(format!("{}:{}", device.driver, device.number), why))?;
+    let engine = engine.map_err(|why| {
+        let fix = "take another device (`mesocrete devices` lists all), or the device cpu";
+        SolveError::Device(format!("{}:{}: {why}; {fix}", device.driver, device.number))
+    })?;
     let bytes = engine.bytes;
     run.hand_to(Box::new(engine));
     Ok(bytes)
@@ -44,7 +38,7 @@ pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, GpuError> {
 ///
 /// # Errors
 /// Tests that devices cannot take.
-pub fn source(run: &Run, threads: usize) -> Result<String, GpuError> {
+pub fn source(run: &Run, threads: usize) -> Result<String, SolveError> {
     let upload = run.upload()?;
     let laws = source::Laws::of(&upload);
     Ok(laws.source(&tables::Tables::of(&upload, &laws.of_phase, threads), threads))

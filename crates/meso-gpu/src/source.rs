@@ -33,14 +33,21 @@ impl Laws {
         all
     }
 
+    /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which CDPM2 with its 16 registers of memory
+    /// would spill.
+    fn resident(&self) -> usize {
+        if self.laws.iter().any(|law| law.remembered > 9) { 5 } else { 6 }
+    }
+
     /// Source of the kernels for groups of `threads`.
     pub(crate) fn source(&self, tables: &Tables, threads: usize) -> String {
         let defines = [
             ("THREADS", threads),
             ("PLACES", tables.most_places),
-            ("NODES", tables.most_nodes),
+            ("SLOTS", tables.most_slots),
             ("ENERGIES", tables.most_energies),
             ("SPAN", SPAN),
+            ("RESIDENT", self.resident()),
         ];
         let (mut head, mut answers) = (String::new(), String::new());
         defines.iter().for_each(|(name, value)| _ = writeln!(head, "#define {name} {value}"));
@@ -64,7 +71,7 @@ impl Laws {
             .replace("//LAWS\n", &laws)
             .replace("//STRAINS\n", &each("strain_of(N, at, g, shift, near_u, e)"))
             .replace("//ANSWERS\n", &answers)
-            .replace("//FORCES\n", &each("resist(N, g, volume, s, f + t)"));
+            .replace("//FORCES\n", &each("resist(N, g, volume, s, f + (eight.w >> 16) + lane)"));
         head + &body
     }
 }

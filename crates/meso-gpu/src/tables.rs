@@ -19,9 +19,10 @@ pub(crate) struct Tables {
     pub(crate) blocks: Vec<[u32; 8]>,
     /// Node of every place.
     pub(crate) places: Vec<u32>,
-    /// Where an eight's data and memory begin, the parameters of its law, its other nodes and its law.
+    /// Where an eight's data and memory begin, the parameters of its law; its other nodes, law and first slot in its round.
     pub(crate) eights: Vec<Eight>,
-    /// By round: first entry, entries, first slot, first segment; one more at the end.
+    /// By round: first entry, entries and the block's first eight in the upper half, first slot, first segment; one more at the
+    /// end.
     pub(crate) rounds: Vec<[u32; 4]>,
     /// Places that a round adds to, and where their slots begin in the round's; one more at the end of a round.
     pub(crate) entries: Vec<u32>,
@@ -38,9 +39,9 @@ pub(crate) struct Tables {
     /// Words of the eights' data and of their memory, by block; one more at the end.
     pub(crate) data: Vec<u64>,
     pub(crate) memory: Vec<u64>,
-    /// Most places of a block, most nodes of an element, most energies of a block.
+    /// Most places of a block, most slots of a round, most energies of a block.
     pub(crate) most_places: usize,
-    pub(crate) most_nodes: usize,
+    pub(crate) most_slots: usize,
     pub(crate) most_energies: usize,
     /// Numbers of other nodes that elements have.
     pub(crate) kinds: Vec<usize>,
@@ -68,6 +69,7 @@ struct Part {
     data: u64,
     memory: u64,
     kinds: Vec<usize>,
+    most_slots: usize,
 }
 
 impl Tables {
@@ -87,6 +89,11 @@ impl Tables {
         all.span_contacts =
             (0..=spans).map(|span| contacts.partition_point(|&node| (node as usize) < span * SPAN) as u32).collect();
         all
+    }
+
+    /// Memory that a group of `threads` shares: two vectors a place, one a slot, two numbers a thread, eight an energy.
+    pub(crate) fn near_bytes(&self, threads: usize) -> usize {
+        4 * (6 * self.most_places + 3 * self.most_slots + 2 * threads + LANES * self.most_energies)
     }
 
     fn add(&mut self, upload: &Upload, block: usize, part: &Part) {
@@ -121,8 +128,8 @@ impl Tables {
         self.memory.push(memory + part.memory);
         self.most_places = self.most_places.max(nodes.len());
         self.most_energies = self.most_energies.max(part.energies.len());
+        self.most_slots = self.most_slots.max(part.most_slots);
         for &kind in &part.kinds {
-            self.most_nodes = self.most_nodes.max(kind + 1);
             if !self.kinds.contains(&kind) {
                 self.kinds.push(kind);
             }
@@ -165,36 +172,55 @@ impl Part {
 
     /// Makes the rounds.
     fn sum(&mut self, words: &[u32], places: usize, threads: usize) {
-        let per_round = threads / LANES;
         let groups: Vec<[u32; 3]> =
             std::mem::take(&mut self.segments).chunks_exact(3).map(|group| [group[0], group[1], group[2]]).collect();
         let mut of_place = vec![Vec::new(); places];
-        for (round, eights) in self.eights.chunks(per_round).enumerate() {
+        let mut first = 0;
+        while first < self.eights.len() {
             let (first_entry, first_slot) = (self.entries.len(), self.slots.len());
-            for (number, eight) in eights.iter().enumerate() {
-                slots_of(&words[eight[0] as usize..], (eight[3] & 255) as usize, number, threads, &mut of_place);
+            let (mut end, mut used) = (first, 0);
+            while let Some(eight) = self.eights.get_mut(end) {
+                let others = (eight[3] & 255) as usize;
+                if end - first == threads / LANES || used + padded(others) > MOST_SLOTS * threads {
+                    break;
+                }
+                eight[3] |= (used as u32) << 16;
+                slots_of(&words[eight[0] as usize..], others, used, &mut of_place);
+                used += padded(others);
+                end += 1;
             }
+            self.most_slots = self.most_slots.max(used);
             for (place, slots) in of_place.iter_mut().enumerate().filter(|(_, slots)| !slots.is_empty()) {
                 self.entries.push(place as u32 | ((self.slots.len() - first_slot) as u32) << 16);
                 self.slots.append(slots);
             }
             let count = self.entries.len() - first_entry;
             self.entries.push(0xffff | ((self.slots.len() - first_slot) as u32) << 16);
-            let [first, end] = [round * per_round, (round + 1) * per_round].map(|eight| eight as u32);
-            self.rounds.push([first_entry as u32, count as u32, first_slot as u32, self.segments.len() as u32]);
+            let counts = count as u32 | (first as u32) << 16;
+            self.rounds.push([first_entry as u32, counts, first_slot as u32, self.segments.len() as u32]);
             for &[energy, start, eights] in &groups {
-                let (from, to) = (start.max(first), (start + eights).min(end));
+                let (from, to) = (start.max(first as u32), (start + eights).min(end as u32));
                 if from < to {
-                    self.segments.push(energy | (from - first) << 8 | (to - from) << 16);
+                    self.segments.push(energy | (from - first as u32) << 8 | (to - from) << 16);
                 }
             }
+            first = end;
         }
     }
 }
 
+/// Most slots of a round for each thread: patches of 8 nodes fill a round, rounds of larger ones have fewer.
+const MOST_SLOTS: usize = 9;
+
+/// Slots of an eight: eight beyond a multiple of 32, so that four eights reach all banks of shared memory.
+const fn padded(others: usize) -> usize {
+    let least = LANES * (others + 1);
+    least + (40 - least % 32) % 32
+}
+
 /// Adds the slots of an eight's forces to its places, in the order in which the engine adds them: the other nodes, then the
 /// first one, lane by lane. Empty lanes and places without weight add nothing.
-fn slots_of(words: &[u32], others: usize, number: usize, threads: usize, of_place: &mut [Vec<u16>]) {
+fn slots_of(words: &[u32], others: usize, first: usize, of_place: &mut [Vec<u16>]) {
     let float = |word: usize| f32::from_bits(words[word]);
     let gradients = 4 * (others + 1);
     for place in 0..=others {
@@ -203,7 +229,7 @@ fn slots_of(words: &[u32], others: usize, number: usize, threads: usize, of_plac
             let is_used = float(gradients + 24 * others + lane) > 0.0 && (place == others || (0..3).any(has_weight));
             if is_used {
                 let at = words[4 * place + lane / 2] >> (16 * (lane % 2)) & 0xffff;
-                of_place[at as usize].push((3 * threads * place + LANES * number + lane) as u16);
+                of_place[at as usize].push((first + LANES * place + lane) as u16);
             }
         }
     }

@@ -6,11 +6,11 @@
 
 mod aggregate;
 mod arrays;
+mod beside;
 mod boundary;
 mod command;
 mod files;
 mod gjk;
-mod materials;
 mod mesh;
 mod packing;
 mod pickle;
@@ -34,8 +34,6 @@ mod _mesocrete {
     #[pymodule_export]
     use super::gjk::{PyBodies, closest_points, distance, intersects, intersects_many, penetration, time_of_impact};
     #[pymodule_export]
-    use super::materials::concrete_materials;
-    #[pymodule_export]
     use super::mesh::{PyMesh, restore_mesh};
     #[pymodule_export]
     use super::packing::{PyAggregates, PyPacking, load, pack, restore_packing};
@@ -44,7 +42,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::response::{PyFrame, PyResponse, restore_frame};
     #[pymodule_export]
-    use super::spec::{PySpec, all_recipes, restore_spec};
+    use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]
     use super::study::{PyStudyPlan, PyStudyRun, study_results, study_write};
     #[pymodule_export]

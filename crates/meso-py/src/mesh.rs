@@ -180,6 +180,12 @@ impl PyMesh {
         arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
     }
 
+    /// Id of the aggregate below every cohesive element: ndarray, shape (k,), int64.
+    #[getter(_cohesive_aggregate)]
+    fn cohesive_aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        arrays::from_ids(py, self.0.cohesive_owner.iter().map(|&owner| self.0.id(owner)))
+    }
+
     /// Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict.
     #[getter]
     fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -234,15 +240,15 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// path : path
-    ///     `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+    ///     `.inp`, `.k`, `.cdb`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
     /// compress : bool
     ///     Whether the data of a `.vtu` are compressed.
     /// **deck
-    ///     Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+    ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
+    ///     `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
     ///
     /// Raises
     /// ------
@@ -303,6 +309,8 @@ impl PyMesh {
     ///     Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
     /// threads : int, optional
     ///     All cores when absent. It changes the time, never the result.
+    /// device : str
+    ///     What takes the steps: "cpu", "gpu" (the first that there is), "cuda:N" or "opencl:N"; the results are the same bytes.
     /// progress : bool or callable, optional
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
@@ -326,12 +334,14 @@ impl PyMesh {
     /// KeyboardInterrupt
     ///     On Ctrl-C, within 0.5 s on meshes of moderate size. Its attribute `response` is the test so far; it has none
     ///     where the first step was not yet taken, or after a second Ctrl-C.
-    #[pyo3(signature = (test="compression", *, materials=None, threads=None, progress=None, **options))]
+    #[pyo3(signature = (test="compression", *, materials=None, threads=None, device="cpu", progress=None, **options))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn solve(
         slf: &Bound<'_, Self>,
         test: &str,
         materials: Option<&Bound<'_, PyDict>>,
         threads: Option<&Bound<'_, PyAny>>,
+        device: &str,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyResponse> {
@@ -339,6 +349,7 @@ impl PyMesh {
             let keywords = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
             let asked = Asked::new(test, materials, threads, &keywords)?;
             let PyMesh(mesh, model, made) = slf.get().clone();
+            let asked = asked.on(device, &mesh)?;
             response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)
         })
     }

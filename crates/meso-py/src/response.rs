@@ -1,7 +1,7 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_value};
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::files;
 use crate::pickle;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
@@ -12,7 +12,8 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
-use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
+use meso_gpu::{Choice, DeviceName};
+use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyIndexError, PyUserWarning};
@@ -32,6 +33,8 @@ struct Tested {
     frames: Vec<Arc<Snapshot>>,
     /// The end; none of a run that diverged.
     last: Option<Arc<Snapshot>>,
+    /// The moments before it that the page shows.
+    taken: Taken,
     seconds: TestSeconds,
 }
 
@@ -43,6 +46,7 @@ impl Tested {
             response: &self.response,
             source: &self.source,
             frames: &moments,
+            taken: &self.taken,
             last: self.last.as_deref(),
             seconds: self.seconds,
         })
@@ -62,6 +66,7 @@ pub(crate) struct Asked {
     test: Test,
     materials: Materials,
     threads: Option<usize>,
+    device: Option<DeviceName>,
 }
 
 /// The kind of a test by the keyword's name, which errors then have.
@@ -84,7 +89,17 @@ impl Asked {
         let (given, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
         let test = Test { kind, ..given };
         meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
-        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()? })
+        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
+    }
+
+    /// The test of `mesh` on the device that `name` means, found before any work.
+    pub(crate) fn on(self, name: &str, mesh: &Mesh) -> PyResult<Self> {
+        let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
+        if device.is_some() {
+            let accepted = meso_solve::device::accept(&self.test, mesh.kind, !mesh.cohesive.is_empty());
+            accepted.map_err(|error| wrong(&error))?;
+        }
+        Ok(Self { device, ..self })
     }
 }
 
@@ -145,16 +160,20 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     // Progress is asked for while the test is still prepared.
     watch.reached(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
+    if let Some(device) = &asked.device {
+        meso_gpu::attach(&mut run, device)?;
+    }
     watch.keeps_what_it_has();
-    let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
+    let watching =
+        Watching { watch, strain: asked.test.strain(), frames: RefCell::default(), shooting: Shooting::default() };
     let response = run.to_end(watch, &watching);
     // A run that diverged holds no numbers now.
     let diverged = matches!(response.result.ended, Ended::Diverged(_) | Ended::Failed(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
     let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
-    let frames = watching.frames.into_inner();
-    Ok(Tested { mesh: Arc::clone(mesh), response, source: Source::of(model, options), frames, last, seconds })
+    let (taken, frames) = (watching.shooting.taken(), watching.frames.into_inner());
+    Ok(Tested { mesh: Arc::clone(mesh), response, source: Source::of(model, options), frames, last, taken, seconds })
 }
 
 /// Tells Python how far the test is, and gathers its frames.
@@ -162,11 +181,20 @@ struct Watching<'a> {
     watch: &'a Watch,
     strain: f64,
     frames: RefCell<Vec<Arc<Snapshot>>>,
+    shooting: Shooting,
 }
 
 impl Observer for Watching<'_> {
     fn row(&self, row: &Row, _: f64) {
         self.watch.reached(row.strain, self.strain);
+    }
+
+    fn wants(&self, row: &Row) -> bool {
+        self.shooting.wants(row)
+    }
+
+    fn moment(&self, frame: &Frame) {
+        self.shooting.take(frame);
     }
 
     fn frame(&self, frame: &Frame) {
@@ -283,6 +311,13 @@ impl PyResponse {
             "Response(peak {:.2} MPa at a strain of {:.5}{flags}, {rows} rows, {frames} frames)",
             figures.peak_mpa, figures.peak_strain
         )
+    }
+
+    /// A response holds its mesh and its run; the parts that scripts exchange do pickle.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(wrong_type(
+            "a Response does not pickle; pickle its curve, result or frames, or write it: response.write(folder)",
+        ))
     }
 
     /// HTML for notebooks: the curve beside its figures.

@@ -18,7 +18,7 @@ pub enum SolveError {
     #[error("the saved state cannot be resumed: {0}")]
     Resume(String),
     /// A test that the device cannot take.
-    #[error("the device cannot take this test: {0}")]
+    #[error("{0}")]
     Device(String),
 }
 

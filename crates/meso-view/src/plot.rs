@@ -2,62 +2,65 @@
 
 use std::io::{self, Write};
 
-/// A plot of a few curves; the y axis begins at 0.
-pub struct Plot {
+/// A plot of a few curves; the y axis begins at 0, or below the least value.
+pub struct Plot<'a> {
     /// Title above the axes.
-    pub title: &'static str,
+    pub title: &'a str,
     /// Label of the x axis, with its unit.
-    pub x: &'static str,
+    pub x: &'a str,
     /// Label of the y axis.
-    pub y: &'static str,
+    pub y: &'a str,
     /// Whether the x axis is logarithmic.
     pub log_x: bool,
     /// The curves, at most three in different colours.
-    pub curves: Vec<Series>,
+    pub curves: Vec<Series<'a>>,
     /// Width and height, pixels.
     pub size: [f64; 2],
 }
 
 /// A named curve, or dots.
-pub struct Series {
-    name: &'static str,
+pub struct Series<'a> {
+    name: &'a str,
     points: Vec<(f64, f64)>,
-    dots: bool,
+    drawn: Drawn,
+}
+
+/// Form of a series.
+#[derive(Clone, Copy, PartialEq)]
+enum Drawn {
+    Line,
+    Dots,
+    /// One dot, which a script moves from point to point.
+    Moving,
 }
 
 /// Colours that differ for every eye (Okabe and Ito 2008).
 const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
-/// Margins, pixels.
+/// Margins, pixels; the legend lies between the title and the axes.
 const LEFT: f64 = 48.0;
 const RIGHT: f64 = 12.0;
-const TOP: f64 = 24.0;
+const TITLE: f64 = 20.0;
 const BOTTOM: f64 = 40.0;
-/// Width of a curve's name with its colour, and height of its line, pixels.
-const LEGEND: f64 = 96.0;
-const ROW: f64 = 15.0;
+/// Width of a legend's colour, mean width of a letter, and height of a line, pixels.
+const SWATCH: f64 = 19.0;
+const LETTER: f64 = 6.4;
+const ROW: f64 = 16.0;
 
-impl Series {
+impl<'a> Series<'a> {
     /// A line through `points`.
-    pub fn line(name: &'static str, points: Vec<(f64, f64)>) -> Self {
-        Self { name, points, dots: false }
+    pub fn line(name: &'a str, points: Vec<(f64, f64)>) -> Self {
+        Self { name, points, drawn: Drawn::Line }
     }
 
     /// A dot at each of `points`.
-    pub fn dots(name: &'static str, points: Vec<(f64, f64)>) -> Self {
-        Self { name, points, dots: true }
+    pub fn dots(name: &'a str, points: Vec<(f64, f64)>) -> Self {
+        Self { name, points, drawn: Drawn::Dots }
     }
 
-    /// Where the curve runs, at most 4 pixels from one point to the next unless they are dots.
-    fn pixels(&self, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
-        let at = self.points.iter().map(|&(px, py)| (x.at(px), y.at(py)));
-        let at: Vec<(f64, f64)> = at.filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
-        let between = |ends: &[(f64, f64)]| {
-            let [(ax, ay), (bx, by)] = [ends[0], ends[1]];
-            let steps =
-                if self.dots { 1 } else { ((bx - ax).abs().max((by - ay).abs()) / 4.0).ceil().max(1.0) as usize };
-            (1..=steps).map(move |i| i as f64 / steps as f64).map(move |s| (ax + s * (bx - ax), ay + s * (by - ay)))
-        };
-        at.iter().take(1).copied().chain(at.windows(2).flat_map(between)).collect()
+    /// A dot at the last of `points`, of the class `now`. Its attribute `data-at` has the places of all of them, for a script
+    /// that moves it.
+    pub fn moving(name: &'a str, points: Vec<(f64, f64)>) -> Self {
+        Self { name, points, drawn: Drawn::Moving }
     }
 }
 
@@ -86,7 +89,7 @@ impl Axis {
     }
 }
 
-impl Plot {
+impl Plot<'_> {
     /// Width and height of a plot that stands beside others, pixels.
     pub const SMALL: [f64; 2] = [350.0, 260.0];
 
@@ -99,19 +102,17 @@ impl Plot {
         writeln!(
             out,
             "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"><text x=\"{LEFT}\" y=\"14\">{}</text>",
-            self.title
+            escape(self.title)
         )?;
         let Some((x, y)) = self.axes() else {
             return writeln!(out, "<text x=\"{LEFT}\" y=\"60\">nothing to show</text></svg>");
         };
         self.frame(&x, &y, out)?;
-        let at = self.legend(&x, &y);
-        for (i, curve) in self.curves.iter().enumerate() {
+        for (i, (curve, (tx, ty))) in self.curves.iter().zip(self.legend()).enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
             draw(curve, colour, &x, &y, out)?;
-            let (tx, ty) = (at.0, at.1 + 11.0 + ROW * i as f64);
             writeln!(out, "<rect x=\"{tx}\" y=\"{}\" width=\"14\" height=\"3\" fill=\"{colour}\"/>", ty - 5.0)?;
-            writeln!(out, "<text x=\"{}\" y=\"{ty}\">{}</text>", tx + 19.0, curve.name)?;
+            writeln!(out, "<text x=\"{}\" y=\"{ty}\">{}</text>", tx + SWATCH, escape(curve.name))?;
         }
         writeln!(out, "</svg>")
     }
@@ -122,26 +123,32 @@ impl Plot {
             || self.curves.iter().flat_map(|curve| &curve.points).filter(|p| p.0.is_finite() && p.1.is_finite());
         let from = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let to = points().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-        let top = points().map(|p| p.1).fold(0.0, f64::max) * 1.04;
+        let [low, top] = [points().map(|p| p.1).fold(0.0, f64::min), points().map(|p| p.1).fold(0.0, f64::max)]
+            .map(|end| end * 1.04);
         let [width, height] = self.size;
         let x = Axis { from, to, pixels: [LEFT, width - RIGHT], log: self.log_x };
-        let y = Axis { from: 0.0, to: top, pixels: [height - BOTTOM, TOP], log: false };
-        (from < to && top > 0.0).then_some((x, y))
+        let y = Axis { from: low + 0.0, to: top, pixels: [height - BOTTOM, self.top()], log: false };
+        (from < to && low < top).then_some((x, y))
     }
 
-    /// The upper left corner of the curves' names: in the corner of the axes that holds the least of the curves, pixels.
-    fn legend(&self, x: &Axis, y: &Axis) -> (f64, f64) {
-        let [wide, high] = [LEGEND, ROW * self.curves.len() as f64];
-        let (left, right) = (x.pixels[0] + 8.0, x.pixels[1] - wide);
-        let (top, bottom) = (y.pixels[1] + 4.0, y.pixels[0] - high - 4.0);
-        let hidden = |&(at_x, at_y): &(f64, f64)| {
-            let is_below = |&(px, py): &(f64, f64)| {
-                (at_x - 4.0..at_x + wide).contains(&px) && (at_y - 4.0..at_y + high + 4.0).contains(&py)
-            };
-            self.curves.iter().flat_map(|curve| curve.pixels(x, y)).filter(is_below).count()
+    /// Where the curves' names stand: in lines under the title, so that none lies on a curve, pixels.
+    fn legend(&self) -> Vec<(f64, f64)> {
+        let (mut x, mut y) = (LEFT, TITLE + ROW - 4.0);
+        let place = |series: &Series| {
+            let wide = SWATCH + LETTER * series.name.chars().count() as f64 + 8.0;
+            if x > LEFT && x + wide > self.size[0] {
+                (x, y) = (LEFT, y + ROW);
+            }
+            let at = (x, y);
+            x += wide;
+            at
         };
-        let corners = [(right, bottom), (right, top), (left, top), (left, bottom)];
-        corners.into_iter().min_by_key(hidden).unwrap_or(corners[0])
+        self.curves.iter().map(place).collect()
+    }
+
+    /// The upper end of the axes, below the legend, pixels.
+    fn top(&self) -> f64 {
+        self.legend().last().map_or(TITLE, |(_, y)| y + 8.0)
     }
 
     fn frame(&self, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
@@ -177,11 +184,22 @@ impl Plot {
 
 fn draw(curve: &Series, colour: &str, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
     let points = curve.points.iter().filter(|p| p.1.is_finite()).map(|&(px, py)| (x.at(px), y.at(py)));
-    if curve.dots {
-        for (px, py) in points {
-            writeln!(out, "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\" fill=\"{colour}\"/>")?;
+    match curve.drawn {
+        Drawn::Line => {}
+        Drawn::Dots => {
+            return points.into_iter().try_for_each(|(px, py)| {
+                writeln!(out, "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\" fill=\"{colour}\"/>")
+            });
         }
-        return Ok(());
+        Drawn::Moving => {
+            let at: Vec<String> = points.map(|(px, py)| format!("{px:.1},{py:.1}")).collect();
+            let Some((x, y)) = at.last().and_then(|at| at.split_once(',')) else { return Ok(()) };
+            let at = at.join(" ");
+            return writeln!(
+                out,
+                "<circle class=\"now\" cx=\"{x}\" cy=\"{y}\" r=\"6\" fill=\"{colour}\" data-at=\"{at}\"/>"
+            );
+        }
     }
     write!(out, "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"{colour}\" points=\"")?;
     for (px, py) in points {
@@ -215,25 +233,40 @@ mod tests {
         assert_eq!((axis.at(0.0), axis.at(0.52)), (100.0, 0.0));
     }
 
+    fn plot(names: &[&'static str], points: &[(f64, f64)]) -> Plot<'static> {
+        let curves = names.iter().map(|name| Series::line(name, points.to_vec())).collect();
+        Plot { title: "", x: "", y: "", log_x: false, curves, size: Plot::SMALL }
+    }
+
     #[test]
-    fn names_stand_where_no_curve_runs() {
-        let plot = |curves: &[&[(f64, f64)]]| Plot {
-            title: "",
-            x: "",
-            y: "",
-            log_x: false,
-            curves: curves.iter().map(|points| Series::line("a", points.to_vec())).collect(),
-            size: Plot::SMALL,
-        };
-        let corner = |curves: &[&[(f64, f64)]]| {
-            let plot = plot(curves);
-            let (x, y) = plot.axes().unwrap();
-            let at = plot.legend(&x, &y);
-            (at.0 > Plot::SMALL[0] / 2.0, at.1 > Plot::SMALL[1] / 2.0)
-        };
-        let [rising, falling]: [&[(f64, f64)]; 2] = [&[(0.0, 0.0), (1.0, 1.0)], &[(0.0, 1.0), (1.0, 0.0)]];
-        assert_eq!(corner(&[rising]), (true, true));
-        assert_eq!(corner(&[falling]), (true, false));
+    fn names_stand_above_the_axes_and_within_the_plot() {
+        let names = ["plates' work", "dissipated", "plate friction", "hourglass"];
+        let plot = plot(&names, &[(0.0, 0.0), (1.0, 1.0)]);
+        let (_, y) = plot.axes().unwrap();
+        let legend = plot.legend();
+        for ((x, at), name) in legend.iter().zip(names) {
+            assert!(*at < y.pixels[1] && x + SWATCH + LETTER * name.len() as f64 <= Plot::SMALL[0], "{name}");
+        }
+        assert!(legend[0].1 < legend[3].1, "four names need two lines");
+    }
+
+    #[test]
+    fn an_axis_goes_down_to_negative_values() {
+        let (_, y) = plot(&["lateral"], &[(0.0, 0.0), (1.0, -2e-4)]).axes().unwrap();
+        assert!(y.from < -2e-4 && y.to == 0.0);
+    }
+
+    #[test]
+    fn a_moving_dot_knows_all_its_places() {
+        let plot = Plot { curves: vec![Series::moving("now", vec![(0.0, 1.0), (1.0, 2.0)])], ..plot(&[], &[]) };
+        let mut text = Vec::new();
+        plot.write(&mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let at = text.split("data-at=\"").nth(1).unwrap().split('"').next().unwrap();
+        let last: Vec<&str> = at.split(' ').collect();
+        assert_eq!(last.len(), 2);
+        let (x, y) = last[1].split_once(',').unwrap();
+        assert!(text.contains(&format!("cx=\"{x}\" cy=\"{y}\"")), "{text}");
     }
 
     #[test]

@@ -22,7 +22,8 @@ const turntable = (canvas, { vertex, fragment, around, above, scale }) => {
     gl.bindBuffer(target, gl.createBuffer());
     gl.bufferData(target, content, gl.STATIC_DRAW);
   };
-  const kinds = new Map([[Uint8Array, gl.UNSIGNED_BYTE], [Uint16Array, gl.UNSIGNED_SHORT], [Float32Array, gl.FLOAT]]);
+  const kinds = new Map([[Uint8Array, gl.UNSIGNED_BYTE], [Uint16Array, gl.UNSIGNED_SHORT], [Int16Array, gl.SHORT],
+    [Float32Array, gl.FLOAT]]);
   // Vertex data by attribute: [values, numbers a vertex, whether integers stand for 0 to 1].
   const vertices = (attributes, triangles) => {
     const made = gl.createVertexArray();

@@ -38,7 +38,7 @@ fn line(device: &DeviceName, is_checked: bool) -> Result<String, Failure> {
         match difference(device)? {
             Ok(0.0) => line += "; same bytes as the processor",
             Ok(difference) => {
-                line += &format!("; stresses differ by {difference:.1e} of the peak from the processor's")
+                line += &format!("; stresses differ by {difference:.1e} of the peak from the processor's");
             }
             Err(why) => line += &format!("{FAILED}{why}"),
         }

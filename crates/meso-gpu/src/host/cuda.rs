@@ -3,7 +3,7 @@
 
 use super::opencl::functions;
 use super::{Buffer, Host, Kernel, library};
-use crate::devices::{DeviceName, Driver, THREADS};
+use crate::name::{DeviceName, Driver, THREADS};
 use libloading::Library;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::ptr::{null, null_mut};

@@ -2,10 +2,11 @@
 #![allow(unsafe_code, reason = "calls into the driver's library")]
 
 use super::{Buffer, Host, Kernel, library};
-use crate::devices::{DeviceName, Driver, THREADS};
+use crate::name::{DeviceName, Driver, THREADS};
 use libloading::Library;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
+use std::sync::{Mutex, PoisonError};
 
 /// A driver's object.
 type Handle = *mut c_void;
@@ -73,8 +74,12 @@ fn checked(status: Status, what: &str) -> Result<(), String> {
     if status == 0 { Ok(()) } else { Err(format!("OpenCL: {what} gave {status}")) }
 }
 
+/// Held while platforms are found: pocl 3.1 crashes where two threads begin at once.
+static FINDING: Mutex<()> = Mutex::new(());
+
 /// Devices of all platforms.
 fn handles(functions: &Functions) -> Vec<Handle> {
+    let _finding = FINDING.lock().unwrap_or_else(PoisonError::into_inner);
     let mut platforms = [null_mut(); 16];
     let mut count = 0;
     // SAFETY: the array has as many places as are told.

@@ -22,7 +22,7 @@ impl Law {
         }
         let at = |place: u32| values[place as usize];
         let stress = self.stress.map(at);
-        if self.remembered == 0 || !(0.0 < at(self.moved)) {
+        if self.remembered == 0 || !Real::lt(0.0, at(self.moved)) {
             return (stress, 0.0);
         }
         point.memory = self.memory.iter().map(|&place| at(place)).collect();
@@ -121,7 +121,7 @@ mod tests {
         let before = 1.0 + point.memory[states];
         let steps: Vec<f32> = history.as_ref().iter().zip(&point.memory).map(|(new, old)| new - old).collect();
         let moved = steps.iter().fold((before - response.integrity).abs(), |moved, step| Real::max(moved, step.abs()));
-        if !(0.0 < moved) {
+        if !Real::lt(0.0, moved) {
             return (response.stress, 0.0);
         }
         let energy = spent(&response, &point.strain, history.as_ref(), &std::array::from_fn(|i| steps[i]), before);

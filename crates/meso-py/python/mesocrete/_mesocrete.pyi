@@ -558,7 +558,7 @@ class Packing:
         """
 
     def mesh(
-        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, for_test: bool = False, accept_phase_error: bool = False, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
+        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | Literal["auto"] | None = None, for_test: bool = False, accept_phase_error: bool = False, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
     ) -> Mesh:
         """Meshes the packing.
 
@@ -566,14 +566,16 @@ class Packing:
         ----------
         method : str, optional
             Method of meshing; "voxel" is the default.
-        element_size : float, optional
-            Edge length of the elements, mm; default 2.
+        element_size : float or "auto", optional
+            Edge length of the elements, mm; default 2. "auto" tries sizes on a small cube of the packing, and takes the
+            largest that keeps every phase within 5 %.
         for_test : bool, optional
             Whether options that are not given are those of `mesocrete solve` with a model: a lattice with a smeared ITZ,
             aggregates of exact volume that mortar separates, and split narrow gaps. `Mesh.solve` then gives the command's
             curve.
         accept_phase_error : bool, optional
-            Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
+            Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise. A test of such
+            a mesh warns before its first step, and its results carry a flag.
         progress : bool or callable, optional
             True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
             meshing stops with a `RuntimeError`.
@@ -660,6 +662,8 @@ class Mesh:
         """
 
     @property
+    def _cohesive_aggregate(self) -> NDArray[np.int64]: ...
+    @property
     def notes(self) -> dict[str, float]:
         """Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict."""
 
@@ -694,15 +698,15 @@ class Mesh:
         Parameters
         ----------
         path : path
-            `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+            `.inp`, `.k`, `.cdb`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
         overwrite : bool
             Whether a file that is there already is replaced.
         compress : bool
             Whether the data of a `.vtu` are compressed.
         **deck
-            Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+            Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
+            `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
 
         Raises
         ------
@@ -718,6 +722,7 @@ class Mesh:
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
+        device: str = "cpu",
         progress: bool | Callable[..., object] | None = None,
         **options: Unpack[SolveOptions],
     ) -> Response:
@@ -739,6 +744,8 @@ class Mesh:
             Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
         threads : int, optional
             All cores when absent. It changes the time, never the result.
+        device : str
+            What takes the steps: "cpu", "gpu" (the first that there is), "cuda:N" or "opencl:N"; the results are the same bytes.
         progress : bool or callable, optional
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
@@ -749,6 +756,11 @@ class Mesh:
         -------
         Response
             Also of a test that was stopped or diverged: `result["ended"]` says so, and the curve is valid until there.
+
+        Warns
+        -----
+        UserWarning
+            Before the first step, where a phase of the mesh is more than 10 % off its exact volume, or aggregates share nodes.
 
         Raises
         ------
@@ -869,6 +881,7 @@ class Response:
             Where they cannot be written, or are there already.
         """
 
+    def __reduce__(self) -> tuple[object, ...]: ...
     def _repr_html_(self) -> str: ...
     def __copy__(self) -> Response: ...
     def __deepcopy__(self, _memo: object) -> Response: ...
@@ -935,7 +948,7 @@ def pack(
     time_limit: float | None = None,
     for_test: bool = False,
     method: Literal["voxel", "lattice", "conforming"] | None = None,
-    element_size: float | None = None,
+    element_size: float | Literal["auto"] | None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Packing:
     """Generates and places the aggregates that a spec asks for.
@@ -958,12 +971,13 @@ def pack(
     method : str, optional
         Method of the mesh that follows. "conforming" needs gaps of 0.05 mm, which are left where the spec has none. It
         is "lattice" by default with `for_test`.
-    element_size : float, optional
-        Edge length of the elements of the mesh that follows, mm; default 2.
+    element_size : float or "auto", optional
+        Edge length of the elements of the mesh that follows, mm; default 2. "auto" tries sizes on a small cube of the
+        packing, and takes the largest that keeps every phase within 5 %.
     progress : bool or callable, optional
         True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
         `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
-        name, too: "take", "place" or "prove", and before them "read" where the specimen is a surface. When it returns
+        name, too: "take", "place", "jammed" or "prove", and before them "read" where the specimen is a surface. When it returns
         False, the best valid packing found so far is returned.
 
     Returns

@@ -31,6 +31,17 @@ class GradingOptions(TypedDict, total=False):
     size_law: Literal["uniform", "volume-uniform"]
 
 
+class TableChoices(TypedDict, total=False):
+    """What a sieve table's own words and numbers do not say."""
+
+    column: str | int
+    blend: dict[str, float]
+    means: Literal["passing", "cumulative-retained", "retained"]
+    unit: Literal["percent", "share", "mass"]
+    sieve_unit: Literal["mm", "um", "in", "astm-number"]
+    sheet: str
+
+
 class Grading:
     """Gradings, for the key `grading` of a spec; `options` are its further keys: `classes_mm`, `size`, `size_law`, `form`."""
 
@@ -51,26 +62,54 @@ class Grading:
         passing: ArrayLike | None = None,
         d_min_mm: float | None = None,
         d_max_mm: float | None = None,
+        *,
+        passing_percent: ArrayLike | None = None,
         **options: Unpack[GradingOptions],
     ) -> _types.Grading:
-        """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,).
+        """Return a sieve table: openings, mm, in any order, and the share that passes each, 0 to 1; arrays of shape (n,).
 
-        Both may be the columns of one array of shape (n, 2), given first. The limits of the sizes are the first and the last opening, unless they are given.
+        Both may be the columns of one array of shape (n, 2), given first. `passing_percent` takes per cent instead of shares. The limits of the sizes are the finest and the widest opening, unless they are given.
         """
+        if passing is not None and passing_percent is not None:
+            message = "passing and passing_percent are both given; keep one"
+            raise ValueError(message)
+        key: Literal["passing", "passing_percent"] = "passing" if passing_percent is None else "passing_percent"
+        passing = passing if passing_percent is None else passing_percent
         if passing is None:
             table = np.asarray(sieve_mm, float)
             if table.ndim != 2 or table.shape[1] != 2:
                 message = f"passing is missing, and sieve_mm has shape {table.shape}; give two rows, or one table of shape (n, 2)"
                 raise ValueError(message)
             sieve_mm, passing = table[:, 0], table[:, 1]
-        sieves = _row("sieve_mm", sieve_mm)
+        sieves, shares = _row("sieve_mm", sieve_mm), _row(key, passing)
         if not sieves:
             message = "sieve_mm is empty; give openings in mm, e.g. [5, 10, 20]"
             raise ValueError(message)
-        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": sieves, "passing": _row("passing", passing)}
-        low = sieves[0] if d_min_mm is None else d_min_mm
-        high = sieves[-1] if d_max_mm is None else d_max_mm
+        if len(sieves) == len(shares):
+            rows = sorted(zip(sieves, shares, strict=True))
+            sieves, shares = [row[0] for row in rows], [row[1] for row in rows]
+        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": sieves}
+        curve[key] = shares
+        low = min(sieves) if d_min_mm is None else d_min_mm
+        high = max(sieves) if d_max_mm is None else d_max_mm
         return {"curve": curve, "d_min_mm": low, "d_max_mm": high, **options}
+
+    @staticmethod
+    def table(
+        file: str | PathLike[str],
+        d_min_mm: float,
+        d_max_mm: float,
+        *,
+        choices: TableChoices | None = None,
+        **options: Unpack[GradingOptions],
+    ) -> _types.Grading:
+        """Return the grading of a laboratory's sieve table between two sizes, mm: CSV, text or .xlsx (by openpyxl), with any heading.
+
+        How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`. Sizes are sieve openings, unless `size` says otherwise.
+        """
+        curve = cast("_types.SievesFileCurve", {"kind": "sieves", "file": fspath(file), **(choices or {})})
+        grading: _types.Grading = {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, "size": "sieve"}
+        return cast("_types.Grading", {**grading, **options})
 
     @staticmethod
     def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]) -> _types.Grading:

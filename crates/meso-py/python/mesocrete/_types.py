@@ -86,6 +86,8 @@ class SievesCurve(TypedDict, total=False):
     """Name of this form: 'sieves'."""
     passing: _Numbers
     """Share that passes each sieve, 0 to 1."""
+    passing_percent: _Numbers
+    """Per cent that passes each sieve, 0 to 100, instead of passing."""
     sieves_mm: _Numbers
     """Sieve openings, mm, ascending."""
 
@@ -100,12 +102,24 @@ class StandardCurve(TypedDict, total=False):
 
 
 class SievesFileCurve(TypedDict, total=False):
-    """A CSV file that lies beside the spec: sieve_mm,passing."""
+    """A sieve table (CSV, text; .xlsx in Python) that lies beside the spec, with any heading."""
 
+    blend: dict[str, object]
+    """Aggregates in columns, by headings, and the share of each; shares sum to 1 or 100."""
+    column: str | int
+    """Column of the grading: its heading, or its position from 1."""
     file: str
-    """A CSV file that lies beside the spec: sieve_mm,passing."""
+    """A sieve table (CSV, text; .xlsx in Python) that lies beside the spec, with any heading."""
     kind: Literal["sieves"]
     """Name of this form: 'sieves'."""
+    means: Literal["passing", "cumulative-retained", "retained"]
+    """Meaning of the column, where neither heading nor numbers say it."""
+    sheet: str
+    """Sheet of a workbook; Python only."""
+    sieve_unit: Literal["mm", "um", "in", "astm-number"]
+    """Unit of bare numbers in the column of sieves."""
+    unit: Literal["percent", "share", "mass"]
+    """Unit of the column's numbers."""
 
 
 Curve = FullerCurve | BolomeyCurve | SievesCurve | StandardCurve | SievesFileCurve
@@ -394,6 +408,8 @@ class DeckLoading(TypedDict, total=False):
     """Frames of field output."""
     friction: float
     """Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6."""
+    impact_speed_mm_per_s: float
+    """Speed of the striker of an impact, mm/s."""
     time_increment_s: float
     """Time increment that mass scaling keeps, s."""
 
@@ -458,7 +474,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "compression", "tension"]
+    analysis: Literal["none", "elastic", "compression", "tension", "impact"]
     """The analysis the deck runs; `geometry_only` leaves it out."""
     geometry_only: bool
     """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
@@ -466,6 +482,8 @@ class DeckOptions(TypedDict, total=False):
     """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
     loading: DeckLoading
     """How compression and tension are loaded."""
+    lsdyna_law: Literal["cdpm", "rel3", "cscm"]
+    """Law of mortar and ITZ in an LS-DYNA deck (`.k`)."""
     materials: DeckMaterials
     """Material values."""
     periodic_equations: bool

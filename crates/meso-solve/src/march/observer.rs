@@ -18,6 +18,14 @@ pub trait Observer {
     /// Receives the state, which [`Run::save`] writes.
     fn keep(&self, _: &Run) {}
 
+    /// Whether to receive this moment by [`moment`](Observer::moment); asked after every row.
+    fn wants(&self, _: &Row) -> bool {
+        false
+    }
+
+    /// Receives the moment after a row that the observer wants; its fields are computed on demand.
+    fn moment(&self, _: &Frame) {}
+
     /// Receives every frame; its fields are computed on demand.
     fn frame(&self, _: &Frame) {}
 }

@@ -258,7 +258,7 @@ impl Summary {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
         if let Ended::Failed(why) = &self.ended {
-            let fix = "resume from the last checkpoint, or run with --device cpu";
+            let fix = "resume from the last checkpoint, on this device or another";
             self.errors.push(format!("the device failed: {why}; the curve is valid until then; {fix}"));
         }
         self.warn_of_speed();

@@ -2,12 +2,13 @@
 //!
 //! Both fronts, the command and Python, write the same [`ResultFile`]s of one [`Outcome`]; files are theirs.
 
-mod cracks;
 mod page;
 mod png;
 mod section;
+mod shots;
 mod snapshot;
 
+pub use shots::{Shooting, Shot, Taken};
 pub use snapshot::{Moment, Snapshot};
 
 use crate::march::Response;
@@ -35,7 +36,9 @@ pub struct Outcome<'a> {
     pub source: &'a Source,
     /// The frames that have a file.
     pub frames: &'a [Moment],
-    /// The moment that the page shows; a run that diverged at once has none.
+    /// Moments before the end that the page shows.
+    pub taken: &'a Taken,
+    /// The end; a run that diverged has none.
     pub last: Option<&'a Snapshot>,
     /// How long it took.
     pub seconds: TestSeconds,

@@ -1,7 +1,6 @@
 //! Damage in a plane: every cell that it meets is cut exactly, and a pixel takes the cell that its centre lies in.
 
 use super::png::Picture;
-use super::snapshot::Snapshot;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
 
@@ -22,12 +21,12 @@ pub(super) const RAMP: [[u8; 3]; 5] = [[236, 232, 223], [250, 204, 115], [232, 1
 pub(super) const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 
 /// The section of `mesh` at the coordinate `place`, mm, along `axis`.
-pub(super) fn picture(mesh: &Mesh, snapshot: &Snapshot, axis: usize, place: f64) -> Picture {
+pub(super) fn picture(mesh: &Mesh, damage: &[f32], axis: usize, place: f64) -> Picture {
     let mut canvas = Canvas::new(&Aabb::around(&mesh.points), axis);
     for (number, cell) in mesh.cells().enumerate() {
         let corners = cut(mesh, cell, axis, place);
         if corners.len() > 2 {
-            canvas.fill(&corners, colour(mesh.phase[number], snapshot.damage[number]));
+            canvas.fill(&corners, colour(mesh.phase[number], damage[number]));
         }
     }
     canvas.picture

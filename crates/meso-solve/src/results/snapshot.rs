@@ -24,6 +24,12 @@ impl Moment {
     /// Beginning and end of a frame's file name; the number stands between them.
     pub const FILES: [&str; 2] = ["frame_", ".vtu"];
 
+    /// When `frame` is.
+    pub fn of(frame: &Frame) -> Self {
+        let (number, strain) = (frame.number(), frame.strain());
+        Self { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s() }
+    }
+
     /// Name of the frame's file.
     pub fn file(&self) -> String {
         let [prefix, suffix] = Self::FILES;
@@ -59,9 +65,8 @@ pub struct Snapshot {
 impl Snapshot {
     /// Fields of `frame`.
     pub fn of(frame: &Frame) -> Self {
-        let (number, strain) = (frame.number(), frame.strain());
         Self {
-            moment: Moment { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s() },
+            moment: Moment::of(frame),
             displacement: frame.displacement(),
             // One field at a time: a point of all of them would be held twice.
             stress: frame.cells(|point| point.stress),

@@ -114,7 +114,7 @@ fn plots(model: &Model, statistics: &Statistics, out: &mut impl Write) -> io::Re
 }
 
 /// The curve asked for, and the volumes reached at the class limits.
-fn grading(model: &Model) -> Plot {
+fn grading(model: &Model) -> Plot<'static> {
     let grading = &model.spec.grading;
     let (low, high) = (grading.d_min_mm, grading.d_max_mm);
     let asked = (0..=100).map(|i| low * libm::pow(high / low, f64::from(i) / 100.0)).map(|d| (d, grading.passing(d)));
@@ -157,7 +157,7 @@ fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
 /// Layers with fewer samples scatter by more than 2 %, and are left out.
 const FEWEST_POINTS: u64 = 600;
 
-fn walls(statistics: &Statistics) -> Plot {
+fn walls(statistics: &Statistics) -> Plot<'static> {
     let wall = &statistics.wall_effect;
     let layers = wall.depth_mm.iter().zip(&wall.fraction).zip(&wall.points);
     let sampled =
@@ -175,7 +175,7 @@ fn walls(statistics: &Statistics) -> Plot {
     }
 }
 
-fn correlation(statistics: &Statistics) -> Plot {
+fn correlation(statistics: &Statistics) -> Plot<'static> {
     let correlation = &statistics.correlation;
     let over_lag = |values: &[f64]| correlation.lag_mm.iter().copied().zip(values.iter().copied()).collect();
     Plot {

@@ -121,7 +121,7 @@ impl Meshing {
             return deck.validate_effects(has_hexahedra).map_err(|error| wrong_option(&error));
         }
         match self.deck.only_for_decks() {
-            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp is written; leave it out"))),
+            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp or .k is written; leave it out"))),
             None => Ok(()),
         }
     }
@@ -140,6 +140,7 @@ impl Meshing {
             periodic_equations: flags.periodic_equations,
             section_mm2: Some(spec.specimen.volume() / spec.specimen.aabb().size().z),
             allow_joined: self.mesh.table().joined == Some(Joined::Keep),
+            lsdyna_law: flags.lsdyna_law,
             heading: Vec::new(),
         };
         deck.validate_for(spec.specimen.periodic().0).map_err(|error| wrong_option(&error))?;

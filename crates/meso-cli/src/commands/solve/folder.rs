@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::outputs::{Target, Unit};
 use meso_core::mesh::Mesh;
 use meso_files::lock::{self, Held};
-use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot};
+use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Taken};
 use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -31,6 +31,8 @@ pub(super) struct Folder {
     /// A file that keeps [`ROOM`] until the results are written, and never gets a name.
     reserve: Unit,
     frames: Vec<Written>,
+    /// The moments that the page shows.
+    taken: Taken,
     /// Number of frames that could not be written.
     lost: usize,
     /// Keeps other processes out.
@@ -91,8 +93,16 @@ impl Drop for Made {
 /// Remains of a killed run: its frames, and the engine's state after them.
 pub(super) struct Kept {
     pub(super) path: PathBuf,
-    pub(super) frames: Vec<Written>,
+    pub(super) written: Note,
     pub(super) state: BufReader<File>,
+}
+
+/// What a folder has of a test: a checkpoint's note.
+#[derive(Default, Serialize, Deserialize)]
+pub(super) struct Note {
+    frames: Vec<Written>,
+    /// The moments that the page shows.
+    taken: Taken,
 }
 
 impl Folder {
@@ -107,6 +117,7 @@ impl Folder {
             staged: Unit::default(),
             reserve: Unit::unforced(),
             frames: Vec::new(),
+            taken: Taken::default(),
             lost: 0,
             _own: own,
             made,
@@ -147,8 +158,8 @@ impl Folder {
         let damaged = |why: String| Failure::Run(format!("{}: {why}; --force starts the test anew", path.display()));
         let open = || File::open(&path).map(BufReader::new).map_err(fail);
         let note = checkpoint_note(&mut open()?).map_err(|error| damaged(error.to_string()))?;
-        let frames: Vec<Written> = serde_json::from_slice(&note).map_err(|error| damaged(error.to_string()))?;
-        for frame in &frames {
+        let written: Note = serde_json::from_slice(&note).map_err(|error| damaged(error.to_string()))?;
+        for frame in &written.frames {
             let file = self.path.join(frame.moment.file());
             let there = Contents::of(&file).map_err(|error| Failure::file(&file, &error))?;
             if frame.file.as_ref() != Some(&there) {
@@ -156,19 +167,29 @@ impl Folder {
                 return Err(damaged(format!("{file} is not the frame that this checkpoint was written after")));
             }
         }
-        Ok(Kept { state: open()?, path, frames })
+        Ok(Kept { state: open()?, path, written })
     }
 
-    /// Goes on behind `frames` of a killed run; none where a new test starts. Then the checkpoint of another test goes,
+    /// Goes on behind the frames of a killed run; none where a new test starts. Then the checkpoint of another test goes,
     /// and its frames with it.
-    pub(super) fn go_on(&mut self, frames: Vec<Written>, is_new: bool) -> Result<(), Failure> {
-        self.frames = frames;
+    pub(super) fn go_on(&mut self, written: Note, is_new: bool) -> Result<(), Failure> {
+        (self.frames, self.taken) = (written.frames, written.taken);
         let checkpoint = self.path.join(CHECKPOINT);
         if !is_new || !checkpoint.exists() {
             return Ok(());
         }
         let frames = self.frames_there()?.into_iter().map(|name| self.path.join(name));
         remove(std::iter::once(checkpoint).chain(frames))
+    }
+
+    /// The moments that the page shows.
+    pub(super) fn taken(&self) -> Taken {
+        self.taken.clone()
+    }
+
+    /// Keeps the moments that the page shows.
+    pub(super) fn keep_shots(&mut self, taken: Taken) {
+        self.taken = taken;
     }
 
     /// When each frame was taken.
@@ -204,7 +225,8 @@ impl Folder {
     /// Writes the checkpoint: whole, or the one before it stays.
     pub(super) fn keep(&mut self, run: &Run) -> Result<(), Failure> {
         let target = Target::new(&self.path.join(CHECKPOINT), true)?;
-        let note = serde_json::to_vec(&self.frames).map_err(|error| Failure::Run(error.to_string()))?;
+        let note = Note { frames: self.frames.clone(), taken: self.taken.clone() };
+        let note = serde_json::to_vec(&note).map_err(|error| Failure::Run(error.to_string()))?;
         let mut unit = Unit::default();
         unit.fill(&target, true, |out| run.save(&note, out))?;
         unit.commit()

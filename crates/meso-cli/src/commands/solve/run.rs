@@ -1,7 +1,7 @@
 //! The work of `mesocrete solve`: from a model, a spec or nothing to the stress-strain curve.
 
 use super::flags::Args;
-use super::folder::{Folder, Kept, Written};
+use super::folder::{Folder, Kept, Note};
 use super::settings::wrong;
 use super::watch::Watching;
 use crate::commands::meshing::MeshSettings;
@@ -41,8 +41,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     warn_before(&sample);
     let begun = Instant::now();
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
-    let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
-    folder.go_on(frames, !args.resume)?;
+    let written = kept.map_or_else(|| Ok(Note::default()), |kept| resume(&mut run, kept))?;
+    folder.go_on(written, !args.resume)?;
     args.announce(&run, &mesh);
     if let Some(device) = &device {
         args.attach(&mut run, device)?;
@@ -137,9 +137,9 @@ const NOT_EQUAL: &str =
     "results are not the processor's to the bit; `mesocrete devices --check` measures the difference";
 
 /// Restores the state that an earlier run kept.
-fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {
+fn resume(run: &mut Run, mut kept: Kept) -> Result<Note, Failure> {
     run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
-    Ok(kept.frames)
+    Ok(kept.written)
 }
 
 /// A run that came to its end.
@@ -161,8 +161,8 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Snapshot::now(run));
     let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
-    let frames = folder.frames();
-    let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
+    let (frames, taken) = (folder.frames(), folder.taken());
+    let outcome = Outcome { mesh, response, source, frames: &frames, taken: &taken, last: last.as_ref(), seconds };
     // Before a disk without room can hide them.
     tell(response, args.test().strain(), args.writing.quiet);
     folder.fill(&outcome)?;
@@ -209,7 +209,7 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
             result.added_mass_percent
         ));
     }
-    // Those of the mesh were told before the first step.
+    // Warnings of the mesh were printed before the first step.
     let late = result.warnings.iter().skip(result.mesh_warnings);
     late.for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
     result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));

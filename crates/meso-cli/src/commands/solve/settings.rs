@@ -102,7 +102,7 @@ impl Args {
 
     /// The device that takes the steps; none where this processor does.
     pub(super) fn device(&self) -> Result<Option<DeviceName>, Failure> {
-        self.device.find().map_err(|why| Failure::Usage(format!("--device {}: {why}", self.device)))
+        self.device.find().map_err(Failure::Usage)
     }
 
     /// Whether there is no saved model yet.

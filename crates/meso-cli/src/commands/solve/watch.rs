@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::{CLEAR, bar, fitting, show};
 use crate::stderr;
 use meso_core::mesh::Mesh;
-use meso_solve::results::Snapshot;
+use meso_solve::results::{Shooting, Snapshot};
 use meso_solve::{Frame, Observer, Row, Run};
 use std::cell::{Cell, RefCell};
 use std::io::{self, IsTerminal};
@@ -28,6 +28,7 @@ enum Shown {
 pub(super) struct Watching<'a> {
     mesh: &'a Mesh,
     folder: RefCell<Folder>,
+    shooting: Shooting,
     shown: Shown,
     started: Instant,
     /// Share of the test that a run before this one did.
@@ -48,6 +49,7 @@ impl<'a> Watching<'a> {
         let now = Instant::now();
         Self {
             mesh,
+            shooting: Shooting::after(folder.taken()),
             folder: RefCell::new(folder),
             shown: if quiet {
                 Shown::Nothing
@@ -69,7 +71,9 @@ impl<'a> Watching<'a> {
     /// The folder with the frames.
     pub(super) fn folder(self) -> Folder {
         self.clear();
-        self.folder.into_inner()
+        let mut folder = self.folder.into_inner();
+        folder.keep_shots(self.shooting.taken());
+        folder
     }
 
     /// Takes the bar away.
@@ -123,6 +127,14 @@ impl Observer for Watching<'_> {
         self.every.is_some_and(|every| self.kept.get().elapsed() >= every)
     }
 
+    fn wants(&self, row: &Row) -> bool {
+        self.shooting.wants(row)
+    }
+
+    fn moment(&self, frame: &Frame) {
+        self.shooting.take(frame);
+    }
+
     fn frame(&self, frame: &Frame) {
         if let Err(failure) = self.folder.borrow_mut().add(self.mesh, &Snapshot::of(frame)) {
             self.warn(&failure, "the test goes on without this frame");
@@ -130,7 +142,10 @@ impl Observer for Watching<'_> {
     }
 
     fn keep(&self, run: &Run) {
-        let failure = self.folder.borrow_mut().keep(run).err();
+        let mut folder = self.folder.borrow_mut();
+        folder.keep_shots(self.shooting.taken());
+        let failure = folder.keep(run).err();
+        drop(folder);
         // Said once, not every few minutes.
         let was_unkept = self.unkept.replace(failure.is_some());
         if let Some(failure) = failure.filter(|_| !was_unkept) {

@@ -24,8 +24,8 @@ use meso_mesh::CellKind;
 /// Names the first thing that devices have no code for.
 pub fn accept(_: &Test, kind: CellKind, is_cohesive: bool) -> Result<(), SolveError> {
     let why = match () {
-        () if kind == CellKind::Hexahedron => "voxels run on the processor only; take tetrahedra, or --device cpu",
-        () if is_cohesive => "cohesive faces run on the processor only; take another ITZ, or --device cpu",
+        () if kind == CellKind::Hexahedron => "voxels run on the processor only; take tetrahedra, or the device cpu",
+        () if is_cohesive => "cohesive faces run on the processor only; take another ITZ, or the device cpu",
         () => return Ok(()),
     };
     Err(SolveError::Device(why.to_owned()))

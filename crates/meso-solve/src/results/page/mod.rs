@@ -1,8 +1,9 @@
-//! One self-contained page about a test: the curve, its figures, energies, damage in three sections, and the cracks to turn.
+//! One self-contained page about a test: the curve beside the cracks to turn, with a slider over its moments; sections of damage,
+//! figures, energies and gauges.
 
-use super::cracks::Cracks;
-use super::section::{ACROSS, RAMP, picture};
-use super::{Outcome, Snapshot};
+use super::section::{ACROSS, RAMP};
+use super::shots::{Body, Shot};
+use super::{Outcome, ResultFile};
 use crate::march::Row;
 use crate::march::{Ended, Summary};
 use crate::test::TestKind;
@@ -16,7 +17,11 @@ use std::io::{self, BufWriter, Write};
 const STYLE: &str = include_str!("style.css");
 const VIEWER: &str = include_str!("viewer.js");
 /// Width and height of the stress-strain curve, pixels.
-const LARGE: [f64; 2] = [560.0, 340.0];
+const LARGE: [f64; 2] = [560.0, 400.0];
+/// Width and height of a plot of energies, pixels.
+const MEDIUM: [f64; 2] = [560.0, 320.0];
+/// The largest displacement is drawn as this share of the specimen's longest side, at first.
+const DRAWN: f64 = 0.12;
 
 /// Writes the page.
 ///
@@ -26,13 +31,26 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(outcome, &mut out)?;
     remarks(&outcome.response.result, &mut out)?;
-    curve(outcome, &mut out)?;
+    let body = outcome.last.map(|_| Body::of(outcome.mesh));
+    let end = outcome.last.zip(body.as_ref()).map(|(last, body)| Shot::of(outcome.mesh, body, last)).transpose()?;
+    let shots: Vec<(&str, &Shot)> = outcome.taken.shots().chain(end.as_ref().map(|end| ("end", end))).collect();
+    writeln!(out, "<div class=\"split\">\n<section>")?;
+    curve(outcome, &shots, &mut out)?;
+    writeln!(out, "</section>")?;
+    if let Some(body) = &body {
+        writeln!(out, "<section>")?;
+        view(outcome.mesh, &shots, &mut out)?;
+        writeln!(out, "</section>")?;
+        writeln!(out, "</div>")?;
+        controls(outcome.mesh, &shots, &mut out)?;
+        sections(outcome.mesh, &shots, &mut out)?;
+        data(body, &shots, &mut out)?;
+    } else {
+        writeln!(out, "</div>")?;
+    }
     figures(outcome, &mut out)?;
     energies(&outcome.response.curve, &mut out)?;
-    if let Some(last) = outcome.last {
-        sections(outcome.mesh, last, &mut out)?;
-        cracks(outcome.mesh, last, &mut out)?;
-    }
+    gauges(outcome, &mut out)?;
     out.write_all(b"</main>\n</html>\n")?;
     out.flush()
 }
@@ -83,11 +101,12 @@ fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-fn curve(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
+fn curve(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
     let (rows, figures) = (&outcome.response.curve, &outcome.response.result.figures);
     let start = std::iter::once((0.0, 0.0));
     let peak = vec![(figures.peak_strain, figures.peak_mpa)];
-    writeln!(out, "<h2>Stress and strain</h2>")?;
+    let moments = shots.iter().map(|(_, shot)| (shot.moment.strain, shot.moment.stress_mpa)).collect();
+    writeln!(out, "<h2>Stress and strain</h2>\n<div class=\"large\">")?;
     let plot = Plot {
         title: "Stress over strain",
         x: "mean axial strain",
@@ -97,9 +116,63 @@ fn curve(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         curves: vec![
             Series::line("stress", start.chain(rows.iter().map(|row| (row.strain, row.stress_mpa))).collect()),
             Series::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
+            Series::moving("moment below", moments),
         ],
     };
-    plot.write(out)
+    plot.write(out)?;
+    writeln!(out, "</div>")
+}
+
+/// The canvas of body and cracks.
+fn view(mesh: &Mesh, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
+    let size = Aabb::around(&mesh.points).size();
+    let [x, y, z]: [f64; 3] = (size / size.max()).into();
+    writeln!(
+        out,
+        "<h2>Cracks and deformation</h2>\n<canvas id=\"cracks\" tabindex=\"0\" role=\"img\" \
+         aria-label=\"The deformed body and its cracks in 3D\" data-size=\"{x} {y} {z}\" data-longest=\"{}\"></canvas>",
+        size.max()
+    )?;
+    for (number, (_, shot)) in shots.iter().enumerate() {
+        let text = match &shot.cracks {
+            Some(cracks) => {
+                let [level, widest] = cracks.openings_mm;
+                format!("Surfaces where the cracks are {level:.3} mm open; the widest cell is {widest:.3} mm open.")
+            }
+            None => "No crack is wider than 0.002 mm.".to_owned(),
+        };
+        writeln!(
+            out,
+            "<p class=\"note\" data-moment=\"{number}\">{text} The darker, the wider. Drag to turn; click, then wheel or + and - to zoom.</p>"
+        )?;
+    }
+    Ok(())
+}
+
+/// The slider over the moments, the factor of the deformation, and the body's switch.
+fn controls(mesh: &Mesh, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
+    let last = shots.len().saturating_sub(1);
+    let most = shots.iter().map(|(_, shot)| shot.most_mm).fold(0.0, f32::max);
+    let drawn = DRAWN * Aabb::around(&mesh.points).size().max() / f64::from(most);
+    let factor = rounded(drawn);
+    writeln!(
+        out,
+        "<div class=\"controls\">\n<label for=\"moment\">Moment</label><input id=\"moment\" type=\"range\" min=\"0\" max=\"{last}\" \
+         step=\"1\" value=\"{last}\"><output id=\"told\" for=\"moment\"></output>"
+    )?;
+    writeln!(
+        out,
+        "<label for=\"factor\">Deformation</label><input id=\"factor\" type=\"range\" min=\"0\" max=\"{}\" step=\"any\" \
+         value=\"{factor}\"><output id=\"times\" for=\"factor\"></output>\n<label class=\"check\"><input id=\"shell\" type=\"checkbox\" \
+         checked> body</label>\n</div>",
+        4.0 * factor
+    )
+}
+
+/// One digit.
+fn rounded(factor: f64) -> f64 {
+    let unit = libm::pow(10.0, libm::floor(libm::log10(factor.clamp(1.0, 1e6))));
+    (factor / unit).round().max(1.0) * unit
 }
 
 fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
@@ -130,14 +203,21 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
     ];
     let stone = result.broken_stone.map(|share| ("aggregates that broke, by volume", percent(share)));
-    writeln!(out, "<h2>Figures</h2>\n<div class=\"wide\"><table>")?;
+    writeln!(out, "<h2>Figures</h2>\n<div class=\"split\">\n<div class=\"wide\"><table>")?;
     rows.iter().chain(&stone).try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
     writeln!(
         out,
         "</table></div>\n<div class=\"wide\"><table><tr><th>phase<th>of specimen<th>exact<th>dissipated, mJ"
     )?;
-    for phase in &result.phases {
-        let exact = phase.exact_fraction.map_or("-".to_owned(), |fraction| format!("{fraction:.5}"));
+    // A phase that neither the mesh nor the packing has is no news.
+    for phase in result.phases.iter().filter(|phase| {
+        phase.volume_fraction > 0.0
+            || phase.dissipated_mj > 0.0
+            || phase.exact_fraction.is_some_and(|exact| exact > 0.0)
+    }) {
+        let is_smeared = phase.volume_fraction > 0.0 && phase.exact_fraction == Some(0.0);
+        let exact = phase.exact_fraction.filter(|_| !is_smeared);
+        let exact = exact.map_or("-".to_owned(), |fraction| format!("{fraction:.5}"));
         writeln!(
             out,
             "<tr><td>{}<td>{:.5}<td>{exact}<td>{:.1}",
@@ -146,16 +226,16 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
             phase.dissipated_mj
         )?;
     }
-    writeln!(out, "</table></div>")
+    writeln!(out, "</table></div>\n</div>")
 }
 
 fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| (row.strain, of(row))).collect::<Vec<_>>();
-    let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: Plot::SMALL, curves };
+    let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: MEDIUM, curves };
     // Where there is hardly any internal energy yet, its shares say nothing.
     let most = rows.iter().map(|row| row.internal).fold(0.0, f64::max);
     let loaded = || rows.iter().filter(|row| row.internal > 0.01 * most);
-    writeln!(out, "<h2>Energies</h2>\n<div class=\"row\">")?;
+    writeln!(out, "<h2>Energies</h2>\n<div class=\"split large\">")?;
     let work = vec![
         Series::line("plates' work", over_strain(|row| row.external / 1000.0)),
         Series::line("dissipated", over_strain(|row| row.dissipated / 1000.0)),
@@ -171,55 +251,91 @@ fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "</div>")
 }
 
-/// Damage in the planes through the middle.
-fn sections(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "<h2>Damage at a strain of {:.5}, {:.2} MPa</h2>", last.moment.strain, last.moment.stress_mpa)?;
-    writeln!(out, "<div class=\"row\">")?;
+/// Names of the curve's columns after those of every test, with their values row by row.
+fn further(outcome: &Outcome) -> io::Result<Vec<(String, Vec<f64>)>> {
+    let mut text = Vec::new();
+    ResultFile::Curve.write(outcome, &mut text)?;
+    let text = String::from_utf8_lossy(&text);
+    let mut lines = text.lines().map(|line| line.split(',').skip(Row::COLUMNS.len()));
+    let names = lines.next().into_iter().flatten();
+    let mut columns: Vec<(String, Vec<f64>)> = names.map(|name| (name.to_owned(), Vec::new())).collect();
+    for line in lines {
+        columns.iter_mut().zip(line).for_each(|((_, values), text)| values.push(text.parse().unwrap_or(f64::NAN)));
+    }
+    Ok(columns)
+}
+
+/// Gauges and forces of supports, one plot each.
+fn gauges(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
+    let columns = further(outcome)?;
+    if columns.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "<h2>Gauges and supports</h2>\n<div class=\"grid\">")?;
+    for (name, values) in &columns {
+        let points = outcome.response.curve.iter().map(|row| row.strain).zip(values.iter().copied()).collect();
+        let curves = vec![Series::line(name, points)];
+        Plot { title: name, x: "mean axial strain", y: "", log_x: false, size: Plot::SMALL, curves }.write(out)?;
+    }
+    writeln!(out, "</div>")
+}
+
+/// Damage in the planes through the middle, at every moment; a script shows one of them.
+fn sections(mesh: &Mesh, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
     let aabb = Aabb::around(&mesh.points);
     let middle = (aabb.min + aabb.max) / 2.0;
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let section = picture(mesh, last, axis, middle[axis]);
-        let (u, v) = ACROSS[axis];
-        let names = ["x", "y", "z"];
-        let caption = format!("{name} = {} mm; {} to the right, {} upwards", middle[axis], names[u], names[v]);
-        let data = base64(&section.png()?);
-        let (width, height) = (section.width / 2, section.height / 2);
+    let names = ["x", "y", "z"];
+    for (number, (when, shot)) in shots.iter().enumerate() {
+        let (strain, stress) = (shot.moment.strain, shot.moment.stress_mpa);
         writeln!(
             out,
-            "<figure><img width=\"{width}\" height=\"{height}\" alt=\"Damage, {caption}\" \
-             src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
+            "<section data-moment=\"{number}\">\n<h2>Damage: {when}, strain {strain:.5}, {stress:.2} MPa</h2>"
         )?;
+        writeln!(out, "<div class=\"grid\">")?;
+        for (axis, (data, [width, height])) in shot.sections.iter().enumerate() {
+            let (u, v) = ACROSS[axis];
+            let caption =
+                format!("{} = {} mm; {} to the right, {} upwards", names[axis], middle[axis], names[u], names[v]);
+            let (width, height) = (width / 2, height / 2);
+            writeln!(
+                out,
+                "<figure><img width=\"{width}\" height=\"{height}\" alt=\"Damage, {caption}\" \
+                 src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
+            )?;
+        }
+        writeln!(out, "</div>\n</section>")?;
     }
     writeln!(
         out,
-        "</div>\n<p class=\"note\">Damage 0 <span class=\"ramp\"></span> 1: the share of its stiffness that mortar or ITZ has \
+        "<p class=\"note\">Damage 0 <span class=\"ramp\"></span> 1: the share of its stiffness that mortar or ITZ has \
          lost. Grey are aggregates, which stay elastic. The test presses or pulls along z.</p>"
     )
 }
 
-/// The cells with the widest cracks, to be turned.
-fn cracks(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "<h2>Cracks</h2>")?;
-    let Some(cracks) = Cracks::of(mesh, last) else {
-        return writeln!(out, "<p class=\"note\">No crack is wider than 0.01 mm.</p>");
-    };
-    let [least, widest] = cracks.openings_mm;
-    writeln!(
-        out,
-        "<p class=\"note\">The {} elements whose cracks are {least:.3} mm wide or wider; the darkest is the widest, {widest:.3} mm. Drag to turn, use the wheel or two fingers to zoom, or the arrow keys, + and -.</p>",
-        cracks.cells
-    )?;
-    let size = Aabb::around(&mesh.points).size();
-    let [x, y, z]: [f64; 3] = (size / size.max()).into();
-    let text = "The cracks in 3D";
-    writeln!(
-        out,
-        "<canvas id=\"cracks\" tabindex=\"0\" role=\"img\" aria-label=\"{text}\" data-size=\"{x} {y} {z}\"></canvas>"
-    )?;
-    let corners: Vec<u8> = cracks.corners.as_flattened().iter().flat_map(|place| place.to_le_bytes()).collect();
-    let triangles: Vec<u8> = cracks.triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()).collect();
-    for (name, bytes) in [("corners", &corners), ("openings", &cracks.openings), ("triangles", &triangles)] {
-        writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{}</script>", base64(bytes))?;
+/// Surfaces, displacements and moments, for the script, and the script itself.
+fn data(body: &Body, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
+    let mut put = |name: &str, text: &str| writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{text}</script>");
+    let corners: Vec<u8> = body.corners.as_flattened().iter().flat_map(|place| place.to_le_bytes()).collect();
+    let triangles: Vec<u8> = body.triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()).collect();
+    put("body-corners", &base64(&corners))?;
+    put("body-triangles", &base64(&triangles))?;
+    for (number, (_, shot)) in shots.iter().enumerate() {
+        put(&format!("body-moved-{number}"), &shot.moved)?;
+        if let Some(cracks) = &shot.cracks {
+            put(&format!("corners-{number}"), &cracks.corners)?;
+            put(&format!("openings-{number}"), &cracks.openings)?;
+            put(&format!("moved-{number}"), &cracks.moved)?;
+            put(&format!("triangles-{number}"), &cracks.triangles)?;
+        }
     }
+    let moments: Vec<_> = shots
+        .iter()
+        .map(|(when, shot)| {
+            let told = format!("{when}: strain {:.5}, {:.2} MPa", shot.moment.strain, shot.moment.stress_mpa);
+            let triangles = shot.cracks.as_ref().map_or(0, |cracks| cracks.count);
+            serde_json::json!({ "told": told, "most_mm": shot.most_mm, "triangles": triangles })
+        })
+        .collect();
+    writeln!(out, "<script type=\"text/plain\" id=\"moments\">{}</script>", serde_json::Value::from(moments))?;
     writeln!(out, "<script>\n{TURNTABLE}{VIEWER}</script>")
 }

@@ -51,8 +51,12 @@ impl Run<'_> {
 
     fn report(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Result<(), String> {
         watch.stage(Stage::Solve, self.done());
-        if let Some(row) = self.state.rows.last() {
-            observer.row(row, self.done());
+        if let Some(row) = self.state.rows.last().copied() {
+            observer.row(&row, self.done());
+            if observer.wants(&row) {
+                self.bring_back()?;
+                observer.moment(&Frame::new(self, 0));
+            }
         }
         if observer.keeps() {
             self.bring_back()?;

@@ -1,0 +1,130 @@
+//! The specimen's surface in few triangles, to be deformed.
+
+use super::place;
+use meso_collision::math::Aabb;
+use meso_mesh::Mesh;
+use std::collections::BTreeMap;
+
+/// Faces are gathered from so many cells before those that two cells share are dropped: memory stays small.
+const RUN: usize = 100_000;
+/// Most corners; a surface of more is drawn by one corner in each cell of a coarse grid.
+const MOST_CORNERS: usize = 16_000;
+/// Cells of this grid along the longest side.
+const COARSE: f64 = 48.0;
+
+/// Corners and triangles of a surface.
+pub(crate) struct Body {
+    /// The node of each corner.
+    nodes: Vec<u32>,
+    /// Places of the corners.
+    pub(crate) corners: Vec<[u16; 3]>,
+    /// Corners of the triangles.
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Body {
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let triangles = outside(mesh);
+        let aabb = Aabb::around(&mesh.points);
+        let mut nodes: Vec<u32> = triangles.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let step = aabb.size().max() / COARSE;
+        let cell = |node: u32| {
+            let at = (mesh.points[node as usize] - aabb.min) / step;
+            [0, 1, 2].map(|axis| at[axis].round() as u32)
+        };
+        let is_fine = nodes.len() > MOST_CORNERS;
+        let key = |node: u32| if is_fine { cell(node) } else { [node, 0, 0] };
+        let mut corner_of = BTreeMap::new();
+        let mut corners = Vec::new();
+        for &node in &nodes {
+            corner_of.entry(key(node)).or_insert_with(|| {
+                corners.push(node);
+                corners.len() as u32 - 1
+            });
+        }
+        let mut triangles: Vec<[u32; 3]> = triangles
+            .into_iter()
+            .map(|triangle| triangle.map(|node| corner_of[&key(node)]))
+            .filter(|[a, b, c]| a != b && b != c && c != a)
+            .collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        Self {
+            corners: corners.iter().map(|&node| place(&mesh.points[node as usize], &aabb)).collect(),
+            nodes: corners,
+            triangles,
+        }
+    }
+
+    /// The nodes of the corners.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.nodes.iter().copied()
+    }
+}
+
+/// The faces that only one cell has, as triangles.
+fn outside(mesh: &Mesh) -> Vec<[u32; 3]> {
+    let (nodes, faces) = (mesh.kind.nodes(), mesh.kind.faces());
+    let mut open: Vec<([u32; 4], [u32; 4])> = Vec::new();
+    for cells in mesh.cells.chunks(RUN * nodes) {
+        let of_cell = |cell: &[u32]| faces.iter().map(|face| keyed(cell, face)).collect::<Vec<_>>();
+        open.extend(cells.chunks_exact(nodes).flat_map(of_cell));
+        open.sort_unstable();
+        let single = open.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+        open = single.map(|same| same[0]).collect();
+    }
+    let corners = faces.first().map_or(3, |face| face.len());
+    let triangles = |(_, face): &([u32; 4], [u32; 4])| {
+        let face = *face;
+        (2..corners).map(move |i| [face[0], face[i - 1], face[i]])
+    };
+    open.iter().flat_map(triangles).collect()
+}
+
+/// A face with a key that both cells at it share.
+fn keyed(cell: &[u32], face: &[usize]) -> ([u32; 4], [u32; 4]) {
+    let mut corners = [u32::MAX; 4];
+    corners.iter_mut().zip(face).for_each(|(corner, &i)| *corner = cell[i]);
+    let mut key = corners;
+    key.sort_unstable();
+    (key, corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_concrete::specimen::Specimen;
+    use meso_mesh::{ItzForm, MeshOptions, Method, Tools};
+
+    fn body(side_mm: f64, element_size_mm: f64) -> Body {
+        let options =
+            MeshOptions { method: Method::FITTED, element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
+        Body::of(&meso_mesh::build((&[], &Specimen::cube(side_mm)), &options, &Tools::default()).unwrap())
+    }
+
+    /// Area over that of a face of the box.
+    fn area(body: &Body) -> f64 {
+        let at = |corner: u32| body.corners[corner as usize].map(|place| f64::from(place) / 65_535.0);
+        let of = |&[a, b, c]: &[u32; 3]| {
+            let [a, b, c] = [a, b, c].map(at);
+            let [u, v] = [b, c].map(|x| [0, 1, 2].map(|i| x[i] - a[i]));
+            let cross = [0, 1, 2].map(|i| u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+            cross.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0
+        };
+        body.triangles.iter().map(of).sum()
+    }
+
+    #[test]
+    fn a_cube_has_the_surface_of_its_six_sides() {
+        assert!((area(&body(10.0, 2.0)) - 6.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_fine_surface_is_drawn_by_few_corners_and_stays_closed() {
+        let body = body(60.0, 1.0);
+        assert!(body.corners.len() < MOST_CORNERS, "{}", body.corners.len());
+        assert!((area(&body) - 6.0).abs() < 0.1, "{}", area(&body));
+    }
+}
