@@ -16,4 +16,5 @@ mod refusals;
 mod samples;
 mod servo;
 mod softening;
+mod stone;
 mod twins;

@@ -4,9 +4,17 @@
 //! Table 3 is not available. docs/decks.md has the source of each, docs/validation.md the tests that they meet. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
+mod cdpm2;
+mod concrete;
 mod ranges;
+mod rock;
+mod stone;
 
+pub use cdpm2::Cdpm2Parameters;
+pub use concrete::{Mix, Sourced};
 pub use ranges::MATERIALS;
+pub use rock::{Rock, RockValues};
+pub use stone::{Stone, StoneKind};
 
 use crate::cells::{CellKind, Mesh, Phase};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -16,7 +24,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
-    /// Aggregate cores, which stay elastic.
+    /// Aggregate cores.
     #[serde(deserialize_with = "aggregate")]
     pub aggregate: Elastic,
     /// Interfacial transition zone.
@@ -28,6 +36,9 @@ pub struct Materials {
     /// Fibres, which stay elastic: steel.
     #[serde(deserialize_with = "fibre")]
     pub fibre: Elastic,
+    /// Strength of the aggregates in a test; absent, they stay elastic, as they do in decks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aggregate_strength: Option<Stone>,
     /// Strength of the mortar.
     pub mortar_strength: Strength,
     /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
@@ -42,6 +53,8 @@ pub struct Materials {
     pub plasticity: Plasticity,
     /// Crushing and confinement of the solver's law `meso`, which decks do not have.
     pub meso: Mesoscale,
+    /// Parameters of the solver's law CDPM2 beside the strengths.
+    pub cdpm2: Cdpm2Parameters,
 }
 
 /// Isotropic linear elasticity.
@@ -118,6 +131,7 @@ impl Default for Materials {
             itz: ITZ,
             mortar: MORTAR,
             fibre: FIBRE,
+            aggregate_strength: None,
             mortar_strength: Strength::default(),
             itz_strength_ratio: 0.7,
             cohesive_thickness_mm: 0.1,
@@ -125,6 +139,7 @@ impl Default for Materials {
             cohesive_mode_power: 1.0,
             plasticity: Plasticity::default(),
             meso: Mesoscale::default(),
+            cdpm2: Cdpm2Parameters::default(),
         }
     }
 }
@@ -215,6 +230,17 @@ impl Strength {
     /// Compressive stress at which inelastic strain begins, over the strength, in decks and in our laws.
     pub const ELASTIC_LIMIT: f64 = 0.4;
 
+    /// Strengths and energies times `ratio`, at the same peak strain.
+    pub(crate) fn scaled(&self, ratio: f64) -> Self {
+        Self {
+            compressive_mpa: ratio * self.compressive_mpa,
+            peak_strain: self.peak_strain,
+            tensile_mpa: ratio * self.tensile_mpa,
+            fracture_energy_n_per_mm: ratio * self.fracture_energy_n_per_mm,
+            crushing_energy_n_per_mm: ratio * self.crushing_energy_n_per_mm,
+        }
+    }
+
     /// Cohesion of a Mohr-Coulomb material of these strengths, sqrt(f_c f_t) / 2, MPa.
     pub fn cohesion_mpa(&self) -> f64 {
         (self.compressive_mpa * self.tensile_mpa).sqrt() / 2.0
@@ -258,19 +284,13 @@ impl Materials {
         }
     }
 
-    /// The strength of `phase`; aggregates and fibres stay elastic and have none.
+    /// The strength of `phase`; aggregates and fibres have none, those of [`Stone`] are the test's own.
     pub fn strength(&self, phase: Phase) -> Option<Strength> {
         let (mortar, ratio) = (self.mortar_strength, self.itz_strength_ratio);
         match phase {
             Phase::Aggregate | Phase::Fibre => None,
             Phase::Mortar => Some(mortar),
-            Phase::Itz => Some(Strength {
-                compressive_mpa: ratio * mortar.compressive_mpa,
-                tensile_mpa: ratio * mortar.tensile_mpa,
-                fracture_energy_n_per_mm: ratio * mortar.fracture_energy_n_per_mm,
-                crushing_energy_n_per_mm: ratio * mortar.crushing_energy_n_per_mm,
-                ..mortar
-            }),
+            Phase::Itz => Some(mortar.scaled(ratio)),
         }
     }
 }

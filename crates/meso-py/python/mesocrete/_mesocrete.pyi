@@ -1256,6 +1256,9 @@ class Bodies:
         Bodies
         """
 
+def _concrete_materials(
+    *, fcm: float | None = ..., mortar: float | None = ..., rock: str | None = ..., fraction: float = ...
+) -> _types.DeckMaterials: ...
 def recipes() -> dict[str, str]:
     """The specimens that `Spec.recipe` knows: a dict of names and titles."""
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Literal, TypedDict, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._mesocrete import _concrete_materials
+
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
@@ -252,3 +254,24 @@ class Test:
         """Return linear strains of the phases without supports; shrinkage is negative."""
         strains = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre}
         return {"test": "expansion", "expansion": strains, **options}
+
+
+Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
+
+
+class Materials:
+    """Material values, for the keyword `materials` of `Mesh.solve`; `mesocrete init --materials` gives the source of each."""
+
+    @staticmethod
+    def for_concrete(fcm: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+        """Return the values of a concrete by its mean cylinder strength, MPa: 38 for C30.
+
+        `rock` is the aggregates' kind, and `fraction` the packing's share of aggregates, which the mortar's modulus
+        follows from.
+        """
+        return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction)
+
+    @staticmethod
+    def for_mortar(strength: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+        """Return the values of the concrete that a mortar of this mean strength, MPa, makes; the others as in `for_concrete`."""
+        return _concrete_materials(mortar=strength, rock=rock, fraction=fraction)

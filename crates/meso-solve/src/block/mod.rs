@@ -80,6 +80,8 @@ impl Cells {
 pub(crate) struct Group {
     /// Their phase; that of cohesive faces is the ITZ.
     pub(crate) phase: Phase,
+    /// Place of their material in [`Common::matter`].
+    pub(crate) matter: u16,
     /// In eights.
     pub(crate) cells: Cells,
     /// State of their law, one run of registers per eight elements.
@@ -137,8 +139,10 @@ impl Scratch {
 /// Data that all elements share.
 #[derive(Clone, Debug)]
 pub(crate) struct Common {
-    /// By phase, as a number.
-    pub(crate) matter: [Matter; 5],
+    /// By phase, as a number, and from [`PHASES`] on stones that break.
+    pub(crate) matter: Vec<Matter>,
+    /// Place of the stone of every body in `matter`; empty where no stone breaks.
+    pub(crate) stones: Vec<u16>,
     /// Shape of all hexahedra.
     pub(crate) shape: BoxShape,
     /// Values of cohesive faces.
@@ -149,6 +153,24 @@ pub(crate) struct Common {
     pub(crate) band_mm: f64,
     /// Linear strain that each phase has now without stress; none in tests without expansion.
     pub(crate) free: Option<[f64; 5]>,
+}
+
+/// Materials of phases, before those of stones that break.
+pub(crate) const PHASES: usize = 5;
+
+impl Common {
+    /// Place of the material of a cell with this phase and owner.
+    pub(crate) fn place(&self, phase: Phase, owner: u32) -> u16 {
+        let stone = if phase == Phase::Aggregate { self.stones.get(owner as usize) } else { None };
+        stone.copied().unwrap_or(phase as u16)
+    }
+
+    /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
+    pub(crate) fn widest_mm(&self, phase: Phase) -> [f64; 2] {
+        let stones = if phase == Phase::Aggregate { &self.matter[PHASES..] } else { &[] };
+        let all = std::iter::once(&self.matter[phase as usize]).chain(stones);
+        all.map(Matter::widest_mm).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
+    }
 }
 
 /// A step of one block.
@@ -172,8 +194,8 @@ impl Task for Pass<'_> {
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
-            let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
-            let matter = &common.matter[*phase as usize];
+            let Group { phase, matter, cells, memory, dissipated, hourglass, .. } = group;
+            let matter = &common.matter[usize::from(*matter)];
             let free = common.free.map(|free| L::splat(free[*phase as usize]));
             let spent = match cells {
                 Cells::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),

@@ -135,7 +135,7 @@ impl Figures {
 }
 
 /// Number of the row with the highest stress, the first of them.
-fn peak(rows: &[Row]) -> usize {
+pub(crate) fn peak(rows: &[Row]) -> usize {
     (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best })
 }
 

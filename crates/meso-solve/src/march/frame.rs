@@ -158,7 +158,7 @@ impl Task for Probe<'_> {
         scratch.take_in(block, displacement);
         let mut points = Vec::new();
         for group in &block.groups {
-            let matter = &common.matter[group.phase as usize];
+            let matter = &common.matter[usize::from(group.matter)];
             points.extend(matter.law::<L, _>(GroupProbe { group, common, u: &scratch.u }));
         }
         points

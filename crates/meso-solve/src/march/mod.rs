@@ -1,5 +1,6 @@
 //! A test step by step: the state of a run, its loop, and the response of the specimen.
 
+mod beyond_peak;
 mod curve;
 mod frame;
 mod gauges;
@@ -11,6 +12,7 @@ mod run;
 mod servo;
 mod supports;
 
+pub use beyond_peak::BeyondPeak;
 pub use curve::{Extra, Figures, Row};
 pub use frame::{Frame, Mean, Point};
 pub use observer::Observer;

@@ -58,9 +58,14 @@ impl MeshFlags {
 
     /// The materials of the file that is given, or the illustrative ones.
     pub(crate) fn materials(&self) -> Result<Materials, Failure> {
-        let Some(path) = &self.materials else { return Ok(Materials::default()) };
-        inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
+        materials(self.materials.as_deref())
     }
+}
+
+/// The materials of a file, or the illustrative ones.
+pub(crate) fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
+    let Some(path) = path else { return Ok(Materials::default()) };
+    inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
 }
 
 /// A file of material values.

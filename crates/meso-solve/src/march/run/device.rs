@@ -116,6 +116,11 @@ impl Run<'_> {
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
         let mesh = self.sample.mesh;
         accept(&self.test, mesh.kind, !mesh.cohesive.is_empty())?;
+        if !self.common.stones.is_empty() {
+            let why =
+                "stone that breaks runs on the processor only; leave out aggregate_strength, or take --device cpu";
+            return Err(SolveError::Device(why.to_owned()));
+        }
         Ok(Upload(self))
     }
 

@@ -14,7 +14,7 @@ use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
 use crate::block::matter::{self, Matter};
-use crate::block::{Block, Common, Pass, Scratch};
+use crate::block::{Block, Common, PHASES, Pass, Scratch};
 use crate::element::face::CohesionValues;
 use crate::error::SolveError;
 use crate::lanes::InstructionSet;
@@ -357,9 +357,15 @@ fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common,
     let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;
     let matter = |phase| Matter::new(materials, phase, test.law);
     // Places in the order of the phases' numbers; 3 is no phase of a mesh.
-    let matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter);
+    let mut matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter).to_vec();
+    let mut stones = Vec::new();
+    if let Some(stone) = materials.aggregate_strength.as_ref().filter(|_| test.law != LawName::Elastic) {
+        stones = sample.mesh.id_of.iter().map(|&id| (PHASES + stone.place(id)) as u16).collect();
+        matter.extend(Matter::stones(materials, stone, test.law));
+    }
     Ok(Common {
         matter,
+        stones,
         shape,
         cohesion,
         hourglass: test.hourglass,
