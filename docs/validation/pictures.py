@@ -15,6 +15,9 @@ HERE = Path(__file__).resolve().parent
 # Height of the specimens of each published curve, mm.
 TESTS = {"kupfer_uniaxial": ("Kupfer et al. 1969, 200 mm", 200.0), "karsan_jirsa_uniaxial": ("Karsan and Jirsa 1969, 82 mm", 82.0)}
 
+# Names of cases in words.
+LABELS = {"cube-0.1": "cube, friction 0.1", "cube-0.6": "cube, friction 0.6", "height-100": "cube, friction 0.005"}
+
 
 def main() -> None:
     """Draw every picture that has curves."""
@@ -44,7 +47,7 @@ def curves(done: dict[str, run.Curve], path: Path, names: list[str]) -> None:
     for number, name in enumerate(names):
         for seed in (1, 2, 3):
             if curve := done.get(f"{name}-{seed}"):
-                label = name if seed == 1 else None
+                label = LABELS.get(name, name) if seed == 1 else None
                 axes.plot([1000 * e for e in curve.strain], curve.stress, f"C{number}", lw=1, label=label)
                 drawn = True
     if path.stem == "validation-curve":
