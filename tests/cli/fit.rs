@@ -13,7 +13,7 @@ fn measured() -> Folder {
     folder.write("SPEC.toml", SPEC);
     folder.write(
         "known.toml",
-        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.003\ntensile_mpa = 3.75\n",
+        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.003\ntensile_mpa = 4.25\n",
     );
     let flags =
         ["solve", "SPEC.toml", "-o", "known", "--materials", "known.toml", "--strain", "0.006", "--frames", "0"];
