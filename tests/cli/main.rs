@@ -18,6 +18,7 @@ mod conforming_slabs;
 mod conforming_specimens;
 mod effective;
 mod files;
+mod fit;
 mod footing;
 mod help;
 mod hostile;

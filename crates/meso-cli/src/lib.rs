@@ -66,6 +66,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Solve(args) => commands::solve::run(&args),
         Command::Devices(args) => commands::devices::run(&args),
         Command::Study(args) => commands::study::run(&args),
+        Command::Fit(args) => commands::fit::run(&args),
         Command::Check(args) => commands::check::run(&args),
         Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),

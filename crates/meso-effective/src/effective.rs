@@ -34,9 +34,13 @@ pub struct EffectiveOptions {
 
 impl EffectiveOptions {
     /// Memory that a specimen takes at most, bytes: links, levels and vectors, then the field.
-    pub fn bytes(&self, specimen: &Specimen) -> f64 {
-        let voxels = specimen.aabb().size().iter().map(|length| (length / self.voxel_size_mm).ceil()).product::<f64>();
-        voxels * if self.fields { BYTES + 16.0 * self.axes.iter().filter(|axis| **axis).count() as f64 } else { BYTES }
+    ///
+    /// # Errors
+    /// A voxel size out of its range.
+    pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
+        let voxels = grid::counts(specimen, self.voxel_size_mm)?.iter().map(|count| *count as f64).product::<f64>();
+        let axes = self.axes.iter().filter(|axis| **axis).count() as f64;
+        Ok(voxels * if self.fields { BYTES + 16.0 * axes } else { BYTES })
     }
 
     /// All axes, to nine digits, without fields.

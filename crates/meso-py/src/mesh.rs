@@ -291,12 +291,12 @@ impl PyMesh {
         })
     }
 
-    /// Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+    /// Tests the specimen, and returns its curve, figures and fields.
     ///
     /// Parameters
     /// ----------
     /// test : str
-    ///     "compression", between plates that press and rub, or "tension", between plates that are glued on.
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional
@@ -315,7 +315,8 @@ impl PyMesh {
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
-    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md. `pressure_mpa`, `stress_ratio`,
+    ///     `strip_mm`, `span_mm`, `turns`, `supports`, `gauges`, `expansion`: see docs/tests.md.
     ///
     /// Returns
     /// -------

@@ -5,12 +5,14 @@ use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
 use crate::views::call_view;
+use meso_core::materials::{Mix, Rock};
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
 use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -332,4 +334,33 @@ pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     recipes::Recipe::ALL.iter().try_for_each(|recipe| dict.set_item(recipe.name, recipe.title()))?;
     Ok(dict)
+}
+
+/// Keywords of [`concrete_materials`].
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Concrete {
+    fcm: Option<f64>,
+    mortar: Option<f64>,
+    rock: Option<Rock>,
+    fraction: f64,
+}
+
+/// The `[materials]` of a concrete by its mean strength or by its mortar's, MPa, with a rock and a share of aggregates.
+#[pyfunction(name = "_concrete_materials")]
+#[pyo3(signature = (**given))]
+pub(crate) fn concrete_materials<'py>(
+    py: Python<'py>,
+    given: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    guard(|| {
+        let Concrete { fcm, mortar, rock, fraction } = self::options(given)?;
+        let mix = match (fcm, mortar) {
+            (Some(fcm_mpa), None) => Mix { fcm_mpa, rock, fraction },
+            (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction),
+            _ => return Err(wrong_value("give the concrete's mean strength or the mortar's, not both")),
+        };
+        let sourced = mix.materials().map_err(|error| wrong_value(format!("{} {}", error.key, error.fault())))?;
+        tree::plain(py, &sourced.materials)
+    })
 }

@@ -2,7 +2,7 @@
 
 pub(super) const PACK: &str = "\
 Examples:
-  mesocrete pack --fraction 0.4                              a 150 mm cube: model.json, .vtu, .inp, .html
+  mesocrete pack --fraction 0.4                              a 150 mm cube, with its page
   mesocrete pack SPEC.toml --seed 7 -o model.json            a packing of your own
   mesocrete pack -o deck.inp --analysis compression          from nothing to a deck of a test";
 
@@ -34,6 +34,11 @@ Example of a STUDY.toml:
 Run it:
   mesocrete study STUDY.toml -o study --jobs 2";
 
+pub(super) const FIT: &str = "\
+Examples:
+  mesocrete fit measured.csv SPEC.toml -o fit                the mortar of a measured curve, over three packings
+  mesocrete fit measured.csv SPEC.toml --materials C30.toml  starts from the materials of a class";
+
 pub(super) const CHECK: &str = "\
 Example:
   mesocrete check model.json";
@@ -64,7 +69,8 @@ Examples:
 pub(super) const INIT: &str = "\
 Examples:
   mesocrete init                                             SPEC.toml of the default specimen
-  mesocrete init en-cube-150 -o cube.toml                    a specimen of a standard";
+  mesocrete init en-cube-150 -o cube.toml                    a specimen of a standard
+  mesocrete init --materials C30 --rock granite              MATERIALS.toml, with the source of each value";
 
 pub(super) const RECIPES: &str = "\
 Example:

@@ -758,7 +758,7 @@ class Mesh:
 
     def solve(
         self,
-        test: Literal["compression", "tension"] = "compression",
+        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion"] = "compression",
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
@@ -766,12 +766,12 @@ class Mesh:
         progress: bool | Callable[..., object] | None = None,
         **options: Unpack[SolveOptions],
     ) -> Response:
-        """Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+        """Tests the specimen, and returns its curve, figures and fields.
 
         Parameters
         ----------
         test : str
-            "compression", between plates that press and rub, or "tension", between plates that are glued on.
+            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
         friction : float
             Coulomb's coefficient between plates and specimen in compression.
         strain : float, optional
@@ -790,7 +790,8 @@ class Mesh:
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
-            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md. `pressure_mpa`, `stress_ratio`,
+            `strip_mm`, `span_mm`, `turns`, `supports`, `gauges`, `expansion`: see docs/tests.md.
 
         Returns
         -------
@@ -1255,6 +1256,9 @@ class Bodies:
         Bodies
         """
 
+def _concrete_materials(
+    *, fcm: float | None = ..., mortar: float | None = ..., rock: str | None = ..., fraction: float = ...
+) -> _types.DeckMaterials: ...
 def recipes() -> dict[str, str]:
     """The specimens that `Spec.recipe` knows: a dict of names and titles."""
 

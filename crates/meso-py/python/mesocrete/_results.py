@@ -450,6 +450,17 @@ class CurveFigures(TypedDict):
     """Whether the stress fell below 0.8 of the peak."""
 
 
+class BeyondPeak(TypedDict):
+    """Figures of a curve beyond its peak."""
+
+    displacement_to_half_mm: float | None
+    """Shortening or lengthening from the peak until half of it is left, mm; `None` where it is not reached."""
+    energy_beyond_peak_n_per_mm: float
+    """Work of the stress beyond the peak, per area, N/mm."""
+    energy_beyond_peak_until: float
+    """Share of the peak that is left where this work ends: 0.2, or more where the test ends earlier."""
+
+
 class Energies(TypedDict):
     """Energies at the end of a test, mJ."""
 
@@ -480,7 +491,7 @@ class PhaseResult(TypedDict):
     """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
 
-class TestResult(CurveFigures):
+class TestResult(CurveFigures, BeyondPeak):
     """Content of `result.json`, without seconds."""
 
     version: str
@@ -535,6 +546,10 @@ class TestResult(CurveFigures):
     """Cells of these aggregates that became mortar, in the mesh and in the test."""
     phases: list[PhaseResult]
     """Phases of the test."""
+    columns: NotRequired[list[str]]
+    """Columns of the curve after those of every test: gauges, and forces of supports in N."""
+    broken_stone: float | None
+    """Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break."""
     phase_error: float | None
     """Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known."""
     phase_error_of: str | None

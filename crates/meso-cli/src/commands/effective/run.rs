@@ -57,7 +57,8 @@ type Found = ((Effective, f64), Vec<FluxField>);
 fn solve(args: &Args, what: Property, model: &Model, phases: &Phases, watch: &Watch) -> Result<Found, Failure> {
     let options = args.options(what, &model.spec);
     let work = format!("the {} of voxels of {} mm", what.name(), options.voxel_size_mm);
-    room::accept_in_memory(&work, options.bytes(&model.spec.specimen), options.voxel_size_mm)?;
+    let bytes = options.bytes(&model.spec.specimen).map_err(|error| wrong(&error))?;
+    room::accept_in_memory(&work, bytes, ("--voxel-size-mm", options.voxel_size_mm))?;
     let begun = Instant::now();
     let (found, fields) = effective(model, phases, &options, watch).map_err(|error| wrong(&error))?;
     Ok(((found, begun.elapsed().as_secs_f64()), fields))

@@ -299,8 +299,8 @@ fn gaps(notes: &Notes, has_cohesive: bool) {
     }
     if notes.closed_side_gaps > 0 {
         stderr::line(format!(
-            "{} grains are as close to the specimen's sides (up to {:.2} mm) and touch them at {} nodes; a larger wall_gap_mm keeps \
-             mortar there",
+            "{} grains are closer to the specimen's sides than the elements can resolve (up to {:.2} mm) and touch them \
+             at {} nodes; a larger wall_gap_mm keeps mortar there",
             thousands(notes.closed_side_gap_aggregates),
             notes.widest_closed_side_gap_mm,
             thousands(notes.closed_side_gaps)
