@@ -14,7 +14,7 @@ fn pack_without_outputs_writes_model_json_vtu_inp_and_html() {
     assert_eq!(folder.names(), ["model.html", "model.inp", "model.json", "model.vtu", "small.toml"]);
     assert!(run.stderr.contains("meshed 8,000 elements"), "{}", run.stderr);
     // Voxels of 2 mm show no shell of a tenth, and one line says how to get it.
-    assert!(run.stderr.contains("the mesh has no ITZ: shells of 0.1 to 0.5 mm are thinner"), "{}", run.stderr);
+    assert!(run.stderr.contains("no ITZ in the mesh: shells of 0.1 to 0.5 mm are thinner"), "{}", run.stderr);
     assert!(!run.stderr.contains("itz  "), "{}", run.stderr);
     let page = String::from_utf8(folder.read("model.html")).unwrap();
     assert!(
