@@ -21,7 +21,7 @@ use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Stage;
 use meso_core::{Model, Silent, Spec, Watch, pack};
-use meso_solve::{InstructionSet, LawName, Run, Sample, Smoothing, Test};
+use meso_solve::{Geometry, InstructionSet, LawName, Run, Sample, Smoothing, Test};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use table::Table;
@@ -84,10 +84,9 @@ fn ready<'a>(case: &Case<'a>) -> Run<'a> {
     materials.plasticity.meridian_ratio = 0.8;
     // Few steps, so that softening is soon there: what a step costs does not hang on its length.
     let steps = 1000.0;
-    let size = specimen.aabb().size().z;
     let (law, smoothing, instruction_set) = (case.law, Some(case.smoothing), Some(case.set));
     let test = Test { law, smoothing, instruction_set, rows: 1_000_000, ..Test::default() };
-    let duration = test.duration_s(size);
+    let duration = test.duration_s(&Geometry::of(specimen));
     let test = Test { time_step_s: Some(duration / steps), ..test };
     let mut run = Run::new(Sample::of(mesh, specimen, options), &materials, &test).expect("a test");
     go(&mut run, 1 + (case.from * steps) as u64);
@@ -124,8 +123,10 @@ fn main() {
         cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Meso, 0.6, set));
         cases.push(smoothed(LawName::Elastic, 0.0, set));
         cases.push(smoothed(LawName::Cdp, 0.6, set));
+        cases.push(smoothed(LawName::Meso, 0.6, set));
     }
     cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));

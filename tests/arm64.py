@@ -56,6 +56,7 @@ RUNS = [
     "mesh rve-60.json --method lattice --element-size-mm 4 --itz none -o periodic.inp",
     "image small.json -o image.npy",
     f"solve small.json -o cdp {COARSE}",
+    f"solve small.json -o meso --law meso {COARSE}",
     f"solve small.json -o cdpm2 --law cdpm2 {COARSE}",
     f"solve small.json -o unsmoothed --smoothing none {COARSE}",
     f"solve small.json -o cohesive --itz cohesive {COARSE}",

@@ -211,6 +211,21 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
         "grading.d_min_mm",
         "is 5 but the curve's sieves go from 8 to 20 mm",
     ),
+    (
+        "[grading]\ncurve = { kind = 'sieves', sieves_mm = [5, 20], passing_percent = [0, 1] }",
+        "grading.curve.passing_percent",
+        "has nothing above 1; these are shares: call them passing",
+    ),
+    (
+        "[grading]\ncurve = { kind = 'sieves', sieves_mm = [5, 20], passing_percent = [0, 101] }",
+        "grading.curve.passing_percent",
+        "has 101; per cent are from 0 to 100",
+    ),
+    (
+        "[grading]\ncurve = { kind = 'fuller', column = 2 }",
+        "grading.curve.column",
+        "counts only beside file; leave it out",
+    ),
     ("[grading]\ncurve = { kind = 'sieves', file = 3 }", "grading.curve.file", "must be the name of a CSV file"),
     ("[grading]\nsize_law = 'volume_uniform'", "grading.size_law", "did you mean \"volume-uniform\"?"),
     (

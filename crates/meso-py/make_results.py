@@ -26,7 +26,10 @@ SOURCES = {
     "meso-mesh/src/figures/quality.rs": ["QualityReport"],
     "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-pack/src/check/mod.rs": ["Check"],
+    "meso-effective/src/bounds.rs": ["PropertyBounds"],
+    "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
     "meso-solve/src/march/curve.rs": ["Figures"],
+    "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
@@ -38,7 +41,7 @@ CHANGED = {
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
-        {"figures"},
+        {"figures", "beyond_peak"},
         [
             ("version", "str", "Of mesocrete."),
             ("seed", "int", "Of the packing."),
@@ -50,13 +53,15 @@ CHANGED = {
     ),
 }
 # A dict that has the keys of another, too.
-BASES = {"Summary": "CurveFigures"}
+BASES = {"Summary": "CurveFigures, BeyondPeak"}
 PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",
     "String": "str", "&'static str": "str",
     # Names of a choice, and findings, which are a kind and its own keys.
     "StopReason": "str", "Kind": "str", "TestKind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
     "Ended": "str | dict[str, str]",
+    # Rows of a tensor, None where not asked for.
+    "Property": "str", "FluxTensor": "list[list[float | None]]",
     "Finding": "dict[str, str | int | float]",
 }  # fmt: skip
 

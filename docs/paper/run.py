@@ -205,9 +205,23 @@ def run(program: str, case: Case, folder: Path) -> None:
         print(f"  failed: {(folder / 'messages.txt').read_text(encoding='utf-8').strip()}", file=sys.stderr)
 
 
+# The defaults of the time when the page was measured, in TOML.
+FORMER = """aggregate.youngs_modulus_mpa = 70000
+mortar.youngs_modulus_mpa = 26000
+itz.youngs_modulus_mpa = 20000
+mortar_strength.compressive_mpa = 40
+mortar_strength.peak_strain = 0.0022
+mortar_strength.tensile_mpa = 3.0
+mortar_strength.fracture_energy_n_per_mm = 0.06
+mortar_strength.crushing_energy_n_per_mm = 0.5
+plasticity.dilation_angle_deg = 30
+plasticity.meridian_ratio = 0.75
+"""
+
+
 def materials_of(case: Case) -> str:
-    """What the case changes of the default materials."""
-    return f"[materials]\n{case.materials}\n"
+    """Materials of the page, with the values that the case changes."""
+    return f"[materials]\n{FORMER}{case.materials}\n"
 
 
 def with_defaults(flags: list[str]) -> list[str]:

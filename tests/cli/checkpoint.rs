@@ -109,5 +109,5 @@ fn a_second_test_in_a_folder_is_refused_at_once_and_the_first_goes_on() {
     }
     assert!(first.wait().unwrap().success());
     let names = folder.names_in("out");
-    assert!(names.len() == 8 && names.contains(&"curve.csv".to_owned()), "{names:?}");
+    assert!(names.len() >= 8 && names.contains(&"curve.csv".to_owned()), "{names:?}");
 }

@@ -25,7 +25,7 @@ fn a_section_is_drawn_and_refusals_name_the_way_out() {
     assert_eq!(&folder.read("s.png")[..8], b"\x89PNG\r\n\x1a\n");
     assert!(folder.read("s.svg").starts_with(b"<svg xmlns="));
     for (flags, said) in [
-        (&["-o", "x.png"][..], "x.png: it shows one section; add one, as --section z=75, or take .npy, .tif or .vti"),
+        (&["-o", "x.png"][..], "x.png: it holds one section; add --section z=75, or use .npy, .tif or .vti"),
         (&["-o", "x.bmp"], "unknown image format; the extension must be one of .npy, .tif, .vti, .png, .svg"),
         (&["-o", "x.npy", "--section", "w=3"], "it must be an axis and a length in mm, as in z=75"),
         (&["-o", "x.npy", "--section", "z=41"], "--section is 41; it must lie within 0 and 40 mm"),

@@ -82,7 +82,7 @@ fn a_test_without_frames_leaves_all_other_results() {
 #[test]
 fn the_page_of_a_test_is_whole_in_itself() {
     let folder = Folder::with_model();
-    assert_eq!(solve(&folder, &["small.json", "-q"]).code, 0);
+    assert_eq!(solve(&folder, &["small.json", "-q", "--strain", "0.008", "--friction", "0.005"]).code, 0);
     let page = String::from_utf8(folder.read("out/result.html")).unwrap();
     assert_whole(&page);
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3 * 3, "three sections at three moments");
@@ -172,7 +172,7 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         ),
         (&["small.json", "--law", "steel"], 2, "[possible values: elastic, cdp"),
         (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
-        (&["small.json", "--test", "bending"], 2, "[possible values: compression, tension"),
+        (&["small.json", "--test", "bending"], 2, "the specimen has no notch, whose mouth opens"),
         (&["small.json", "--itz", "thick"], 2, "[possible values: solid, cohesive, smeared, none]"),
         (&["small.json", "--order", "2"], 2, "--order is 2; a test takes 1"),
         (&["small.json", "--fit", "plain", "--method", "voxel"], 2, "--fit is plain; only the method lattice takes it"),
@@ -298,4 +298,28 @@ pub(crate) mod signals {
         assert!(folder.read("out/result.html").ends_with(b"</html>\n"));
         assert!(!folder.names_in("out").iter().any(|name| name.ends_with(".tmp")));
     }
+}
+
+#[test]
+fn a_test_of_a_file_has_its_gauges_and_supports_as_columns() {
+    let folder = Folder::with_model();
+    assert_eq!(folder.run(&["init", "--test", "triaxial"]).code, 0);
+    let run =
+        solve(&folder, &["small.json", "-o", "out", "--test", "TEST.toml", "--pressure-mpa", "2", "--frames", "0"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let (curve, result) = (curve(&folder, "out/curve.csv"), result(&folder, "out/result.json"));
+    assert_eq!(result["test"], "triaxial");
+    let columns = result["columns"].as_array().unwrap();
+    assert_eq!(columns.len(), 4, "{columns:?}");
+    assert!(columns.iter().all(|name| curve.contains_key(name.as_str().unwrap())), "{columns:?}");
+}
+
+#[test]
+fn a_test_that_the_specimen_cannot_have_is_refused_before_the_packing() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["solve", "small.toml", "--test", "bending"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("no notch") && !run.stderr.contains("packing"), "{}", run.stderr);
+    let run = folder.run(&["solve", "small.toml", "--test", "twisting"]);
+    assert!(run.stderr.contains("or a TEST.toml"), "{}", run.stderr);
 }

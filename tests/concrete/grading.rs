@@ -3,7 +3,7 @@
 use crate::pack::folder::Folder;
 use meso_core::aggregate::{Curve, Form, Grading, SizeLaw, Standard};
 use meso_core::recipes;
-use meso_core::spec::Spec;
+use meso_core::spec::{Files, Spec};
 
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-12
@@ -208,16 +208,65 @@ fn a_sieve_table_is_read_from_a_file_that_the_caller_opens() {
     assert_eq!(read("\u{feff}Sieve_mm;Passing\r\n4;0,1\r\n8;0,45\r\n16;1\r\n").unwrap().grading.curve, expected);
     assert_eq!(read("\"sieve_mm\"\tpassing\n4\t0.1\n8\t0,45\n16\t1\n").unwrap().grading.curve, expected);
     for (csv, part) in [
-        ("4,0.1\n16,1\n", "its first line must be sieve_mm,passing"),
-        ("sieve_mm,passing\n4;0.1\n", "line 2 is \"4;0.1\"; it must be two numbers"),
-        ("sieve_mm,passing\n4,0.1\n16,100\n", "grading.curve.passing has 100; shares are from 0 to 1"),
-        ("", "its first line must be"),
+        ("sieve_mm,passing_percent\n4,0.1\n16,1\n", "no number is above 1: these are shares"),
+        ("sieve_mm,passing\n4;0.1\n", "it has no two columns"),
+        (
+            "sieve_mm,passing\n4,0.1\n8,0.05\n16,1\n",
+            "line 2: 0.1 at 4 mm after 0.05 at 8 mm, but more passes a wider sieve",
+        ),
+        ("", "it has no two columns"),
     ] {
         let error = read(csv).unwrap_err().to_string();
         assert!(error.contains(part), "{csv:?}: {error}");
     }
     let error = Spec::from_toml(text).unwrap_err().to_string();
     assert!(error.contains("line 2: grading.curve.file is \"stone.csv\": files cannot be read here"), "{error}");
+}
+
+/// A folder that keeps the remarks about its file.
+struct Heard<'a>(Folder<'a>, Vec<String>);
+
+impl Files for Heard<'_> {
+    fn read(&mut self, name: &str) -> std::io::Result<Vec<u8>> {
+        self.0.read(name)
+    }
+
+    fn list(&mut self, folder: &str) -> std::io::Result<Vec<String>> {
+        self.0.list(folder)
+    }
+
+    fn remark(&mut self, name: &str, remark: &str) {
+        self.1.push(format!("{name}: {remark}"));
+    }
+}
+
+#[test]
+fn a_spec_says_how_it_read_a_sieve_table_and_which_share_of_the_curve_it_models() {
+    let csv = "Sieve (mm);Sand;Gravel\n16;100;100\n8;100;40\n4;90;10\n1;20;0\n";
+    let spec = |keys: &str| {
+        let text =
+            format!("[grading]\ncurve = {{ kind = 'sieves', file = 'a.csv'{keys} }}\nd_min_mm = 4\nd_max_mm = 8\n");
+        let mut files = Heard(Folder(&[("a.csv", csv.as_bytes())]), Vec::new());
+        Spec::from_toml_with(&text, &mut files).map(|spec| (spec, files.1)).map_err(|error| error.to_string())
+    };
+    let (read, remarks) = spec(", blend = { Sand = 40, Gravel = 60 }").unwrap();
+    assert!(near(read.grading.curve.passing(4.0, 16.0), 0.42) && near(read.grading.curve.passing(8.0, 16.0), 0.64));
+    let [remark] = &remarks[..] else { panic!("{remarks:?}") };
+    assert!(
+        remark.contains("4 to 8 mm is 22 % of the curve, 36 % is coarser and 42 % finer; grading.size"),
+        "{remark}"
+    );
+    assert!(near(spec(", column = 'Sand'").unwrap().0.grading.curve.passing(4.0, 16.0), 0.9));
+    for (keys, part) in [
+        ("", "can be the grading; name one beside file"),
+        (", blend = { Sand = 0.4, Gravel = 0.5 }", "line 2: grading.curve.blend sums to 0.9"),
+        (", column = true", "grading.curve.column is a boolean"),
+        (", column = 2, means = 'passed'", "grading.curve.means is \"passed\"; it must be one of \"passing\""),
+        (", column = 2, sheet = 'a'", "only Python reads sheets"),
+    ] {
+        let reason = spec(keys).unwrap_err();
+        assert!(reason.contains(part), "{keys}: {reason}");
+    }
 }
 
 #[test]

@@ -2,5 +2,6 @@
 
 mod grading;
 mod shapes;
+mod sieve_tables;
 mod specimens;
 mod surfaces;

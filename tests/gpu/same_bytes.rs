@@ -6,7 +6,9 @@ use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
-use meso_solve::{Control, Ended, Frame, LawName, Observer, Response, Run, Sample, Smoothing, Test, TestKind};
+use meso_solve::{
+    Control, Ended, Frame, Geometry, LawName, Observer, Response, Run, Sample, Smoothing, Test, TestKind,
+};
 use std::cell::RefCell;
 
 pub(crate) struct Cube {
@@ -46,7 +48,7 @@ impl Cube {
 
     /// A test of some 1,000 steps.
     fn short(&self, test: Test) -> Test {
-        let duration = test.duration_s(self.specimen.aabb().size().z);
+        let duration = test.duration_s(&Geometry::of(&self.specimen));
         Test { time_step_s: Some(duration / 1000.0), rows: 50, ..test }
     }
 }

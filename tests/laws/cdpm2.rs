@@ -1,6 +1,7 @@
 //! CDPM2 against closed forms of its equations, in f64 and in the f32 of the solver.
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
+use meso_core::materials::Materials;
 use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
 use meso_solve::law::{Law, cdpm2 as law};
 
@@ -128,8 +129,9 @@ fn a_band_too_wide_is_named() {
 
 #[test]
 fn values_that_cannot_be_are_named() {
-    assert!(law::validate(&mortar(), &law::Options::default()).is_ok());
-    let error = |options: law::Options| law::validate(&mortar(), &options).unwrap_err().to_string();
+    let with = |options: law::Options| Materials { cdpm2: options, ..mortar() };
+    assert!(law::validate(&mortar()).is_ok());
+    let error = |options: law::Options| law::validate(&with(options)).unwrap_err().to_string();
     let usual = law::Options::default();
     let refused = error(law::Options { dilation: 0.5, ..usual });
     assert!(refused.contains("cdpm2.dilation is 0.5; it must be 0.55 to 2"), "{refused}");
@@ -137,8 +139,22 @@ fn values_that_cannot_be_are_named() {
     assert!(refused.contains("cdpm2.hardening_ductility[0] is 0.002"), "{refused}");
     let refused = error(law::Options { crushing_strain: Some(f64::NAN), ..usual });
     assert!(refused.contains("cdpm2.crushing_strain is NaN"), "{refused}");
+    let refused = error(law::Options { hardening_modulus: 0.0, ..usual });
+    assert!(refused.contains("cdpm2.hardening_modulus is 0; it must be 0.001 to 0.1"), "{refused}");
     let mut materials = mortar();
     materials.plasticity.biaxial_ratio = 1.0;
-    let refused = law::validate(&materials, &usual).unwrap_err().to_string();
+    let refused = law::validate(&materials).unwrap_err().to_string();
     assert!(refused.contains("plasticity.biaxial_ratio is 1; it must lie above 1"), "{refused}");
+}
+
+/// Case H_p = 0 of the report on the curve: a cube of 36 mm carried 45.6 MPa and 36.1 MPa with 0.01. A lateral tension of
+/// half a MPa is 1/6400 of the squares of the principal stresses.
+#[test]
+fn crushing_under_a_little_lateral_tension_needs_hardening_beyond_the_peak() {
+    let crushed = |hardening_modulus: f64| {
+        let of = cdpm2::<f64>(&mortar(), &law::Options { hardening_modulus, ..Default::default() });
+        along(&of, HeldStress::Lateral(0.5), &[-0.008], 1e-5).last().unwrap().damage[1]
+    };
+    assert_eq!(crushed(0.0), 0.0);
+    assert!(crushed(0.01) > 0.5 && crushed(0.001) > 0.3, "{} {}", crushed(0.01), crushed(0.001));
 }

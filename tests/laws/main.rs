@@ -4,6 +4,7 @@ mod cdp;
 mod cdpm2;
 mod con2dpm;
 mod deck;
+mod meso;
 mod registers;
 mod safety;
 mod subject;

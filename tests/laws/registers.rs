@@ -1,5 +1,6 @@
 //! A point's bits do not depend on its neighbours in a register.
 
+use crate::meso::meso;
 use crate::safety::Dice;
 use crate::subject::{WIDTH, cdp, cdpm2, mortar};
 use meso_solve::law::{Law, Tensor};
@@ -120,6 +121,7 @@ fn a_point_has_the_same_bits_alone_and_beside_another() {
     for mixed in [
         neighbours(&cdp::<Pair>(&materials), &cdp::<f32>(&materials)),
         neighbours(&cdpm2::<Pair>(&materials, &usual), &cdpm2::<f32>(&materials, &usual)),
+        neighbours(&meso::<Pair>(), &meso::<f32>()),
     ] {
         assert!((500..3900).contains(&mixed), "a point at rest beside an active one in {mixed} of 4000 steps");
     }

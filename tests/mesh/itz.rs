@@ -1,6 +1,6 @@
 //! The ITZ in meshes: solid layers, cohesive elements; and the decks that use them.
 
-use crate::mesh::voxel::{aggregate, block, by_hand, deck, turned_blocks};
+use crate::mesh::voxel::{aggregate, block, by_hand, deck, options_by_hand, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
@@ -78,7 +78,7 @@ fn two_voxels_apart() -> Mesh {
 fn a_cohesive_compression_deck_reads_as_by_hand() {
     // By hand: the aggregate's face S6 (4-1-5-8 of its nodes) is the bottom of COH3D8, its normal towards -x; plates with
     // their positive sides towards the specimen; contact, smooth step, mass scaling, history of both plates.
-    let options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
+    let options = DeckOptions { analysis: Analysis::Compression, ..options_by_hand() };
     let text = deck(&two_voxels_apart(), &options);
     assert_eq!(text, by_hand(include_str!("../write/snapshots/two_voxels_cohesive_compression.inp")));
 }

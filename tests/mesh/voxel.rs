@@ -3,6 +3,7 @@
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::{Plane, Polyhedron};
+use meso_core::materials::{Materials, Plasticity, Strength};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
 use meso_core::specimen::Specimen;
@@ -52,6 +53,23 @@ pub(crate) fn deck(mesh: &Mesh, options: &abaqus::DeckOptions) -> String {
     let mut out = Vec::new();
     abaqus::write(mesh, options, &mut out).unwrap();
     String::from_utf8(out).unwrap()
+}
+
+/// Options of the decks that were written by hand: the materials of that time.
+pub(crate) fn options_by_hand() -> abaqus::DeckOptions {
+    let mut materials = Materials::default();
+    materials.aggregate.youngs_modulus_mpa = 70_000.0;
+    materials.mortar.youngs_modulus_mpa = 26_000.0;
+    materials.itz.youngs_modulus_mpa = 20_000.0;
+    materials.mortar_strength = Strength {
+        compressive_mpa: 40.0,
+        peak_strain: 0.0022,
+        tensile_mpa: 3.0,
+        fracture_energy_n_per_mm: 0.06,
+        crushing_energy_n_per_mm: 0.5,
+    };
+    materials.plasticity = Plasticity { dilation_angle_deg: 30.0, meridian_ratio: 0.75, ..materials.plasticity };
+    abaqus::DeckOptions { materials, ..Default::default() }
 }
 
 #[test]
@@ -154,7 +172,7 @@ fn two_voxels() -> Mesh {
 fn a_deck_of_two_voxels_reads_as_by_hand() {
     // Checked by hand against the keyword rules: node order bottom counter-clockwise from above then top; S1 1-4-3-2,
     // S2 5-6-7-8, S3 1-2-6-5, S4 2-3-7-6, S5 3-4-8-7, S6 4-1-5-8.
-    let text = deck(&two_voxels(), &abaqus::DeckOptions { heading: vec!["two voxels".into()], ..Default::default() });
+    let text = deck(&two_voxels(), &abaqus::DeckOptions { heading: vec!["two voxels".into()], ..options_by_hand() });
     let expected = by_hand(include_str!("../write/snapshots/two_voxels.inp"));
     assert_eq!(text, expected);
 }

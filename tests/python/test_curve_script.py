@@ -75,7 +75,7 @@ def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):
     mesh.write(tmp_path / "geometry.inp", geometry_only=True)
     with pytest.raises(ValueError, match="deck.analysis is compression; geometry_only leaves it out"):
         mesh.write(tmp_path / "both.inp", analysis="compression", geometry_only=True)
-    with pytest.raises(ValueError, match="only an .inp takes keywords of a deck"):
+    with pytest.raises(ValueError, match="only an .inp or a .k takes keywords of a deck"):
         mesh.write(tmp_path / "mesh.vtu", analysis="compression")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp"]
 

@@ -144,6 +144,9 @@ def test_files_of_the_command_hold_the_arrays_of_python(packing, saved, run, tmp
     with tifffile.TiffFile(files[1]) as pages:
         assert np.array_equal(pages.asarray(), expected)
         assert pages.pages[0].resolution == (5.0, 5.0)
+        about = pages.imagej_metadata
+        assert (about["slices"], about["unit"], about["spacing"]) == (30, "cm", 0.2)
+        assert pages.series[0].axes == "ZYX"
     pyvista = pytest.importorskip("pyvista")
     grid = pyvista.read(files[2])
     assert grid.spacing == (2.0, 2.0, 2.0) and grid.origin == (0.0, 0.0, 0.0)

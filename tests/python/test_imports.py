@@ -167,6 +167,7 @@ CRATE_FLOORS = {
     "meso-files": 3,
     "meso-gmsh": 3,
     "meso-solve": 4,
+    "meso-effective": 4,
     "meso-core": 5,
     "meso-gpu": 5,
     "meso-study": 6,

@@ -315,3 +315,26 @@ def test_a_response_says_what_pickles_instead(response):
     with pytest.raises(TypeError, match=r"pickle its curve, result or frames, or write it: response.write\(folder\)"):
         pickle.dumps(response)
     assert pickle.loads(pickle.dumps(response.result)) == response.result
+
+
+def test_materials_of_a_concrete_and_of_its_mortar_are_those_of_a_test():
+    concrete = mc.Materials.for_concrete(38, rock="basalt")
+    assert concrete["aggregate"]["youngs_modulus_mpa"] == 73_000.0
+    softer = mc.Materials.for_concrete(38, rock="sandstone", fraction=0.3)
+    assert softer["mortar"]["youngs_modulus_mpa"] < concrete["mortar"]["youngs_modulus_mpa"]
+    mortar = mc.Materials.for_mortar(40)
+    assert mortar["mortar_strength"]["compressive_mpa"] == pytest.approx(40)
+    with pytest.raises(ValueError, match="fcm is 5; it must be 20 to 128"):
+        mc.Materials.for_concrete(5)
+    with pytest.raises(ValueError, match="rock"):
+        mc.Materials.for_concrete(38, rock="cheese")
+
+
+def test_materials_of_a_concrete_solve(mesh):
+    response = mesh.solve(strain=0.002, materials=mc.Materials.for_concrete(38))
+    assert response.result["peak_mpa"] > 10
+    assert response.result["broken_stone"] is None
+    weak = {"tensile_mpa": 2.0, "compressive_mpa": 30.0, "peak_strain": 0.003}
+    broken = mesh.solve(strain=0.003, materials={"aggregate_strength": weak}).result
+    assert broken["broken_stone"] > 0
+    assert broken["energy_beyond_peak_until"] >= 0.2

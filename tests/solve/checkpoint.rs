@@ -13,9 +13,15 @@ const NOTE: &[u8] = b"two frames";
 
 /// Asks for the state at row 40, keeps it and stops at row 50.
 #[derive(Default)]
-struct Killed {
+pub(crate) struct Killed {
     rows: AtomicUsize,
     state: Mutex<Vec<u8>>,
+}
+
+impl Killed {
+    pub(crate) fn state(&self) -> Vec<u8> {
+        self.state.lock().unwrap().clone()
+    }
 }
 
 impl Watch for Killed {

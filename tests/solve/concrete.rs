@@ -1,12 +1,14 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, StopAtOnce, brittle, concrete, cube, meshed, options, small_cube, voxels};
+use crate::samples::{
+    Meshed, StopAtOnce, brittle, concrete, cube, damaged_plasticity, meshed, options, small_cube, voxels,
+};
 use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
-use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
+use meso_core::specimen::Specimen;
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Ended, Frame, Interface, Observer, Run, Smoothing, Test, TestKind};
+use meso_solve::{Control, Ended, Frame, Geometry, Interface, Observer, Run, Smoothing, Test, TestKind};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -20,7 +22,7 @@ fn concrete_softens_and_its_energies_balance() {
         concrete(1.0, Method::VOXEL, 1.5, ItzForm::Smeared),
         concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
     ] {
-        let result = solve(&meshed, &Test::default()).result;
+        let result = solve(&meshed, &damaged_plasticity()).result;
         let figures = result.figures;
         assert!(figures.softened && (25.0..55.0).contains(&figures.peak_mpa), "{result:?}");
         assert!((0.001..0.0035).contains(&figures.peak_strain), "{result:?}");
@@ -32,13 +34,13 @@ fn concrete_softens_and_its_energies_balance() {
 
 #[test]
 fn hourglass_modes_hold_less_than_2_percent_of_the_internal_energy() {
-    let rough = Test { friction: 0.6, ..Test::default() };
-    let pulled = Test { kind: TestKind::Tension, ..Test::default() };
+    let rough = Test { friction: 0.6, ..damaged_plasticity() };
+    let pulled = Test { kind: TestKind::Tension, ..damaged_plasticity() };
     for (meshed, test) in [
-        (voxels(24.0, 4, 1.5), Test::default()),
+        (voxels(24.0, 4, 1.5), damaged_plasticity()),
         (voxels(24.0, 3, 1.5), rough),
         (voxels(24.0, 3, 1.5), pulled),
-        (voxels(40.0, 3, 2.0), Test::default()),
+        (voxels(40.0, 3, 2.0), damaged_plasticity()),
     ] {
         let result = solve(&meshed, &test).result;
         assert!(result.hourglass_over_internal < 0.02 && result.energy_balance_error < 1e-3, "{result:?}");
@@ -47,7 +49,7 @@ fn hourglass_modes_hold_less_than_2_percent_of_the_internal_energy() {
 
 #[test]
 fn coarse_boxes_bear_what_fine_ones_bear() {
-    let [coarse, fine] = [1.5, 1.0].map(|size| solve(&voxels(24.0, 3, size), &Test::default()).result);
+    let [coarse, fine] = [1.5, 1.0].map(|size| solve(&voxels(24.0, 3, size), &damaged_plasticity()).result);
     assert!(fine.hourglass_over_internal < 0.02 && fine.figures.softened, "{fine:?}");
     assert!((coarse.figures.peak_mpa / fine.figures.peak_mpa - 1.0).abs() < 0.05, "{coarse:?} {fine:?}");
 }
@@ -58,7 +60,7 @@ fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
     let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::Smeared));
     let apart = |smoothing: Smoothing| {
         let [coarse, fine] = [&coarse, &fine].map(|meshed| {
-            let result = solve(meshed, &Test { smoothing: Some(smoothing), ..Test::default() }).result;
+            let result = solve(meshed, &Test { smoothing: Some(smoothing), ..damaged_plasticity() }).result;
             assert!(result.errors.is_empty() && result.energy_balance_error < 1e-3, "{result:?}");
             result.figures.peak_mpa
         });
@@ -71,9 +73,9 @@ fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
 #[test]
 fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
     let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::Smeared);
-    let test = Test::default();
+    let test = damaged_plasticity();
     let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
-    let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
+    let twice = Test { duration_s: Some(2.0 * test.duration_s(&Geometry::of(&Specimen::cube(24.0)))), ..test.clone() };
     let [once, slow] = [&test, &twice].map(peak);
     assert!((once / slow - 1.0).abs() < 0.01, "{once} {slow}");
 }
@@ -84,7 +86,7 @@ fn results_count_the_joined_aggregates_and_warn_of_their_cells() {
     let result = |joined| {
         let meshed = meshed(&model, MeshOptions { joined, ..options(Method::FITTED, 3.0, ItzForm::None) });
         let result =
-            Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
+            Run::new(meshed.sample(), &brittle(), &damaged_plasticity()).unwrap().to_end(&StopAtOnce, &Silent).result;
         (meshed.mesh.notes, result)
     };
     let (notes, parted) = result(Joined::Mortar);
@@ -102,19 +104,19 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
     let model = small_cube(0.3);
     let voxels = |joined| meshed(&model, MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) });
     let touch = |text: &String| text.contains("lie between two aggregates");
-    let kept = Run::new(voxels(Joined::Keep).sample(), &brittle(), &Test::default())
+    let kept = Run::new(voxels(Joined::Keep).sample(), &brittle(), &damaged_plasticity())
         .unwrap()
         .to_end(&StopAtOnce, &Silent)
         .result;
     assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
-    let result = solve(&voxels(Joined::Mortar), &Test::default()).result;
+    let result = solve(&voxels(Joined::Mortar), &damaged_plasticity()).result;
     assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
     assert!(!result.warnings.iter().any(touch) && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
 #[test]
 fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
-    let test = Test { kind: TestKind::Tension, ..Test::default() };
+    let test = Test { kind: TestKind::Tension, ..damaged_plasticity() };
     let peak = |itz| solve(&concrete(1.0, Method::FITTED, 2.5, itz), &test).result.figures.peak_mpa;
     let (smeared, none) = (peak(ItzForm::Smeared), peak(ItzForm::None));
     assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
@@ -124,8 +126,8 @@ fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
 #[test]
 fn aggregates_that_rub_in_their_cracks_do_not_flutter() {
     let meshed = meshed(&cube(40.0, 2, 1.0), options(Method::FITTED, 4.0, ItzForm::Cohesive));
-    let test = Test { strain: Some(0.006), interface: Interface { friction: 0.8 }, ..Test::default() };
-    let result = meshed.solve(&Materials::default(), &test).result;
+    let test = Test { strain: Some(0.006), interface: Interface { friction: 0.8 }, ..damaged_plasticity() };
+    let result = meshed.solve(&brittle(), &test).result;
     assert!(result.ended == Ended::Completed && result.energy_balance_error < 1e-3, "{result:?}");
     assert!(result.kinetic_over_internal_max < 0.01, "{result:?}");
 }
@@ -151,7 +153,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     let damage = Damage::default();
     // A servo adds frames.
     let control = Control::Steady;
-    let test = Test { frames: 4, kind: TestKind::Tension, control, ..Test::default() };
+    let test = Test { frames: 4, kind: TestKind::Tension, control, ..damaged_plasticity() };
     meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);
@@ -168,7 +170,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
 fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
     let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::Smeared);
     let added = |step: f64| {
-        let test = Test { time_step_s: Some(step), ..Test::default() };
+        let test = Test { time_step_s: Some(step), ..damaged_plasticity() };
         let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
         run.added_mass_percent()
     };
@@ -186,7 +188,7 @@ fn bodies_that_the_elements_lose_are_told() {
     let lost = |method, size| {
         let options = options(method, size, ItzForm::None);
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
-        let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &Test::default()).unwrap();
+        let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &damaged_plasticity()).unwrap();
         let warnings = run.to_end(&StopAtOnce, &Silent).result.warnings;
         ["aggregates", "fibres", "voids"]
             .map(|name| warnings.iter().any(|text| text.starts_with(&format!("the {name} are"))))

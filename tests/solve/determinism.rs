@@ -1,6 +1,6 @@
 //! A test gives the same bytes on any number of threads and on every instruction set.
 
-use crate::samples::{Meshed, brittle, concrete};
+use crate::samples::{Meshed, brittle, concrete, damaged_plasticity};
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::watch::Silent;
 use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Smoothing, Test};
@@ -37,7 +37,7 @@ fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
 
 /// Few steps and much strain: the shortest way into softening, physics apart.
 pub(crate) fn fast() -> Test {
-    Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 100, frames: 2, ..Test::default() }
+    Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 100, frames: 2, ..damaged_plasticity() }
 }
 
 pub(crate) fn cases() -> [(Meshed, Test); 4] {
@@ -67,8 +67,10 @@ fn curves_and_fields_are_identical_on_every_instruction_set() {
         assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
     }
     let [(lattice, _), ..] = cases();
-    let cdpm2 = Test { law: LawName::Cdpm2, ..fast() };
-    let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..cdpm2.clone() }, 1);
-    let portable = run(InstructionSet::Portable);
-    assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
+    for law in [LawName::Cdpm2, LawName::Meso] {
+        let test = Test { law, ..fast() };
+        let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..test.clone() }, 1);
+        let portable = run(InstructionSet::Portable);
+        assert!(sets.iter().all(|&set| portable == run(set)), "{law:?} {sets:?}");
+    }
 }

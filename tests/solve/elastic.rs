@@ -5,7 +5,7 @@ use meso_core::materials::Materials;
 use meso_core::mesh::Method;
 use meso_solve::{LawName, Test, TestKind};
 
-const E: f64 = 26_000.0;
+const E: f64 = 20_000.0;
 const RHO: f64 = 2.2e-9;
 
 fn materials(poisson_ratio: f64) -> Materials {

@@ -1,12 +1,12 @@
 //! Small specimens that the tests share.
 
 use meso_core::aggregate::{Aggregate, Grading};
-use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
+use meso_core::materials::{Materials, Plasticity, Strength};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;
-use meso_solve::{Observer, Response, Run, Sample, Test};
+use meso_solve::{LawName, Observer, Response, Run, Sample, Test};
 
 /// A mesh, its specimen and its options.
 pub(crate) struct Meshed {
@@ -41,6 +41,12 @@ impl Meshed {
         let options = options(Method::CONFORMING, element_size_mm, ItzForm::None);
         let mesh = mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).unwrap();
         Some(Self { mesh, specimen, options })
+    }
+
+    /// Volume of the cells, mm3.
+    pub(crate) fn mesh_volume_mm3(&self) -> f64 {
+        let volumes = PhaseVolumes::of_mesh(&self.mesh);
+        Phase::ALL.into_iter().map(|phase| volumes.of(phase)).sum()
     }
 
     /// Edge of a cube.
@@ -114,9 +120,25 @@ pub(crate) fn meshed(model: &Model, options: MeshOptions) -> Meshed {
 /// Materials that soften within a test of 0.5 % strain.
 pub(crate) fn brittle() -> Materials {
     let mut materials = Materials::default();
-    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
-    materials.plasticity.meridian_ratio = 0.8;
+    for (elastic, modulus) in
+        [(&mut materials.aggregate, 70e3), (&mut materials.mortar, 26e3), (&mut materials.itz, 20e3)]
+    {
+        elastic.youngs_modulus_mpa = modulus;
+    }
+    materials.mortar_strength = Strength {
+        compressive_mpa: 40.0,
+        peak_strain: 0.0022,
+        tensile_mpa: 3.0,
+        fracture_energy_n_per_mm: 0.06,
+        crushing_energy_n_per_mm: 0.5,
+    };
+    materials.plasticity = Plasticity { dilation_angle_deg: 30.0, meridian_ratio: 0.8, ..materials.plasticity };
     materials
+}
+
+/// A test with the law of decks.
+pub(crate) fn damaged_plasticity() -> Test {
+    Test { law: LawName::Cdp, ..Test::default() }
 }
 
 /// Stops a test before its first step.

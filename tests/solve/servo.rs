@@ -1,13 +1,12 @@
 //! Plates with a servo: a specimen that collapses stays slow, and its curve up to the peak is that between steady plates.
 
-use crate::samples::{brittle, concrete, slender};
-use meso_core::materials::Materials;
+use crate::samples::{brittle, concrete, damaged_plasticity, slender};
 use meso_core::mesh::{ItzForm, Method};
 use meso_solve::{Control, Frame, LawName, Observer, Row, Test};
 use std::cell::RefCell;
 
 fn steady() -> Test {
-    Test { control: Control::Steady, ..Test::default() }
+    Test { control: Control::Steady, ..damaged_plasticity() }
 }
 
 /// Number of the row with the highest stress.
@@ -18,7 +17,7 @@ fn peak(rows: &[Row]) -> usize {
 #[test]
 fn a_servo_keeps_a_collapse_quasi_static_and_the_curve_to_the_peak() {
     let specimen = slender();
-    let [fast, slow] = [steady(), Test::default()].map(|test| specimen.solve(&Materials::default(), &test));
+    let [fast, slow] = [steady(), damaged_plasticity()].map(|test| specimen.solve(&brittle(), &test));
     let (before, after) = (fast.result.kinetic_over_internal_max, slow.result.kinetic_over_internal_max);
     assert!(before > 0.01 && after < 0.5 * before, "{before} {after}");
     let (rows, all) = (&fast.curve[..=peak(&fast.curve)], &slow.curve);
@@ -43,9 +42,9 @@ impl Observer for Frames {
 
 #[test]
 fn rows_and_frames_come_as_densely_while_the_plates_are_held() {
-    let (specimen, test) = (slender(), Test { rows: 100, frames: 40, ..Test::default() });
+    let (specimen, test) = (slender(), Test { rows: 100, frames: 40, ..damaged_plasticity() });
     let frames = Frames::default();
-    let response = specimen.watched(&Materials::default(), &test, &meso_core::Silent, &frames);
+    let response = specimen.watched(&brittle(), &test, &meso_core::Silent, &frames);
     let (frames, result) = (frames.0.into_inner(), &response.result);
     let more = 40.0 * (result.steps - result.steps_planned) as f64 / result.steps_planned as f64;
     assert!(more > 2.0 && frames == (1..=40 + more as u32).collect::<Vec<_>>(), "{more} {frames:?}");
@@ -58,9 +57,9 @@ fn rows_and_frames_come_as_densely_while_the_plates_are_held() {
 fn a_specimen_that_does_not_break_is_not_held() {
     let specimen = concrete(1.0, Method::FITTED, 4.0, ItzForm::Smeared);
     for test in [
-        Test { law: LawName::Elastic, ..Test::default() },
-        Test { strain: Some(0.0005), ..Test::default() },
-        Test { law: LawName::Elastic, kind: meso_solve::TestKind::Tension, ..Test::default() },
+        Test { law: LawName::Elastic, ..damaged_plasticity() },
+        Test { strain: Some(0.0005), ..damaged_plasticity() },
+        Test { law: LawName::Elastic, kind: meso_solve::TestKind::Tension, ..damaged_plasticity() },
     ] {
         let result = specimen.solve(&brittle(), &test).result;
         assert_eq!(result.steps, result.steps_planned, "{test:?}");

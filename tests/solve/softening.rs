@@ -1,6 +1,6 @@
 //! Softening against closed forms: strengths, fracture energy whatever the elements, and where the energy goes.
 
-use crate::samples::{Meshed, brittle};
+use crate::samples::{Meshed, brittle, damaged_plasticity};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Method, Phase};
 use meso_solve::{Control, Response, Smoothing, Test, TestKind};
@@ -12,7 +12,8 @@ fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
         [(Method::VOXEL, 2.0, none), (Method::FITTED, 3.0, none), (Method::FITTED, 3.0, edges)]
     {
         let meshed = Meshed::mortar([12.0; 3], method, size);
-        let response = meshed.solve(&brittle(), &Test { friction: 0.0, smoothing: Some(smoothing), ..Test::default() });
+        let response =
+            meshed.solve(&brittle(), &Test { friction: 0.0, smoothing: Some(smoothing), ..damaged_plasticity() });
         let figures = response.result.figures;
         assert!((figures.peak_mpa / 40.0 - 1.0).abs() < 0.02, "{method:?} {figures:?}");
         assert!((figures.peak_strain / 0.0022 - 1.0).abs() < 0.15, "{method:?} {figures:?}");
@@ -44,8 +45,14 @@ fn torn(mut meshed: Meshed, half_width: f64, smoothing: Smoothing) -> (Materials
     // The crack law ends at five times energy over strength: 0.1 mm.
     let (strain, duration_s) = (Some(0.12 / height), Some(1e-3));
     let control = Control::Steady;
-    let test =
-        Test { kind: TestKind::Tension, strain, duration_s, control, smoothing: Some(smoothing), ..Test::default() };
+    let test = Test {
+        kind: TestKind::Tension,
+        strain,
+        duration_s,
+        control,
+        smoothing: Some(smoothing),
+        ..damaged_plasticity()
+    };
     let response = meshed.solve(&materials, &test);
     (materials, response)
 }

@@ -1,7 +1,7 @@
 //! Decks against Abaqus' keyword rules: two-element decks checked by hand, and every kind of deck by a reader of its own.
 
 use crate::mesh::specimens::every_kind;
-use crate::mesh::voxel::{aggregate, block, by_hand, deck, turned_blocks};
+use crate::mesh::voxel::{aggregate, block, by_hand, deck, options_by_hand, turned_blocks};
 use crate::write::deck_reader::{Deck, NODES};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
@@ -45,14 +45,14 @@ fn two_voxels(periodic: bool) -> Mesh {
 fn an_elastic_deck_of_two_linear_tetrahedra_reads_as_by_hand() {
     // S1 1-2-3 on ZMIN, S2 1-4-2 on YMIN, S4 3-4-1 on XMIN of element 1; node 1 pinned, node 2 kept from turning;
     // -0.001 of the height of 2 mm on ZMAX.
-    let text = deck(&two_tetrahedra(false), &DeckOptions { analysis: Analysis::Elastic, ..Default::default() });
+    let text = deck(&two_tetrahedra(false), &DeckOptions { analysis: Analysis::Elastic, ..options_by_hand() });
     assert_eq!(text, by_hand(include_str!("snapshots/two_tetrahedra_elastic.inp")));
 }
 
 #[test]
 fn a_tension_deck_of_a_cohesive_triangle_reads_as_by_hand() {
     // COH3D6: the aggregate's face 6-7-8 is the bottom, its normal (1, 1, 1) out of the aggregate; 2-3-4 lie over it.
-    let text = deck(&two_tetrahedra(true), &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
+    let text = deck(&two_tetrahedra(true), &DeckOptions { analysis: Analysis::Tension, ..options_by_hand() });
     assert_eq!(text, by_hand(include_str!("snapshots/two_tetrahedra_cohesive_tension.inp")));
 }
 
@@ -86,7 +86,7 @@ fn headings_are_ascii_and_hold_no_keyword() {
 #[test]
 fn a_periodic_deck_of_two_voxels_reads_as_by_hand() {
     // Ten of the twelve nodes lie on upper faces, each tied to 1 or 5, the nodes on none of them: three equations each.
-    let options = DeckOptions { periodic_equations: true, analysis: Analysis::Elastic, ..Default::default() };
+    let options = DeckOptions { periodic_equations: true, analysis: Analysis::Elastic, ..options_by_hand() };
     assert_eq!(deck(&two_voxels(true), &options), by_hand(include_str!("snapshots/two_voxels_periodic_elastic.inp")));
 }
 
@@ -145,6 +145,8 @@ fn curves_that_abaqus_refuses_are_named() {
     let mesh = two_voxels(false);
     let with = |change: fn(&mut Strength)| {
         let mut options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
+        options.materials.mortar.youngs_modulus_mpa = 26_000.0;
+        options.materials.mortar_strength.tensile_mpa = 3.0;
         change(&mut options.materials.mortar_strength);
         options
     };

@@ -1,6 +1,6 @@
 //! Second-order tetrahedra: nodes in the middle of edges, in decks and in CalculiX.
 
-use crate::mesh::voxel::{by_hand, deck, turned_blocks};
+use crate::mesh::voxel::{by_hand, deck, options_by_hand, turned_blocks};
 use crate::write::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
@@ -35,7 +35,7 @@ fn a_deck_of_two_quadratic_tetrahedra_reads_as_by_hand() {
     // shared; S1 1-2-3 on ZMIN, S2 1-4-2 on YMIN, S4 3-4-1 on XMIN.
     let mut mesh = two_tetrahedra();
     mesh.raise_order();
-    let text = deck(&mesh, &DeckOptions::default());
+    let text = deck(&mesh, &options_by_hand());
     assert_eq!(text, by_hand(include_str!("snapshots/two_quadratic_tetrahedra.inp")));
 }
 

@@ -5,7 +5,7 @@ use meso_files::{free, whole};
 use std::path::Path;
 
 /// Refuses a mesh that takes more memory than is free. `size_mm` is its element size.
-pub(crate) fn accept_in_memory(work: &str, bytes: f64, size_mm: f64) -> Result<(), Failure> {
+pub(crate) fn accept_in_memory(work: &str, bytes: f64, (flag, size_mm): (&str, f64)) -> Result<(), Failure> {
     let Some(free) = free::memory() else { return Ok(()) };
     if bytes <= free as f64 {
         return Ok(());
@@ -14,7 +14,7 @@ pub(crate) fn accept_in_memory(work: &str, bytes: f64, size_mm: f64) -> Result<(
     // Memory grows with the number of elements; some of it is kept for the rest.
     let fits = rounded_up(size_mm * (bytes / (0.8 * free as f64)).cbrt());
     Err(Failure::Run(format!(
-        "{work} takes about {needed:.1} GB of memory, and {free_gb:.1} GB are free; take --element-size-mm {fits} or more"
+        "{work} takes about {needed:.1} GB of memory, and {free_gb:.1} GB are free; take {flag} {fits} or more"
     )))
 }
 
@@ -42,8 +42,8 @@ mod tests {
 
     #[test]
     fn a_mesh_beyond_the_memory_is_refused_with_a_size_that_fits() {
-        assert!(accept_in_memory("the mesh", 1e6, 2.0).is_ok());
-        let Err(Failure::Run(said)) = accept_in_memory("the mesh", 1e18, 0.1) else {
+        assert!(accept_in_memory("the mesh", 1e6, ("--element-size-mm", 2.0)).is_ok());
+        let Err(Failure::Run(said)) = accept_in_memory("the mesh", 1e18, ("--element-size-mm", 0.1)) else {
             // The system does not say how much is free.
             return assert_eq!(free::memory(), None);
         };

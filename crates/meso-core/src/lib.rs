@@ -21,7 +21,7 @@
 
 pub use meso_collision::{geometry, gjk, math};
 pub use meso_concrete::watch::{Silent, Watch};
-pub use meso_concrete::{aggregate, images, specimen, watch};
+pub use meso_concrete::{aggregate, images, import, specimen, watch};
 pub use meso_mesh as mesh;
 pub use meso_mesh::materials;
 pub use meso_pack::{Model, Spec, SpecError, check, model, pack, packing, recipes, saved, spec, statistics};

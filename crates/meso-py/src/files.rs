@@ -105,13 +105,13 @@ fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyR
 /// `ValueError`.
 pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool) -> PyResult<()> {
     match MeshFormat::from_path(path) {
-        Some(MeshFormat::Inp) => {
+        Some(format) if format.is_deck() => {
             let effects = deck.validate_effects(mesh.kind == CellKind::Hexahedron);
             effects.map_err(|error| wrong_value(error.to_string()))
         }
         Some(_) if is_given => {
             let path = path.display();
-            Err(wrong_value(format!("{path}: only an .inp takes keywords of a deck; leave them out")))
+            Err(wrong_value(format!("{path}: only an .inp or a .k takes keywords of a deck; leave them out")))
         }
         _ => Ok(()),
     }
@@ -131,8 +131,8 @@ pub(crate) fn write_mesh(
     watch: &Watch,
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
-    if format == Some(MeshFormat::Inp) {
-        deck.validate(mesh).map_err(|error| wrong_value(error.to_string()))?;
+    if let Some(format) = format.filter(|format| format.is_deck()) {
+        deck.validate(mesh).and_then(|()| format.check(deck)).map_err(|error| wrong_value(error.to_string()))?;
     }
     let mut files = format.map(|format| format.files(path, mesh, deck));
     // Nothing lies beside a stream.

@@ -6,6 +6,7 @@
 
 mod aggregate;
 mod arrays;
+mod beside;
 mod boundary;
 mod command;
 mod files;
@@ -41,7 +42,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::response::{PyFrame, PyResponse, restore_frame};
     #[pymodule_export]
-    use super::spec::{PySpec, all_recipes, restore_spec};
+    use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]
     use super::study::{PyStudyPlan, PyStudyRun, study_results, study_write};
     #[pymodule_export]

@@ -180,6 +180,12 @@ impl PyMesh {
         arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
     }
 
+    /// Id of the aggregate below every cohesive element: ndarray, shape (k,), int64.
+    #[getter(_cohesive_aggregate)]
+    fn cohesive_aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        arrays::from_ids(py, self.0.cohesive_owner.iter().map(|&owner| self.0.id(owner)))
+    }
+
     /// Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict.
     #[getter]
     fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -234,15 +240,15 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// path : path
-    ///     `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+    ///     `.inp`, `.k`, `.cdb`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
     /// compress : bool
     ///     Whether the data of a `.vtu` are compressed.
     /// **deck
-    ///     Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+    ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
+    ///     `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
     ///
     /// Raises
     /// ------
@@ -285,12 +291,12 @@ impl PyMesh {
         })
     }
 
-    /// Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+    /// Tests the specimen, and returns its curve, figures and fields.
     ///
     /// Parameters
     /// ----------
     /// test : str
-    ///     "compression", between plates that press and rub, or "tension", between plates that are glued on.
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional
@@ -309,7 +315,8 @@ impl PyMesh {
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
-    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md. `pressure_mpa`, `stress_ratio`,
+    ///     `strip_mm`, `span_mm`, `turns`, `supports`, `gauges`, `expansion`: see docs/tests.md.
     ///
     /// Returns
     /// -------

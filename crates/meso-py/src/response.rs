@@ -215,6 +215,11 @@ impl PyResponse {
             let values = self.0.response.curve.iter().map(|row| row.values()[column]).collect();
             curve.set_item(name, PyArray1::from_vec(py, values))?;
         }
+        let (extra, rows) = (&self.0.response.extra, self.0.response.curve.len());
+        for (column, name) in extra.names.iter().enumerate() {
+            let values = (0..rows).map(|row| extra.row(row)[column]).collect();
+            curve.set_item(name, PyArray1::from_vec(py, values))?;
+        }
         Ok(curve)
     }
 

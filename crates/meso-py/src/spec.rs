@@ -1,16 +1,18 @@
 //! `Spec`: everything that decides a model.
 
+use crate::beside::Told;
 use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
 use crate::views::call_view;
+use meso_core::materials::{Mix, Rock};
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
-use meso_files::Beside;
 use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -35,7 +37,7 @@ pub(crate) struct PySpec(pub(crate) Spec);
 
 /// A spec from a dict-like tree; files that it names are looked for in the working directory.
 fn from_value(value: &Value) -> PyResult<Spec> {
-    Spec::from_value_with(value, &mut Beside(Path::new(""))).map_err(|error| spec_error(&error))
+    Spec::from_value_with(value, &mut Told::beside(Path::new(""))).map_err(|error| spec_error(&error))
 }
 
 /// The exception of a spec that cannot be, or that the time limit left unproved.
@@ -66,7 +68,7 @@ fn read(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<S
     let text = String::from_utf8(bytes).map_err(not_text)?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_while(&text, &mut Beside(folder), watch, time_limit_s).map_err(|error| {
+    Spec::from_toml_while(&text, &mut Told::beside(folder), watch, time_limit_s).map_err(|error| {
         let error = error.of_limit(time_limit_s, "time_limit");
         let text = format!("{name}: {error}");
         if error.is_late { PyTimeoutError::new_err(text) } else { wrong_value(text) }
@@ -114,7 +116,7 @@ impl Given {
         match self {
             Self::Spec(spec) => Ok(*spec),
             Self::Tree(tree) => {
-                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), watch, time_limit_s);
+                let spec = Spec::from_value_while(&tree, &mut Told::beside(Path::new("")), watch, time_limit_s);
                 spec.map_err(|error| spec_error(&error.of_limit(time_limit_s, "time_limit")))
             }
             Self::File(path) => read(&path, watch, time_limit_s),
@@ -332,4 +334,33 @@ pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     recipes::Recipe::ALL.iter().try_for_each(|recipe| dict.set_item(recipe.name, recipe.title()))?;
     Ok(dict)
+}
+
+/// Keywords of [`concrete_materials`].
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Concrete {
+    fcm: Option<f64>,
+    mortar: Option<f64>,
+    rock: Option<Rock>,
+    fraction: f64,
+}
+
+/// The `[materials]` of a concrete by its mean strength or by its mortar's, MPa, with a rock and a share of aggregates.
+#[pyfunction(name = "_concrete_materials")]
+#[pyo3(signature = (**given))]
+pub(crate) fn concrete_materials<'py>(
+    py: Python<'py>,
+    given: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    guard(|| {
+        let Concrete { fcm, mortar, rock, fraction } = self::options(given)?;
+        let mix = match (fcm, mortar) {
+            (Some(fcm_mpa), None) => Mix { fcm_mpa, rock, fraction },
+            (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction),
+            _ => return Err(wrong_value("give the concrete's mean strength or the mortar's, not both")),
+        };
+        let sourced = mix.materials().map_err(|error| wrong_value(format!("{} {}", error.key, error.fault())))?;
+        tree::plain(py, &sourced.materials)
+    })
 }

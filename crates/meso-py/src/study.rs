@@ -1,12 +1,12 @@
 //! The Rust part of `mesocrete.study`: the plan, the run in a locked folder, records and tables.
 
+use crate::beside::Told;
 use crate::boundary::{file_error, guard};
 use crate::files;
 use crate::packing::PyPacking;
 use crate::run::beside_python;
 use crate::spec::{self, spec_error};
 use crate::tree::{self, plain};
-use meso_files::Beside;
 use meso_files::lock::LockError;
 use meso_study::{
     Again, Axis, Case, CaseState, Plan, PlanError, Planning, Record, RunError, StudyRun, Table, ensemble, of_packing,
@@ -81,7 +81,7 @@ impl PyStudyPlan {
             let (base, folder) = spec::tree_of(spec)?;
             let mut planning = Interruptible { py: over.py(), raised: None };
             let task = Value::Object(Map::new());
-            let plan = Plan::new_while(&base, &axes(over)?, &task, &mut Beside(&folder), &mut planning);
+            let plan = Plan::new_while(&base, &axes(over)?, &task, &mut Told::beside(&folder), &mut planning);
             plan.map(|plan| Self(Arc::new(plan))).map_err(|error| planning.raised.unwrap_or_else(|| plan_error(&error)))
         })
     }

@@ -23,11 +23,14 @@ mod test;
 pub use error::SolveError;
 pub use lanes::InstructionSet;
 pub use march::{
-    Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary, checkpoint_note,
-    device,
+    BeyondPeak, Ended, Energies, Extra, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run,
+    Summary, checkpoint_note, device,
 };
-pub use sample::{Sample, gross_section_mm2};
-pub use test::{Control, Interface, LawName, Smoothing, Test, TestKind};
+pub use sample::{Geometry, Sample, gross_section_mm2};
+pub use test::{
+    Along, Control, Expansion, Gauge, Interface, LawName, Rule, Side, Smoothing, Strip, SupportSpec, Test, TestKind,
+    Turn, TurnOf,
+};
 
 use meso_concrete::watch::Watch;
 use meso_mesh::materials::Materials;

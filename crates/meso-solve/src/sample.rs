@@ -11,6 +11,25 @@ use meso_mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
 /// diameter had 12 % too much strength.
 const FAR_FROM_SPECIMEN: f64 = 0.02;
 
+/// The measures of a specimen that a test depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry {
+    /// Sizes along x, y and z, mm.
+    pub size_mm: [f64; 3],
+    /// Gross section across z, mm2.
+    pub section_mm2: f64,
+    /// Depth of the notch in the middle of the lower side, mm; 0 without a notch.
+    pub notch_mm: f64,
+}
+
+impl Geometry {
+    /// Measures of a specimen.
+    pub fn of(specimen: &Specimen) -> Self {
+        let (size_mm, section_mm2) = (specimen.aabb().size().into(), gross_section_mm2(specimen));
+        Self { size_mm, section_mm2, notch_mm: notch_mm(specimen) }
+    }
+}
+
 /// A meshed specimen; it is loaded along z.
 #[derive(Clone, Debug)]
 pub struct Sample<'a> {
@@ -24,6 +43,8 @@ pub struct Sample<'a> {
     pub element_size_mm: f64,
     /// Width of a crack band over the edge of a box, or of the regular tetrahedron of a cell's volume: [`band_factor`].
     pub band_factor: f64,
+    /// Depth of the notch in the middle of the lower side, mm; 0 without a notch.
+    pub notch_mm: f64,
     /// The phases' exact volumes, where known.
     pub exact: Option<PhaseVolumes>,
 }
@@ -37,13 +58,15 @@ impl<'a> Sample<'a> {
             volume_mm3: specimen.volume(),
             element_size_mm: options.element_size_mm,
             band_factor: band_factor(mesh),
+            notch_mm: notch_mm(specimen),
             exact: None,
         }
     }
 
-    /// Along z, mm.
-    pub fn height_mm(&self) -> f64 {
-        Aabb::around(&self.mesh.points).size().z
+    /// Geometry that a test depends on.
+    pub(crate) fn geometry(&self) -> Geometry {
+        let size_mm = Aabb::around(&self.mesh.points).size().into();
+        Geometry { size_mm, section_mm2: self.section_mm2, notch_mm: self.notch_mm }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SolveError> {
@@ -87,4 +110,9 @@ pub fn gross_section_mm2(specimen: &Specimen) -> f64 {
         Specimen::NotchedPrism { length_mm, width_mm, .. } => length_mm * width_mm,
         _ => specimen.volume() / specimen.aabb().size().z,
     }
+}
+
+/// Depth of a specimen's notch, mm; 0 without one.
+pub(crate) fn notch_mm(specimen: &Specimen) -> f64 {
+    if let Specimen::NotchedPrism { notch_depth_mm, .. } = specimen { *notch_depth_mm } else { 0.0 }
 }

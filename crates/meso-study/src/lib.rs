@@ -7,6 +7,7 @@
 
 mod case;
 mod ensemble;
+pub mod fit;
 mod folder;
 mod names;
 mod plan;

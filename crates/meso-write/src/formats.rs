@@ -3,9 +3,10 @@
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
-use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
+use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
+use meso_concrete::OutOfRange;
 use meso_concrete::images::Images;
 use meso_concrete::specimen::{Specimen, Surface};
 use meso_concrete::watch::Watch;
@@ -171,11 +172,15 @@ pub enum MeshFormat {
     Msh,
     /// A VTK grid in pieces: an index, and `.vtu` files beside it.
     Pvtu,
+    /// LS-DYNA and OpenRadioss.
+    K,
+    /// ANSYS.
+    Cdb,
 }
 
 impl MeshFormat {
     /// All formats, the deck first.
-    pub const ALL: [Self; 4] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu];
+    pub const ALL: [Self; 6] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu, Self::K, Self::Cdb];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
@@ -184,6 +189,8 @@ impl MeshFormat {
             Self::Vtu => "vtu",
             Self::Msh => "msh",
             Self::Pvtu => "pvtu",
+            Self::K => "k",
+            Self::Cdb => "cdb",
         }
     }
 
@@ -191,6 +198,23 @@ impl MeshFormat {
     pub fn from_path(path: &Path) -> Option<Self> {
         let extension = lower_extension(path)?;
         Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+
+    /// Whether the format takes the options of a deck.
+    pub fn is_deck(self) -> bool {
+        matches!(self, Self::Inp | Self::K)
+    }
+
+    /// Finds out whether the format takes these options of a deck; formats without options ignore them.
+    ///
+    /// # Errors
+    /// Names the option, its value and the accepted range.
+    pub fn check(self, deck: &DeckOptions) -> Result<(), OutOfRange> {
+        match self {
+            Self::Inp => abaqus::check(deck),
+            Self::K => lsdyna::check(deck),
+            _ => Ok(()),
+        }
     }
 
     /// The files that `mesh` is written to for `path`: first the files beside it, then `path`. A deck with a curve has
@@ -242,6 +266,8 @@ impl MeshFile {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
             Content::Whole(MeshFormat::Msh) => msh::write(mesh, out),
+            Content::Whole(MeshFormat::K) => lsdyna::write(mesh, deck, out),
+            Content::Whole(MeshFormat::Cdb) => ansys::write(mesh, out),
             Content::Whole(_) => vtu_mesh::write(mesh, compress, out),
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), compress, out),
             Content::Index(names) => pvtu::write(mesh, names, out),

@@ -8,7 +8,7 @@ use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::DeviceName;
-use meso_solve::{Run, Sample, Test};
+use meso_solve::{Geometry, Run, Sample, Test};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -58,7 +58,7 @@ fn difference(device: &DeviceName) -> Result<Result<f64, String>, Failure> {
     let mut materials = Materials::default();
     materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
     let test = Test { rows: 100, ..Test::default() };
-    let test = Test { time_step_s: Some(test.duration_s(20.0) / 1500.0), ..test };
+    let test = Test { time_step_s: Some(test.duration_s(&Geometry::of(&specimen)) / 1500.0), ..test };
     let prepare = || Run::new(Sample::of(&mesh, &specimen, &options), &materials, &test).map_err(|error| usage(&error));
     let (mut here, mut there) = (prepare()?, prepare()?);
     if let Err(error) = meso_gpu::attach(&mut there, device) {

@@ -34,6 +34,11 @@ Example of a STUDY.toml:
 Run it:
   mesocrete study STUDY.toml -o study --jobs 2";
 
+pub(super) const FIT: &str = "\
+Examples:
+  mesocrete fit measured.csv SPEC.toml -o fit                the mortar of a measured curve, over three packings
+  mesocrete fit measured.csv SPEC.toml --materials C30.toml  starts from the materials of a class";
+
 pub(super) const CHECK: &str = "\
 Example:
   mesocrete check model.json";
@@ -55,10 +60,17 @@ Examples:
   mesocrete image model.json -o ids.npy --what grain
   mesocrete image model.json -o cut.png --section z=75";
 
+pub(super) const EFFECTIVE: &str = "\
+Examples:
+  mesocrete effective model.json -o out                      diffusivity, impermeable aggregates
+  mesocrete effective model.json --what all --phases p.toml  and conductivity, with values of your own
+  mesocrete effective model.json --axes x --voxel-size-mm 1  one axis, larger voxels";
+
 pub(super) const INIT: &str = "\
 Examples:
   mesocrete init                                             SPEC.toml of the default specimen
-  mesocrete init en-cube-150 -o cube.toml                    a specimen of a standard";
+  mesocrete init en-cube-150 -o cube.toml                    a specimen of a standard
+  mesocrete init --materials C30 --rock granite              MATERIALS.toml, with the source of each value";
 
 pub(super) const RECIPES: &str = "\
 Example:

@@ -1,33 +1,78 @@
-//! `mesocrete init`: a commented SPEC.toml to start from.
+//! `mesocrete init`: a commented SPEC.toml or TEST.toml to start from, or the commented material values of a concrete.
 
 use super::shared::Writing;
+use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::stderr;
+use meso_core::materials::{Mix, Rock};
 use meso_core::recipes::Recipe;
-use std::path::PathBuf;
+use meso_solve::TestKind;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// Name of a recipe, see `mesocrete recipes`
     #[arg(default_value = Recipe::DEFAULT)]
     recipe: String,
-    /// Where to write it; `-` is standard output
-    #[arg(short, long, value_name = "FILE", default_value = "SPEC.toml")]
-    output: PathBuf,
+    /// A TEST.toml for `mesocrete solve --test` instead
+    #[arg(long, value_name = "NAME", conflicts_with = "recipe", value_parser = names::parser::<TestKind>())]
+    test: Option<TestKind>,
+    /// Where to write it; `-` is standard output [default: SPEC.toml; TEST.toml with --test, MATERIALS.toml
+    /// with --materials]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write material values instead, each with its source: of a concrete's class, C30 or C30/37, or of a mortar's mean strength
+    /// in MPa, M40
+    #[arg(long, value_name = "CLASS", conflicts_with_all = ["recipe", "test"])]
+    materials: Option<String>,
+    /// Rock of the aggregates
+    #[arg(long, value_name = "KIND", value_parser = names::parser::<Rock>(), requires = "materials")]
+    rock: Option<Rock>,
+    /// Volume of the packing's aggregates over the specimen's, which the mortar's modulus follows from
+    #[arg(long, value_name = "F", value_parser = values::number, requires = "materials", allow_negative_numbers = true)]
+    #[arg(default_value_t = Mix::USUAL_FRACTION)]
+    fraction: f64,
     #[command(flatten)]
     writing: Writing,
 }
 
+/// A file to start from.
+struct Start {
+    text: String,
+    name: &'static str,
+    /// The command that the file is for, before its name.
+    then: &'static str,
+}
+
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let recipe = Recipe::named(&args.recipe).map_err(Failure::Usage)?;
-    let target = Target::new(&args.output, args.writing.force)?;
+    let start = args.start()?;
+    let path = args.output.as_deref().unwrap_or(Path::new(start.name));
+    let target = Target::new(path, args.writing.force)?;
     let mut unit = Unit::default();
-    unit.fill(&target, args.writing.force, |out| out.write_all(recipe.text.as_bytes()))?;
+    unit.fill(&target, args.writing.force, |out| out.write_all(start.text.as_bytes()))?;
     unit.commit()?;
     if let (Some(path), false) = (target.file(), args.writing.quiet) {
-        let path = path.display();
-        stderr::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
+        let (path, then) = (path.display(), start.then);
+        stderr::line(format!("wrote {path}; edit it, then: mesocrete {then} {path}"));
     }
     Ok(0)
+}
+
+impl Args {
+    fn start(&self) -> Result<Start, Failure> {
+        if let Some(test) = self.test {
+            return Ok(Start { text: test.recipe(), name: "TEST.toml", then: "solve --test" });
+        }
+        let Some(class) = &self.materials else {
+            let recipe = Recipe::named(&self.recipe).map_err(Failure::Usage)?;
+            return Ok(Start { text: recipe.text.to_owned(), name: "SPEC.toml", then: "pack" });
+        };
+        let mix = Mix::parse(class, self.rock, self.fraction)
+            .map_err(|error| Failure::Usage(format!("--materials {error}")))?;
+        let sourced = mix.materials().map_err(|error| Failure::Usage(format!("--materials {class}: {error}")))?;
+        let rock = self.rock.map(|rock| format!(" with {}", names::of(&rock))).unwrap_or_default();
+        let title = format!("Materials of {class}{rock}: a concrete of {:.1} MPa in the mean", mix.fcm_mpa);
+        Ok(Start { text: sourced.toml(&title), name: "MATERIALS.toml", then: "solve --materials" })
+    }
 }

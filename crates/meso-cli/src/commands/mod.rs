@@ -4,7 +4,9 @@ pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod devices;
+pub(crate) mod effective;
 mod examples;
+pub(crate) mod fit;
 pub(crate) mod image;
 pub(crate) mod init;
 pub(crate) mod mesh;
@@ -49,7 +51,7 @@ pub(crate) enum Command {
     /// Mesh a saved model for finite elements
     #[command(after_help = examples::MESH)]
     Mesh(mesh::Args),
-    /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
+    /// Test a specimen until it breaks: from a model, a spec or nothing to the stress-strain curve
     #[command(after_help = examples::SOLVE)]
     Solve(Box<solve::Args>),
     /// List the devices that `solve --device` can take
@@ -58,6 +60,9 @@ pub(crate) enum Command {
     /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
     #[command(after_help = examples::STUDY)]
     Study(study::Args),
+    /// Find the mortar with which a specimen's curve meets a measured one; a killed fit resumes where it stopped
+    #[command(after_help = examples::FIT)]
+    Fit(fit::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     #[command(after_help = examples::CHECK)]
     Check(check::Args),
@@ -70,6 +75,9 @@ pub(crate) enum Command {
     /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
     #[command(after_help = examples::IMAGE)]
     Image(image::Args),
+    /// Compute the diffusivity or conductivity of a saved model, each with its error
+    #[command(after_help = examples::EFFECTIVE)]
+    Effective(effective::Args),
     /// Write a commented SPEC.toml to start from
     #[command(after_help = examples::INIT)]
     Init(init::Args),

@@ -16,6 +16,17 @@ where
     })
 }
 
+/// Reads a name that serde knows as one of `T`'s.
+pub(super) fn read<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
+    let name: StrDeserializer<'_, Error> = text.into_deserializer();
+    T::deserialize(name).map_err(|_| format!("it must be one of {}", list::<T>()))
+}
+
+/// All names of `T`, with commas.
+pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
+    all::<T>().join(", ")
+}
+
 /// All names of `T`.
 fn all<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
     let mut names: &[&str] = &[];

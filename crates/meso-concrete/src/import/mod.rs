@@ -1,12 +1,13 @@
-//! Surfaces from files that other programs wrote: STL, PLY, OBJ and OFF.
+//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; and sieve tables of laboratories.
 //!
-//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
+//! Formats of surfaces have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
 mod mend;
 mod obj;
 mod off;
 mod ply;
+pub mod sieve_table;
 mod stl;
 mod words;
 

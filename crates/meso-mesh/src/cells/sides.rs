@@ -123,6 +123,13 @@ fn in_planes(mesh: Cells, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
     faces
 }
 
+impl Mesh {
+    /// The faces (cell, number of the face in [`CellKind::faces`](super::CellKind::faces)) of the mesh's surface, by cell.
+    pub fn outer_faces(&self) -> Vec<(u32, usize)> {
+        outer_faces(self.by_owner(), &self.cohesive)
+    }
+}
+
 /// The faces that only one cell has, by cell; cohesive elements join the faces at their two sides.
 fn outer_faces(mesh: Cells, cohesive: &[u32]) -> Vec<(u32, usize)> {
     let mut faces = by_nodes(mesh, |_| true);

@@ -94,6 +94,20 @@ impl Materials {
         let biaxial = given.biaxial_ratio;
         require("biaxial_ratio", biaxial, biaxial >= 1.0 && biaxial.is_finite(), "it must be 1 or more")
     }
+
+    /// Checks the values of the law `meso`.
+    ///
+    /// # Errors
+    /// Names the first value outside its range.
+    pub fn validate_mesoscale(&self) -> Result<(), OutOfRange> {
+        let given = &self.meso;
+        let require = |key, value, met, accepted| MATERIALS.require(format!("meso.{key}"), value, met, accepted);
+        let (angle, kc, ductility) = (given.dilation_angle_deg, given.meridian_ratio, given.confined_ductility);
+        require("dilation_angle_deg", angle, (0.0..60.0).contains(&angle), "it must be 0 or more and below 60")?;
+        require("meridian_ratio", kc, kc > 0.6 && kc <= 1.0, "it must lie above 0.6 and at most at 1; 2/3 is usual")?;
+        require("confined_ductility", ductility, (0.0..=100.0).contains(&ductility), "it must be 0 to 100")?;
+        MATERIALS.positive("meso.crushing_length_mm", given.crushing_length_mm)
+    }
 }
 
 fn elastic(phase: &str, values: &Elastic) -> Result<(), OutOfRange> {

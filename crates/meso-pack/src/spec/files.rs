@@ -16,6 +16,19 @@ pub trait Files {
     /// Where it cannot be read, or is no folder.
     fn list(&mut self, folder: &str) -> io::Result<Vec<String>>;
 
+    /// The bytes of a table as text; a caller that reads workbooks takes the `sheet` of one.
+    ///
+    /// # Errors
+    /// Where it cannot be read.
+    fn read_table(&mut self, name: &str, sheet: Option<&str>) -> io::Result<Vec<u8>> {
+        match sheet {
+            None => self.read(name),
+            Some(_) => Err(io::Error::other(
+                "only Python reads sheets of a workbook; save the sheet as CSV, and leave sheet out",
+            )),
+        }
+    }
+
     /// Hears a remark about a file that was read: a fault that was mended, a move to the origin.
     fn remark(&mut self, name: &str, remark: &str) {
         let _ = (name, remark);
@@ -34,9 +47,4 @@ impl Files for NoFiles {
     fn list(&mut self, _: &str) -> io::Result<Vec<String>> {
         self.read("").map(|_| Vec::new())
     }
-}
-
-/// The bytes of a text file as text.
-pub(super) fn read_text(files: &mut dyn Files, name: &str) -> io::Result<String> {
-    String::from_utf8(files.read(name)?).map_err(|_| io::Error::other("it is not UTF-8; save it as plain text"))
 }

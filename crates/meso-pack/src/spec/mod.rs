@@ -157,7 +157,7 @@ impl Spec {
         if let Some(fraction) = plain_fraction(&tree) {
             reading.watch.target(fraction);
         }
-        sieves::inline(&mut tree, reading.files)?;
+        let table = sieves::inline(&mut tree, reading.files)?;
         library::inline(&mut tree, reading.files)?;
         surface::inline(&mut tree, reading)?;
         let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
@@ -175,6 +175,9 @@ impl Spec {
         spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
         reading.watch.target(spec.fraction);
         spec.validate_while(reading.watch).map_err(|error| error.at(&tree))?;
+        if let Some(table) = table {
+            table.say(&spec.grading, reading.files);
+        }
         Ok(spec)
     }
 }

@@ -2,6 +2,7 @@
 //! and for the Python package's types.
 
 use super::{MixDesign, Spec};
+use meso_concrete::import::sieve_table::{Meaning, SieveUnit, ValueUnit};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
@@ -24,12 +25,19 @@ impl Spec {
         let hull = "Grains of a `library` that are not convex count as their convex hulls.";
         schema["$defs"]["Shape"]["properties"]["hull"] = json!({ "description": hull, "type": "boolean" });
         let specimen = &mut schema["$defs"]["Specimen"];
-        from_file(specimen, "mesh", "A surface file (STL, PLY, OBJ, OFF) that lies beside the spec.");
         let scale = "Millimetres in a unit of the file: 1000 for metres, 25.4 for inches; 1 by default.";
-        if let Some(form) = specimen["oneOf"].as_array_mut().and_then(|forms| forms.last_mut()) {
-            form["properties"]["scale"] = json!({ "description": scale, "type": "number" });
+        let scale = json!({ "scale": { "description": scale, "type": "number" } });
+        from_file(specimen, "mesh", "A surface file (STL, PLY, OBJ, OFF) that lies beside the spec.", scale);
+        let table = "A sieve table (CSV, text; .xlsx in Python) that lies beside the spec, with any heading.";
+        from_file(&mut schema["$defs"]["Curve"], "sieves", table, choices_of_a_table());
+        let percent = "Per cent that passes each sieve, 0 to 100, instead of passing.";
+        let sieves = schema["$defs"]["Curve"]["oneOf"].as_array_mut().into_iter().flatten();
+        for form in sieves.filter(|form| form["properties"].get("sieves_mm").is_some()) {
+            let mut numbers = form["properties"]["passing"].clone();
+            numbers["description"] = percent.into();
+            form["properties"]["passing_percent"] = numbers;
+            form["required"] = json!(["kind", "sieves_mm"]);
         }
-        from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
         schema
     }
 
@@ -46,12 +54,31 @@ fn take(value: &mut Value, key: &str) -> Option<Value> {
     value.as_object_mut().and_then(|map| map.remove(key))
 }
 
-/// Adds to a tagged section the form of the variant `kind` that a `file` stands in.
-fn from_file(section: &mut Value, kind: &str, description: &str) {
-    let properties = Map::from_iter([
+/// Keys beside the `file` of a sieve table, for a table that could mean two things.
+fn choices_of_a_table() -> Value {
+    let names = |names: Vec<&str>, text: &str| json!({ "type": "string", "enum": names, "description": text });
+    json!({
+        "column": { "type": ["string", "integer"], "description": "Column of the grading: its heading, or its position from 1." },
+        "blend": {
+            "type": "object", "additionalProperties": { "type": "number" },
+            "description": "Aggregates in columns, by headings, and the share of each; shares sum to 1 or 100.",
+        },
+        "means": names(Meaning::NAMES.map(|name| name.0).into(), "Meaning of the column, where neither heading nor numbers say it."),
+        "unit": names(ValueUnit::NAMES.map(|name| name.0).into(), "Unit of the column's numbers."),
+        "sieve_unit": names(SieveUnit::NAMES.map(|name| name.0).into(), "Unit of bare numbers in the column of sieves."),
+        "sheet": { "type": "string", "description": "Sheet of a workbook; Python only." },
+    })
+}
+
+/// Adds to a tagged section the form of the variant `kind` that a `file` stands in, with its further keys.
+fn from_file(section: &mut Value, kind: &str, description: &str, further: Value) {
+    let mut properties = Map::from_iter([
         ("kind".to_owned(), json!({ "type": "string", "const": kind })),
         ("file".to_owned(), json!({ "type": "string", "description": description })),
     ]);
+    if let Value::Object(further) = further {
+        properties.extend(further);
+    }
     let form = json!({
         "type": "object", "properties": properties, "required": ["kind", "file"], "additionalProperties": false,
         "description": description,

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
         pack,
         recipes,
     )
-    from ._options import Grading, Specimen
+    from ._options import Grading, Materials, Specimen, Test
     from ._study import Study, study
 
 __all__ = [
@@ -37,6 +37,7 @@ __all__ = [
     "Aggregates",
     "Frame",
     "Grading",
+    "Materials",
     "Mesh",
     "Packing",
     "Polyhedron",
@@ -44,6 +45,7 @@ __all__ = [
     "Spec",
     "Specimen",
     "Study",
+    "Test",
     "__version__",
     "convex_hull",
     "gjk",
@@ -54,7 +56,14 @@ __all__ = [
 ]
 
 # Names of the package's Python modules; all others are the compiled module's.
-_HOMES = {"Grading": "_options", "Specimen": "_options", "Study": "_study", "study": "_study"}
+_HOMES = {
+    "Grading": "_options",
+    "Materials": "_options",
+    "Specimen": "_options",
+    "Study": "_study",
+    "Test": "_options",
+    "study": "_study",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -362,6 +362,46 @@ class Packing:
     @overload
     def table(self, frame: Literal["polars"]) -> pl.DataFrame: ...
 
+    def effective(
+        self,
+        what: Literal["diffusivity", "conductivity"] = "diffusivity",
+        *,
+        voxel_size: float | None = None,
+        phases: Mapping[str, float] | None = None,
+        axes: str = "xyz",
+        progress: bool | Callable[..., object] | None = None,
+    ) -> _results.Effective:
+        """Effective diffusivity or conductivity, with its error, on voxels that know the exact geometry.
+
+        Parameters
+        ----------
+        what : {"diffusivity", "conductivity"}
+            The property.
+        voxel_size : float, optional
+            Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
+        phases : mapping, optional
+            Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
+            the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
+        axes : str
+            Axes of the gradient, some of x, y, z; each takes a solution.
+        progress : bool or callable, optional
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+
+        Returns
+        -------
+        dict
+            The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
+            gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels`, `voxel_size_mm`, `iterations`,
+            `solver_error`, `warnings`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            Names the option, its value and the accepted range; a specimen that is no box.
+        RuntimeError
+            Where the equations do not converge.
+        """
+
     @overload
     def voxelize(
         self,
@@ -662,6 +702,8 @@ class Mesh:
         """
 
     @property
+    def _cohesive_aggregate(self) -> NDArray[np.int64]: ...
+    @property
     def notes(self) -> dict[str, float]:
         """Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict."""
 
@@ -696,15 +738,15 @@ class Mesh:
         Parameters
         ----------
         path : path
-            `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+            `.inp`, `.k`, `.cdb`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
         overwrite : bool
             Whether a file that is there already is replaced.
         compress : bool
             Whether the data of a `.vtu` are compressed.
         **deck
-            Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+            Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
+            `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
 
         Raises
         ------
@@ -716,7 +758,7 @@ class Mesh:
 
     def solve(
         self,
-        test: Literal["compression", "tension"] = "compression",
+        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion"] = "compression",
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
@@ -724,12 +766,12 @@ class Mesh:
         progress: bool | Callable[..., object] | None = None,
         **options: Unpack[SolveOptions],
     ) -> Response:
-        """Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+        """Tests the specimen, and returns its curve, figures and fields.
 
         Parameters
         ----------
         test : str
-            "compression", between plates that press and rub, or "tension", between plates that are glued on.
+            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
         friction : float
             Coulomb's coefficient between plates and specimen in compression.
         strain : float, optional
@@ -748,7 +790,8 @@ class Mesh:
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
-            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md. `pressure_mpa`, `stress_ratio`,
+            `strip_mm`, `span_mm`, `turns`, `supports`, `gauges`, `expansion`: see docs/tests.md.
 
         Returns
         -------
@@ -1213,6 +1256,9 @@ class Bodies:
         Bodies
         """
 
+def _concrete_materials(
+    *, fcm: float | None = ..., mortar: float | None = ..., rock: str | None = ..., fraction: float = ...
+) -> _types.DeckMaterials: ...
 def recipes() -> dict[str, str]:
     """The specimens that `Spec.recipe` knows: a dict of names and titles."""
 

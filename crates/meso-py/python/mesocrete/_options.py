@@ -1,6 +1,6 @@
-"""Sections of a spec by their names in the field: `Grading.fuller(5, 20)`, `Specimen.cylinder(100, 200)`.
+"""Sections of a spec and tests by their names in the field: `Grading.fuller(5, 20)`, `Specimen.cylinder(100, 200)`, `Test.triaxial(10)`.
 
-They return plain dicts, as in a SPEC.toml; `pack` and `Spec` check the values.
+They return plain dicts, as in a SPEC.toml or TEST.toml; `pack`, `Spec` and `Mesh.solve` check the values.
 """
 
 from __future__ import annotations
@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING, Literal, TypedDict, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._mesocrete import _concrete_materials
+
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from . import _types
+    from ._types import SolveOptions
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
 
@@ -27,6 +30,17 @@ class GradingOptions(TypedDict, total=False):
     form: Literal["normalised", "raw"]
     size: Literal["longest-axis", "sieve"]
     size_law: Literal["uniform", "volume-uniform"]
+
+
+class TableChoices(TypedDict, total=False):
+    """What a sieve table's own words and numbers do not say."""
+
+    column: str | int
+    blend: dict[str, float]
+    means: Literal["passing", "cumulative-retained", "retained"]
+    unit: Literal["percent", "share", "mass"]
+    sieve_unit: Literal["mm", "um", "in", "astm-number"]
+    sheet: str
 
 
 class Grading:
@@ -49,26 +63,54 @@ class Grading:
         passing: ArrayLike | None = None,
         d_min_mm: float | None = None,
         d_max_mm: float | None = None,
+        *,
+        passing_percent: ArrayLike | None = None,
         **options: Unpack[GradingOptions],
     ) -> _types.Grading:
-        """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,).
+        """Return a sieve table: openings, mm, in any order, and the share that passes each, 0 to 1; arrays of shape (n,).
 
-        Both may be the columns of one array of shape (n, 2), given first. The limits of the sizes are the first and the last opening, unless they are given.
+        Both may be the columns of one array of shape (n, 2), given first. `passing_percent` takes per cent instead of shares. The limits of the sizes are the finest and the widest opening, unless they are given.
         """
+        if passing is not None and passing_percent is not None:
+            message = "passing and passing_percent are both given; keep one"
+            raise ValueError(message)
+        key: Literal["passing", "passing_percent"] = "passing" if passing_percent is None else "passing_percent"
+        passing = passing if passing_percent is None else passing_percent
         if passing is None:
             table = np.asarray(sieve_mm, float)
             if table.ndim != 2 or table.shape[1] != 2:
                 message = f"passing is missing, and sieve_mm has shape {table.shape}; give two rows, or one table of shape (n, 2)"
                 raise ValueError(message)
             sieve_mm, passing = table[:, 0], table[:, 1]
-        sieves = _row("sieve_mm", sieve_mm)
+        sieves, shares = _row("sieve_mm", sieve_mm), _row(key, passing)
         if not sieves:
             message = "sieve_mm is empty; give openings in mm, e.g. [5, 10, 20]"
             raise ValueError(message)
-        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": sieves, "passing": _row("passing", passing)}
-        low = sieves[0] if d_min_mm is None else d_min_mm
-        high = sieves[-1] if d_max_mm is None else d_max_mm
+        if len(sieves) == len(shares):
+            rows = sorted(zip(sieves, shares, strict=True))
+            sieves, shares = [row[0] for row in rows], [row[1] for row in rows]
+        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": sieves}
+        curve[key] = shares
+        low = min(sieves) if d_min_mm is None else d_min_mm
+        high = max(sieves) if d_max_mm is None else d_max_mm
         return {"curve": curve, "d_min_mm": low, "d_max_mm": high, **options}
+
+    @staticmethod
+    def table(
+        file: str | PathLike[str],
+        d_min_mm: float,
+        d_max_mm: float,
+        *,
+        choices: TableChoices | None = None,
+        **options: Unpack[GradingOptions],
+    ) -> _types.Grading:
+        """Return the grading of a laboratory's sieve table between two sizes, mm: CSV, text or .xlsx (by openpyxl), with any heading.
+
+        How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`. Sizes are sieve openings, unless `size` says otherwise.
+        """
+        curve = cast("_types.SievesFileCurve", {"kind": "sieves", "file": fspath(file), **(choices or {})})
+        grading: _types.Grading = {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, "size": "sieve"}
+        return cast("_types.Grading", {**grading, **options})
 
     @staticmethod
     def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]) -> _types.Grading:
@@ -163,3 +205,73 @@ def _periodic(axes: Axes) -> _types.Periodic:
     if isinstance(axes, bool) or axes is None:
         return ["x", "y", "z"] if axes else []
     return cast("_types.Periodic", list(axes))
+
+
+class Test:
+    """Named tests, for `mesh.solve(**mc.Test.triaxial(10))`; `options` are further keywords of `Mesh.solve`."""
+
+    __test__ = False  # No case for pytest, in spite of its name.
+
+    @staticmethod
+    def compression(friction: float = 0.1, **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return plates that press along z, and rub with Coulomb's `friction`; brushes and teflon have 0.005."""
+        return {"test": "compression", "friction": friction, **options}
+
+    @staticmethod
+    def tension(**options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return plates that are glued on and pull along z."""
+        return {"test": "tension", **options}
+
+    @staticmethod
+    def triaxial(pressure_mpa: float = 5.0, **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return a pressure on all sides, MPa, and then plates that press along z."""
+        return {"test": "triaxial", "pressure_mpa": pressure_mpa, **options}
+
+    @staticmethod
+    def biaxial(stress_ratio: float = 1.0, **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return plates along z, and plates along x that have `stress_ratio` times their stress."""
+        return {"test": "biaxial", "stress_ratio": stress_ratio, **options}
+
+    @staticmethod
+    def cyclic(turns: Sequence[tuple[float, str]], **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return plates that turn: each turn is a value and what it is of, "strain", "stress" (MPa) or "opening" (mm)."""
+        return {"test": "cyclic", "turns": [{"at": at, "of": of} for at, of in turns], **options}
+
+    @staticmethod
+    def splitting(strip_mm: float | None = None, **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return strips that press the mantle along x; they are a tenth of the diameter wide when `strip_mm` is absent."""
+        return {"test": "splitting", "strip_mm": strip_mm, **options}
+
+    @staticmethod
+    def bending(span_mm: float | None = None, **options: Unpack[SolveOptions]) -> dict[str, object]:
+        """Return a notched beam on two rollers, `span_mm` apart, that a third one presses."""
+        return {"test": "bending", "span_mm": span_mm, **options}
+
+    @staticmethod
+    def expansion(
+        mortar: float = 0.0, aggregate: float = 0.0, fibre: float = 0.0, **options: Unpack[SolveOptions]
+    ) -> dict[str, object]:
+        """Return linear strains of the phases without supports; shrinkage is negative."""
+        strains = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre}
+        return {"test": "expansion", "expansion": strains, **options}
+
+
+Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
+
+
+class Materials:
+    """Material values, for the keyword `materials` of `Mesh.solve`; `mesocrete init --materials` gives the source of each."""
+
+    @staticmethod
+    def for_concrete(fcm: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+        """Return the values of a concrete by its mean cylinder strength, MPa: 38 for C30.
+
+        `rock` is the aggregates' kind, and `fraction` the packing's share of aggregates, which the mortar's modulus
+        follows from.
+        """
+        return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction)
+
+    @staticmethod
+    def for_mortar(strength: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+        """Return the values of the concrete that a mortar of this mean strength, MPa, makes; the others as in `for_concrete`."""
+        return _concrete_materials(mortar=strength, rock=rock, fraction=fraction)

@@ -380,6 +380,61 @@ class CheckResult(TypedDict):
     """Promises that were not checked, in words."""
 
 
+class PropertyBounds(TypedDict):
+    """Bounds of Voigt, Reuss, and Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125).  Those of Hashin and Shtrikman hold for an isotropic mixture; one direction of a small specimen may cross them."""
+
+    reuss: float
+    """Phases in series."""
+    hashin_shtrikman_lower: float
+    """Lower bound of an isotropic mixture."""
+    hashin_shtrikman_upper: float
+    """Upper bound of an isotropic mixture."""
+    voigt: float
+    """Phases in parallel."""
+
+
+class PhaseShare(TypedDict):
+    """A phase in the result."""
+
+    name: str
+    """Name of the phase."""
+    value: float
+    """Its value."""
+    volume_fraction: float
+    """Its exact volume over the specimen's."""
+
+
+class Effective(TypedDict):
+    """An effective property."""
+
+    what: str
+    """Property."""
+    tensor: list[list[float | None]]
+    """The tensor, extrapolated from the two sizes of voxels."""
+    error: list[list[float | None]]
+    """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
+    fine: list[list[float | None]]
+    """The tensor on the voxels."""
+    coarse: list[list[float | None]]
+    """The tensor on voxels of twice the size."""
+    bounds: PropertyBounds
+    """Bounds on an isotropic mixture of the phases."""
+    phases: list[PhaseShare]
+    """Phases with their volumes."""
+    boundary: list[str]
+    """Conditions at the ends of x, y, z: `periodic`, or `fixed` along the gradient and insulated across it."""
+    voxels: list[int]
+    """Voxels along x, y, z."""
+    voxel_size_mm: list[float]
+    """Edges of a voxel, mm."""
+    iterations: list[int]
+    """Iterations of each solution on the fine voxels."""
+    solver_error: float
+    """Largest error of the equations, over the result."""
+    warnings: list[str]
+    """What a reader should know."""
+
+
 class CurveFigures(TypedDict):
     """Figures of a curve."""
 
@@ -395,21 +450,32 @@ class CurveFigures(TypedDict):
     """Whether the stress fell below 0.8 of the peak."""
 
 
+class BeyondPeak(TypedDict):
+    """Figures of a curve beyond its peak."""
+
+    displacement_to_half_mm: float | None
+    """Shortening or lengthening from the peak until half of it is left, mm; `None` where it is not reached."""
+    energy_beyond_peak_n_per_mm: float
+    """Work of the stress beyond the peak, per area, N/mm."""
+    energy_beyond_peak_until: float
+    """Share of the peak that is left where this work ends: 0.2, or more where the test ends earlier."""
+
+
 class Energies(TypedDict):
     """Energies at the end of a test, mJ."""
 
     kinetic: float
-    """See `Row`."""
+    """Kinetic energy."""
     internal: float
-    """See `Row`."""
+    """Work of the elements' forces: stored, dissipated and hourglass energy."""
     external: float
-    """See `Row`."""
+    """Work of the plates."""
     friction_work: float
-    """See `Row`."""
+    """Dissipated by friction on the plates."""
     hourglass: float
-    """See `Row`."""
+    """Energy of hourglass modes."""
     dissipated: float
-    """See `Row`."""
+    """Dissipated in cracks, crushing and plastic flow."""
 
 
 class PhaseResult(TypedDict):
@@ -425,7 +491,7 @@ class PhaseResult(TypedDict):
     """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
 
-class TestResult(CurveFigures):
+class TestResult(CurveFigures, BeyondPeak):
     """Content of `result.json`, without seconds."""
 
     version: str
@@ -480,10 +546,18 @@ class TestResult(CurveFigures):
     """Cells of these aggregates that became mortar, in the mesh and in the test."""
     phases: list[PhaseResult]
     """Phases of the test."""
+    phase_error: float | None
+    """Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known."""
+    phase_error_of: str | None
+    """Name of the phase that is farthest off, in lower case."""
+    flags: list[str]
+    """Faults of the mesh that a strength must not be cited without, in a few words each."""
     ended: str | dict[str, str]
     """How the test ended."""
     warnings: list[str]
-    """Warnings, in sentences."""
+    """Warnings, in sentences; those of the mesh come first."""
+    mesh_warnings: int
+    """Number of the warnings that were known before the first step."""
     errors: list[str]
     """Why the curve is not to be trusted, in sentences."""
 

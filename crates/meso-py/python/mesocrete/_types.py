@@ -86,6 +86,8 @@ class SievesCurve(TypedDict, total=False):
     """Name of this form: 'sieves'."""
     passing: _Numbers
     """Share that passes each sieve, 0 to 1."""
+    passing_percent: _Numbers
+    """Per cent that passes each sieve, 0 to 100, instead of passing."""
     sieves_mm: _Numbers
     """Sieve openings, mm, ascending."""
 
@@ -100,12 +102,24 @@ class StandardCurve(TypedDict, total=False):
 
 
 class SievesFileCurve(TypedDict, total=False):
-    """A CSV file that lies beside the spec: sieve_mm,passing."""
+    """A sieve table (CSV, text; .xlsx in Python) that lies beside the spec, with any heading."""
 
+    blend: dict[str, object]
+    """Aggregates in columns, by headings, and the share of each; shares sum to 1 or 100."""
+    column: str | int
+    """Column of the grading: its heading, or its position from 1."""
     file: str
-    """A CSV file that lies beside the spec: sieve_mm,passing."""
+    """A sieve table (CSV, text; .xlsx in Python) that lies beside the spec, with any heading."""
     kind: Literal["sieves"]
     """Name of this form: 'sieves'."""
+    means: Literal["passing", "cumulative-retained", "retained"]
+    """Meaning of the column, where neither heading nor numbers say it."""
+    sheet: str
+    """Sheet of a workbook; Python only."""
+    sieve_unit: Literal["mm", "um", "in", "astm-number"]
+    """Unit of bare numbers in the column of sieves."""
+    unit: Literal["percent", "share", "mass"]
+    """Unit of the column's numbers."""
 
 
 Curve = FullerCurve | BolomeyCurve | SievesCurve | StandardCurve | SievesFileCurve
@@ -394,6 +408,8 @@ class DeckLoading(TypedDict, total=False):
     """Frames of field output."""
     friction: float
     """Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6."""
+    impact_speed_mm_per_s: float
+    """Speed of the striker of an impact, mm/s."""
     time_increment_s: float
     """Time increment that mass scaling keeps, s."""
 
@@ -415,12 +431,27 @@ class DeckMaterials(TypedDict, total=False):
     """Interfacial transition zone."""
     itz_strength_ratio: float
     """Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature."""
+    meso: DeckMesoscale
+    """Crushing and confinement of the solver's law `meso`, which decks do not have."""
     mortar: DeckElastic
     """Mortar."""
     mortar_strength: DeckStrength
     """Strength of the mortar."""
     plasticity: DeckPlasticity
     """Yield surface and flow of the damaged plasticity."""
+
+
+class DeckMesoscale(TypedDict, total=False):
+    """Parameters of the law `meso` beside the strengths."""
+
+    confined_ductility: float
+    """Growth of crushing strains with the least confinement over the strength."""
+    crushing_length_mm: float
+    """Least width of a band of crushing, mm."""
+    dilation_angle_deg: float
+    """Dilation angle before cohesion is lost, degrees."""
+    meridian_ratio: float
+    """Ratio of the second invariants on the tensile and the compressive meridian at low pressure, K_c."""
 
 
 class DeckPlasticity(TypedDict, total=False):
@@ -458,7 +489,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "compression", "tension"]
+    analysis: Literal["none", "elastic", "compression", "tension", "impact"]
     """The analysis the deck runs; `geometry_only` leaves it out."""
     geometry_only: bool
     """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
@@ -466,6 +497,8 @@ class DeckOptions(TypedDict, total=False):
     """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
     loading: DeckLoading
     """How compression and tension are loaded."""
+    lsdyna_law: Literal["cdpm", "rel3", "cscm"]
+    """Law of mortar and ITZ in an LS-DYNA deck (`.k`)."""
     materials: DeckMaterials
     """Material values."""
     periodic_equations: bool
@@ -480,6 +513,66 @@ class DeckOptions(TypedDict, total=False):
     """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
 
 
+class SolveExpansion(TypedDict, total=False):
+    """Strains that phases have without stress; they grow before the path begins."""
+
+    aggregate: float
+    """Linear strain of the aggregates."""
+    fibre: float
+    """Linear strain of the fibres."""
+    itz: float | None
+    """Linear strain of the ITZ; absent, the mortar's."""
+    mortar: float
+    """Linear strain of the mortar; shrinkage is negative."""
+
+
+class LvdtSolveGauge(TypedDict, total=False):
+    """Strain between two planes across an axis, from the mean displacements of the surface's nodes near them."""
+
+    axis: Literal["x", "y", "z"]
+    """The axis along which it measures."""
+    from_mm: float
+    """The lower plane, mm from the lower side."""
+    kind: Literal["lvdt"]
+    """Name of this form: 'lvdt'."""
+    name: str
+    """Name of the column."""
+    to_mm: float
+    """The upper plane, mm from the lower side."""
+
+
+class SidesSolveGauge(TypedDict, total=False):
+    """Strain from the mean displacements of two opposite sides."""
+
+    axis: Literal["x", "y", "z"]
+    """The axis along which it measures."""
+    kind: Literal["sides"]
+    """Name of this form: 'sides'."""
+    name: str
+    """Name of the column."""
+
+
+class LateralStrainSolveGauge(TypedDict, total=False):
+    """Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height."""
+
+    kind: Literal["lateral-strain"]
+    """Name of this form: 'lateral-strain'."""
+    name: str
+    """Name of the column."""
+
+
+class CrackMouthSolveGauge(TypedDict, total=False):
+    """Opening of the crack mouth at the lower side of a notched beam, mm."""
+
+    kind: Literal["crack-mouth"]
+    """Name of this form: 'crack-mouth'."""
+    name: str
+    """Name of the column."""
+
+
+SolveGauge = LvdtSolveGauge | SidesSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
+
+
 class SolveInterface(TypedDict, total=False):
     """Properties of cohesive faces beside `[materials]`, which a deck cannot have."""
 
@@ -487,33 +580,90 @@ class SolveInterface(TypedDict, total=False):
     """Coulomb's coefficient in a crack."""
 
 
+class SolveStrip(TypedDict, total=False):
+    """A strip across a side: a roller, or the strip of a splitting test."""
+
+    at_mm: float
+    """Its centre, mm from the middle of the specimen."""
+    axis: Literal["x", "y", "z"]
+    """Axis along which its width and its place are measured."""
+    width_mm: float
+    """Its width, mm; at least one and a half elements are taken."""
+
+
+class SolveSupportSpec(TypedDict, total=False):
+    """A support or a load of a specimen."""
+
+    friction: float
+    """Coulomb's coefficient of a plate."""
+    moves: float
+    """Its way along the axis of its side for each mm of the test's path; 0 keeps it at rest."""
+    name: str
+    """Its name, which its column of `curve.csv` has."""
+    on: Literal["x-min", "x-max", "y-min", "y-max", "z-min", "z-max", "mantle"]
+    """The side that it acts on."""
+    pressure_mpa: float
+    """Pressure, or the mean stress that a servo gives a plate before the path begins, MPa. It grows to this value before the path begins."""
+    rule: Literal["plate", "glued", "pressure"]
+    """Plate, glued or pressure."""
+    stress_ratio: float | None
+    """Mean stress that a servo gives a plate over the stress of the test."""
+    strip: SolveStrip | None
+    """The part of the side; absent, it is the whole side."""
+
+
+class SolveTurn(TypedDict, total=False):
+    """A place at which the path turns."""
+
+    at: float
+    """The value at which it turns."""
+    of: Literal["strain", "stress", "opening"]
+    """The quantity of the value."""
+
+
 class SolveOptions(TypedDict, total=False):
-    """A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test."""
+    """A test of a specimen. Whatever is absent takes its default from the mesh and the kind of test."""
 
     control: Literal["servo", "steady"]
     """How the plates keep their speed."""
     duration_s: float | None
     """Time of the whole test at the plates' full speed, s."""
+    expansion: SolveExpansion | None
+    """Strains of the phases that have no stress; they grow before the path begins."""
     frames: int
     """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
     friction: float
     """Coulomb's coefficient between plates and specimen; in tension the plates are glued on."""
+    gauges: Sequence[SolveGauge]
+    """Gauges, each a column of the curve; those of the named test where none are given."""
     hourglass: float
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    law: Literal["elastic", "cdp", "cdpm2"]
+    law: Literal["elastic", "cdp", "cdpm2", "meso"]
     """The law of mortar and ITZ."""
+    pressure_mpa: float | None
+    """Lateral pressure of a triaxial test, MPa; 5 where absent."""
     ramp: float
     """Share of the time in which the plates gain their speed."""
     rows: int
     """Rows of the curve, at most, and as densely where the servo adds steps."""
     smoothing: Literal["none", "edges"] | None
     """Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not."""
+    span_mm: float | None
+    """Distance of a beam's rollers, mm."""
     strain: float | None
-    """Mean axial strain at the end; 0.005 in compression, 0.0005 in tension."""
+    """Strain of the test at the end; 0.005 in compression, 0.0005 in tension."""
+    stress_ratio: float | None
+    """Lateral over axial stress of a biaxial test; 1 where absent."""
+    strip_mm: float | None
+    """Width of the strips of a splitting test, or of a beam's rollers, mm."""
+    supports: Sequence[SolveSupportSpec]
+    """Supports and loads; those of the named test where none are given."""
     time_step_s: float | None
     """Time step that mass scaling keeps, s."""
+    turns: Sequence[SolveTurn]
+    """Places at which the path turns; straight on to `strain` where none are given."""
 
 
 class StatisticsOptions(TypedDict, total=False):

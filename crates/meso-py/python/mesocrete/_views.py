@@ -289,24 +289,40 @@ def plot_grading(packing: Any, ax: Any = None) -> Any:
     return ax
 
 
-def _grid(points: Any, cells: Any, kind: str) -> Any:
-    """Return a PyVista unstructured grid of cells of one kind."""
-    width = np.full((len(cells), 1), cells.shape[1], dtype=np.int64)
-    types = np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8)
-    return _need("pyvista", "plot").UnstructuredGrid(np.hstack([width, cells]).ravel(), types, points)
+def _grid(points: Any, *blocks: tuple[str, Any]) -> Any:
+    """Return a PyVista unstructured grid of cells of several kinds, one kind after another."""
+    blocks = tuple((kind, cells) for kind, cells in blocks if len(cells))
+    cells = [np.insert(cells, 0, cells.shape[1], axis=1).ravel() for _, cells in blocks]
+    types = [np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8) for kind, cells in blocks]
+    return _need("pyvista", "plot").UnstructuredGrid(np.concatenate(cells), np.concatenate(types), points)
+
+
+def _blocks(mesh: Any) -> tuple[list[tuple[str, Any]], Any, Any]:
+    """Return the cells and the cohesive elements by their names in meshio, the phases and the aggregates of all."""
+    joints = mesh.cohesive
+    if not len(joints):
+        return [(mesh.cell_type, mesh.cells)], mesh.phase, mesh.aggregate
+    blocks = [(mesh.cell_type, mesh.cells), ("wedge" if joints.shape[1] == 6 else "hexahedron", joints)]
+    phase = np.concatenate([mesh.phase, np.full(len(joints), _PHASES["ITZ"], dtype=np.uint8)])
+    return blocks, phase, np.concatenate([mesh.aggregate, mesh._cohesive_aggregate])
 
 
 def mesh_to_pyvista(mesh: Any) -> Any:
-    """Return the mesh as a PyVista unstructured grid with the phase and the aggregate of every cell."""
-    grid = _grid(mesh.points, mesh.cells, mesh.cell_type)
-    grid.cell_data["phase"] = mesh.phase
-    grid.cell_data["aggregate"] = mesh.aggregate
+    """Return the mesh as a PyVista unstructured grid with the phase and the aggregate of every cell.
+
+    Cohesive elements follow the cells, as wedges (hexahedra between voxels) of the ITZ.
+    """
+    blocks, phase, aggregate = _blocks(mesh)
+    grid = _grid(mesh.points, *blocks)
+    grid.cell_data["phase"] = phase
+    grid.cell_data["aggregate"] = aggregate
     return grid
 
 
 def frame_to_pyvista(frame: Any) -> Any:
     """Return a moment of a test as a PyVista unstructured grid; its arrays are named as in the `.vtu` files of frames."""
-    grid = _grid(*frame._mesh())
+    points, cells, kind = frame._mesh()
+    grid = _grid(points, (kind, cells))
     grid.point_data["displacement_mm"] = frame.displacement
     grid.cell_data["damage"] = frame.damage
     grid.cell_data["damage_tension"] = frame.damage_tension
@@ -333,13 +349,17 @@ def plot_response(response: Any, ax: Any = None, **options: Any) -> Any:
 
 
 def mesh_to_meshio(mesh: Any) -> Any:
-    """Return the mesh as a meshio mesh with the phase and the aggregate of every cell, and a cell set per phase."""
+    """Return the mesh as a meshio mesh with the phase and the aggregate of every cell, and a cell set per phase.
+
+    Cohesive elements are a second block, of wedges (of hexahedra between voxels), in the set ITZ.
+    """
     meshio = _need("meshio", "mesh")
-    phase = mesh.phase
+    blocks, phase, aggregate = _blocks(mesh)
+    ends = np.cumsum([len(cells) for _, cells in blocks])[:-1]
+    split = {"phase": np.split(phase, ends), "aggregate": np.split(aggregate, ends)}
     phases = _PHASES | ({"fibre": _FIBRE} if (phase == _FIBRE).any() else {})
-    sets = {name.upper(): [np.flatnonzero(phase == value)] for name, value in phases.items()}
-    data = {"phase": [phase], "aggregate": [mesh.aggregate]}
-    return meshio.Mesh(mesh.points, [(mesh.cell_type, mesh.cells)], cell_data=data, cell_sets=sets)
+    sets = {name.upper(): [np.flatnonzero(block == value) for block in split["phase"]] for name, value in phases.items()}
+    return meshio.Mesh(mesh.points, blocks, cell_data=split, cell_sets=sets)
 
 
 def write_xdmf(mesh: Any, path: Any, *, overwrite: bool) -> None:

@@ -12,8 +12,10 @@ use crate::lanes::{Eight, LANES};
 use meso_mesh::materials::regular_edge;
 use meso_mesh::{CellKind, Mesh, Phase};
 
-/// Order of the phases within a block.
-const PHASES: [Phase; 4] = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Fibre];
+/// Order of the materials within a block: phase by phase.
+fn order((phase, matter): (Phase, u16)) -> (u8, u16) {
+    (phase as u8, matter)
+}
 
 /// Builds one block.
 pub(crate) struct Builder<'a> {
@@ -40,13 +42,23 @@ impl<'a> OwnPatches<'a> {
         Self { all, numbers, shapes }
     }
 
-    /// Places of those with the law of `phase` and from `least` to `most` nodes.
-    fn of(&self, phase: Phase, least: usize, most: usize) -> Vec<u32> {
+    /// Places of those with the law of `phase`, the material `matter` and from `least` to `most` nodes.
+    fn of(&self, parts: &Parts, (phase, matter): (Phase, u16), least: usize, most: usize) -> Vec<u32> {
         let fits = |place: &u32| {
-            let (number, shape) = (self.numbers[*place as usize], &self.shapes[*place as usize]);
-            self.all.phase[number as usize] == phase && (least..=most).contains(&shape.nodes.len())
+            let shape = &self.shapes[*place as usize];
+            let is_sized = (least..=most).contains(&shape.nodes.len());
+            is_sized && self.matter(parts, *place) == (phase, matter)
         };
         (0..self.numbers.len() as u32).filter(fits).collect()
+    }
+}
+
+impl OwnPatches<'_> {
+    /// Phase and material of the patch at some place: the stone is that of its first cell.
+    fn matter(&self, parts: &Parts, place: u32) -> (Phase, u16) {
+        let number = self.numbers[place as usize];
+        let (phase, first) = (self.all.phase[number as usize], self.all.cells(number)[0] as usize);
+        (phase, parts.common.place(phase, parts.sample.mesh.owner[first]))
     }
 }
 
@@ -60,18 +72,12 @@ impl<'a> Builder<'a> {
     pub(crate) fn build(mut self, cells: &[u32], faces: &[u32]) -> Block {
         let mesh = self.parts.sample.mesh;
         let mut cells = if self.patches.is_some() { Vec::new() } else { cells.to_vec() };
-        cells.sort_by_key(|&cell| self.parts.sample.mesh.phase[cell as usize] as u8);
+        cells.sort_by_key(|&cell| order(self.matter(cell)));
         self.nodes = self.nodes_of(&cells, faces);
         let mut groups = Vec::new();
-        for phase in PHASES {
-            let start =
-                cells.partition_point(|&cell| (self.parts.sample.mesh.phase[cell as usize] as u8) < phase as u8);
-            let end = cells.partition_point(|&cell| self.parts.sample.mesh.phase[cell as usize] as u8 <= phase as u8);
-            if start < end {
-                let own = &cells[start..end];
-                let kind = if mesh.kind == CellKind::Hexahedron { self.hexes(own) } else { self.tets(own) };
-                groups.push(self.group(phase, kind, own));
-            }
+        for own in cells.chunk_by(|&a, &b| self.matter(a) == self.matter(b)) {
+            let kind = if mesh.kind == CellKind::Hexahedron { self.hexes(own) } else { self.tets(own) };
+            groups.push(self.group(self.matter(own[0]), kind, own));
         }
         if let Some(own) = &self.patches {
             self.add_patches(own, &mut groups);
@@ -79,7 +85,7 @@ impl<'a> Builder<'a> {
         if !faces.is_empty() {
             let is_quad = mesh.kind == CellKind::Hexahedron;
             let kind = if is_quad { Cells::Quads(self.faces(faces)) } else { Cells::Triangles(self.faces(faces)) };
-            groups.push(self.group(Phase::Itz, kind, faces));
+            groups.push(self.group((Phase::Itz, Phase::Itz as u16), kind, faces));
         }
         Block { nodes: self.nodes, groups }
     }
@@ -105,13 +111,20 @@ impl<'a> Builder<'a> {
         &mesh.cohesive[face as usize * nodes..][..nodes]
     }
 
-    fn group(&self, phase: Phase, cells: Cells, numbers: &[u32]) -> Group {
+    /// Phase and material of a cell.
+    fn matter(&self, cell: u32) -> (Phase, u16) {
+        let mesh = self.parts.sample.mesh;
+        let phase = mesh.phase[cell as usize];
+        (phase, self.parts.common.place(phase, mesh.owner[cell as usize]))
+    }
+
+    fn group(&self, (phase, matter): (Phase, u16), cells: Cells, numbers: &[u32]) -> Group {
         let count = eights(numbers.len());
-        let remembered = cells.remembered(&self.parts.common.matter[phase as usize]);
+        let remembered = cells.remembered(&self.parts.common.matter[usize::from(matter)]);
         let mut numbers = numbers.to_vec();
         numbers.resize(count * LANES, EMPTY);
         let memory = vec![Eight::default(); count * remembered];
-        Group { phase, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
+        Group { phase, matter, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
     }
 
     /// The block's own number of a node.
@@ -145,12 +158,17 @@ impl<'a> Builder<'a> {
 
     /// Adds the groups of the block's patches, by phase and number of nodes.
     fn add_patches(&self, own: &OwnPatches, groups: &mut Vec<Group>) {
-        for phase in PHASES {
+        let places = 0..own.numbers.len() as u32;
+        let mut matters: Vec<(Phase, u16)> = places.map(|place| own.matter(self.parts, place)).collect();
+        matters.sort_by_key(|&matter| order(matter));
+        matters.dedup();
+        for matter in matters {
             let mut add = |places: &[u32], cells: Cells| {
                 let numbers: Vec<u32> = places.iter().map(|&place| own.numbers[place as usize]).collect();
-                groups.extend((!numbers.is_empty()).then(|| self.group(phase, cells, &numbers)));
+                groups.extend((!numbers.is_empty()).then(|| self.group(matter, cells, &numbers)));
             };
-            let [small, middle, large] = [(4, 8), (9, 9), (10, MOST_NODES)].map(|(a, b)| own.of(phase, a, b));
+            let [small, middle, large] =
+                [(4, 8), (9, 9), (10, MOST_NODES)].map(|(a, b)| own.of(self.parts, matter, a, b));
             add(&small, Cells::Patches8(self.uniform(own, &small)));
             add(&middle, Cells::Patches9(self.uniform(own, &middle)));
             add(&large, Cells::Patches12(self.uniform(own, &large)));

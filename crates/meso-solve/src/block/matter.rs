@@ -1,12 +1,12 @@
 //! Material of a phase: its elasticity, its density, and its law.
 
 use crate::element::hex::{BoxShape, hourglass_stiffness};
-use crate::law::{self, Law, cdp, cdpm2};
+use crate::law::{self, Law, cdp, cdpm2, meso};
 use crate::real::Real;
 use crate::test::LawName;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
-use meso_mesh::materials::{Elastic, MATERIALS, Materials, Plasticity, Strength};
+use meso_mesh::materials::{Cdpm2Parameters, Elastic, MATERIALS, Materials, Mesoscale, Plasticity, Stone, Strength};
 use std::any::Any;
 use std::fmt;
 use std::sync::OnceLock;
@@ -74,7 +74,9 @@ pub(crate) enum Behaviour {
     /// Concrete damaged plasticity.
     Cdp(Strength, Plasticity),
     /// CDPM2, with the biaxial over the uniaxial strength.
-    Cdpm2(Strength, f64),
+    Cdpm2(Strength, f64, Cdpm2Parameters),
+    /// Mortar between grains, with the biaxial over the uniaxial strength.
+    Meso(Strength, f64, Mesoscale),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -86,9 +88,35 @@ pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOf
     match name {
         LawName::Elastic => materials.validate_elastic(),
         LawName::Cdp => cdp::validate(materials),
-        LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
+        LawName::Cdpm2 => cdpm2::validate(materials),
+        LawName::Meso => meso::validate(materials),
     }?;
+    validate_stone(materials, name)?;
     materials.validate_cohesive()
+}
+
+/// Checks the strengths of stone as the law checks those of a mortar.
+fn validate_stone(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
+    materials.validate_stone()?;
+    let (Some(stone), true) = (&materials.aggregate_strength, name != LawName::Elastic) else { return Ok(()) };
+    let elastic = materials.aggregate;
+    let of_stone = |text: &str| text.replace("mortar_strength", "aggregate_strength").replace("MORTAR", "AGGREGATE");
+    stone.strengths().into_iter().try_for_each(|mortar_strength| {
+        let as_mortar = Materials {
+            mortar: elastic,
+            itz: elastic,
+            itz_strength_ratio: 1.0,
+            mortar_strength,
+            aggregate_strength: None,
+            ..materials.clone()
+        };
+        let renamed = |error: OutOfRange| OutOfRange {
+            key: of_stone(&error.key),
+            accepted: of_stone(&error.accepted).into(),
+            ..error
+        };
+        validate(&as_mortar, name).map_err(renamed)
+    })
 }
 
 /// Least and largest value of a stiffness, strength or energy of which single precision carries squares and quotients.
@@ -116,6 +144,10 @@ fn carried(materials: &Materials) -> Result<(), OutOfRange> {
     Ok(())
 }
 
+/// Tensile over compressive strength below which CDPM2 gains too much from lateral pressure: the slope of its compressive
+/// meridian at no pressure is 1 + m0 / 2, which is 6.6 here and 7.8 at 0.075; tests have 4 to 5.
+const LOW_TENSION: f64 = 0.09;
+
 /// Work with a law over the numbers `R`. Give `run` `#[inline(always)]`.
 pub trait LawTask<R: Real> {
     /// The answer.
@@ -127,13 +159,27 @@ pub trait LawTask<R: Real> {
 impl Matter {
     /// Material of `phase`; mortar and ITZ follow the law `name`.
     pub(crate) fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
-        let behaviour = match (name, materials.strength(phase)) {
+        Self::with(materials, *materials.elastic(phase), materials.strength(phase), name)
+    }
+
+    /// Materials of stone that breaks, in the order of [`Stone::strengths`].
+    pub(crate) fn stones(materials: &Materials, stone: &Stone, name: LawName) -> Vec<Self> {
+        let of = |strength| Self::with(materials, materials.aggregate, Some(strength), name);
+        stone.strengths().into_iter().map(of).collect()
+    }
+
+    fn with(materials: &Materials, elastic: Elastic, strength: Option<Strength>, name: LawName) -> Self {
+        let behaviour = match (name, strength) {
             (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,
             (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
-            (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
+            (LawName::Cdpm2, Some(strength)) => {
+                Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio, materials.cdpm2)
+            }
+            (LawName::Meso, Some(strength)) => {
+                Behaviour::Meso(strength, materials.plasticity.biaxial_ratio, materials.meso)
+            }
         };
-        let is_unbreakable = materials.strength(phase).is_none();
-        Self { is_unbreakable, ..Self::of(*materials.elastic(phase), behaviour) }
+        Self { is_unbreakable: strength.is_none(), ..Self::of(elastic, behaviour) }
     }
 
     /// An elasticity and a law.
@@ -149,8 +195,11 @@ impl Matter {
             Behaviour::Cdp(strength, plasticity) => {
                 task.run(self.prepared.law(|| self.cdp::<R>(strength, plasticity)).get())
             }
-            Behaviour::Cdpm2(strength, biaxial) => {
-                task.run(self.prepared.law(|| self.cdpm2::<R>(strength, *biaxial)).get())
+            Behaviour::Cdpm2(strength, biaxial, own) => {
+                task.run(self.prepared.law(|| self.cdpm2::<R>(strength, *biaxial, own)).get())
+            }
+            Behaviour::Meso(strength, biaxial, own) => {
+                task.run(self.prepared.law(|| self.meso::<R>(strength, *biaxial, own)).get())
             }
         }
     }
@@ -159,8 +208,12 @@ impl Matter {
         law::Cdp::new(&self.elastic, strength, plasticity)
     }
 
-    fn cdpm2<R: Real>(&self, strength: &Strength, biaxial: f64) -> law::Cdpm2<R> {
-        law::Cdpm2::new(&self.elastic, strength, biaxial, &cdpm2::Options::default())
+    fn cdpm2<R: Real>(&self, strength: &Strength, biaxial: f64, own: &Cdpm2Parameters) -> law::Cdpm2<R> {
+        law::Cdpm2::new(&self.elastic, strength, biaxial, own)
+    }
+
+    fn meso<R: Real>(&self, strength: &Strength, biaxial: f64, own: &Mesoscale) -> law::Meso<R> {
+        law::Meso::new(&self.elastic, strength, biaxial, own)
     }
 
     /// Registers that an element remembers: the law's history and the integrity.
@@ -172,6 +225,7 @@ impl Matter {
             Behaviour::Elastic => 0,
             Behaviour::Cdp(..) => with_integrity::<law::Cdp<f64>>(),
             Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
+            Behaviour::Meso(..) => with_integrity::<law::Meso<f64>>(),
         }
     }
 
@@ -180,8 +234,15 @@ impl Matter {
         match &self.behaviour {
             Behaviour::Elastic => [f64::INFINITY; 2],
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
-            Behaviour::Cdpm2(strength, biaxial) => self.cdpm2::<f64>(strength, *biaxial).widest_mm(),
+            Behaviour::Cdpm2(strength, biaxial, own) => self.cdpm2::<f64>(strength, *biaxial, own).widest_mm(),
+            Behaviour::Meso(strength, biaxial, own) => self.meso::<f64>(strength, *biaxial, own).widest_mm(),
         }
+    }
+
+    /// Tensile over compressive strength, where CDPM2 has too little tension.
+    pub(crate) fn low_tension(&self) -> Option<f64> {
+        let Behaviour::Cdpm2(strength, ..) = &self.behaviour else { return None };
+        Some(strength.tensile_mpa / strength.compressive_mpa).filter(|ratio| *ratio < LOW_TENSION)
     }
 
     /// Stiffness of an hourglass mode, N/mm.

@@ -80,6 +80,8 @@ impl Cells {
 pub(crate) struct Group {
     /// Their phase; that of cohesive faces is the ITZ.
     pub(crate) phase: Phase,
+    /// Place of their material in [`Common::matter`].
+    pub(crate) matter: u16,
     /// In eights.
     pub(crate) cells: Cells,
     /// State of their law, one run of registers per eight elements.
@@ -137,8 +139,10 @@ impl Scratch {
 /// Data that all elements share.
 #[derive(Clone, Debug)]
 pub(crate) struct Common {
-    /// By phase, as a number.
-    pub(crate) matter: [Matter; 5],
+    /// By phase, as a number, and from [`PHASES`] on stones that break.
+    pub(crate) matter: Vec<Matter>,
+    /// Place of the stone of every body in `matter`; empty where no stone breaks.
+    pub(crate) stones: Vec<u16>,
     /// Shape of all hexahedra.
     pub(crate) shape: BoxShape,
     /// Values of cohesive faces.
@@ -147,6 +151,26 @@ pub(crate) struct Common {
     pub(crate) hourglass: f64,
     /// Width of crack bands in hexahedra, mm.
     pub(crate) band_mm: f64,
+    /// Linear strain that each phase has now without stress; none in tests without expansion.
+    pub(crate) free: Option<[f64; 5]>,
+}
+
+/// Materials of phases, before those of stones that break.
+pub(crate) const PHASES: usize = 5;
+
+impl Common {
+    /// Place of the material of a cell with this phase and owner.
+    pub(crate) fn place(&self, phase: Phase, owner: u32) -> u16 {
+        let stone = if phase == Phase::Aggregate { self.stones.get(owner as usize) } else { None };
+        stone.copied().unwrap_or(phase as u16)
+    }
+
+    /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
+    pub(crate) fn widest_mm(&self, phase: Phase) -> [f64; 2] {
+        let stones = if phase == Phase::Aggregate { &self.matter[PHASES..] } else { &[] };
+        let all = std::iter::once(&self.matter[phase as usize]).chain(stones);
+        all.map(Matter::widest_mm).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
+    }
 }
 
 /// A step of one block.
@@ -170,20 +194,21 @@ impl Task for Pass<'_> {
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
-            let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
-            let matter = &common.matter[*phase as usize];
+            let Group { phase, matter, cells, memory, dissipated, hourglass, .. } = group;
+            let matter = &common.matter[usize::from(*matter)];
+            let free = common.free.map(|free| L::splat(free[*phase as usize]));
             let spent = match cells {
-                Cells::Tets(cells) => uniform::<L, 3>(cells, matter, memory, u, forces),
-                Cells::Patches8(cells) => uniform::<L, 7>(cells, matter, memory, u, forces),
-                Cells::Patches9(cells) => uniform::<L, 8>(cells, matter, memory, u, forces),
-                Cells::Patches12(cells) => uniform::<L, 11>(cells, matter, memory, u, forces),
+                Cells::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),
+                Cells::Patches8(cells) => uniform::<L, 7>(cells, matter, (memory, free), u, forces),
+                Cells::Patches9(cells) => uniform::<L, 8>(cells, matter, (memory, free), u, forces),
+                Cells::Patches12(cells) => uniform::<L, 11>(cells, matter, (memory, free), u, forces),
                 Cells::Hexes(cells) if matter.is_unbreakable => {
-                    bend::<L>(cells, matter, &common.shape, u, forces);
+                    bend::<L>(cells, matter, (&common.shape, free), u, forces);
                     0.0
                 }
                 Cells::Hexes(cells) => {
                     let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
-                    let task = HexTask { cells, memory, u, forces, common, stiffness };
+                    let task = HexTask { cells, memory, u, forces, common, stiffness, free };
                     let [spent, stored, lost] = matter.law::<L, _>(task);
                     *hourglass = [stored, hourglass[1] + lost];
                     in_all += lost;
@@ -301,21 +326,22 @@ struct Answer<L> {
 fn uniform<L: Lanes, const N: usize>(
     cells: &[Uniform<N>],
     matter: &Matter,
-    memory: &mut [Eight],
+    (memory, free): (&mut [Eight], Option<L>),
     u: &Vectors,
     forces: &mut Vectors,
 ) -> f64 {
-    matter.law::<L, _>(UniformTask { cells, memory, u, forces })
+    matter.law::<L, _>(UniformTask { cells, memory, u, forces, free })
 }
 
-struct UniformTask<'a, const N: usize> {
+struct UniformTask<'a, L, const N: usize> {
     cells: &'a [Uniform<N>],
     memory: &'a mut [Eight],
     u: &'a Vectors,
     forces: &'a mut Vectors,
+    free: Option<L>,
 }
 
-impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, N> {
+impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, L, N> {
     type Output = f64;
 
     #[inline(always)]
@@ -327,7 +353,8 @@ impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, N> {
             prefetch(&self.cells[ahead..=ahead]);
             prefetch(&self.memory[ahead * remembered..(ahead + 1) * remembered]);
             let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
-            let answer = answer(law, &cells.strain(self.u), memory, L::load(&cells.width));
+            let strain = without(cells.strain(self.u), self.free);
+            let answer = answer(law, &strain, memory, L::load(&cells.width));
             spent = answer.spent.mul_add(L::load(&cells.volume), spent);
             cells.resist(&answer.stress, self.forces);
         }
@@ -335,26 +362,43 @@ impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, N> {
     }
 }
 
+/// The part of a strain that has stress.
+#[inline(always)]
+pub(crate) fn without<R: Real>(mut strain: Tensor<R>, free: Option<R>) -> Tensor<R> {
+    if let Some(free) = free {
+        (0..3).for_each(|i| strain[i] = strain[i] - free);
+    }
+    strain
+}
+
 /// Boxes that bend: C3D8I.
 #[inline(always)]
-fn bend<L: Lanes>(cells: &[Hexes], matter: &Matter, shape: &BoxShape, u: &Vectors, forces: &mut Vectors) {
+fn bend<L: Lanes>(
+    cells: &[Hexes],
+    matter: &Matter,
+    (shape, free): (&BoxShape, Option<L>),
+    u: &Vectors,
+    forces: &mut Vectors,
+) {
     let (law, bending) = (Hooke::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
     for cells in cells {
         let (strain, amplitudes) = cells.strain(u, shape);
+        let strain = without(strain, free);
         cells.resist(&law.of(&strain), &bending.forces(&amplitudes), L::splat(1.0), shape, forces);
     }
 }
 
-struct HexTask<'a> {
+struct HexTask<'a, L> {
     cells: &'a [Hexes],
     memory: &'a mut [Eight],
     u: &'a Vectors,
     forces: &'a mut Vectors,
     common: &'a Common,
     stiffness: f64,
+    free: Option<L>,
 }
 
-impl<L: Lanes> LawTask<L> for HexTask<'_> {
+impl<L: Lanes> LawTask<L> for HexTask<'_, L> {
     type Output = [f64; 3];
 
     #[inline(always)]
@@ -368,6 +412,7 @@ impl<L: Lanes> LawTask<L> for HexTask<'_> {
         for (i, cells) in self.cells.iter().enumerate() {
             let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
             let (strain, hourglass) = cells.strain(self.u, shape);
+            let strain = without(strain, self.free);
             let answer = answer(law, &strain, memory, width);
             spent = answer.spent.mul_add(L::load(&cells.used), spent);
             let (twice, left) = cells.bounded(&hourglass, bound);

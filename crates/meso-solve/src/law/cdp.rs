@@ -23,6 +23,7 @@
 //! - A step's direction of flow and Lode angle are the trial stress's: explicit steps are small.
 //! - No viscosity, which Abaqus/Explicit has not either.
 
+use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
 use super::{Hooke, Law, PointResponse, State, Tensor, softening};
@@ -50,26 +51,17 @@ pub struct Cdp<R> {
     gamma: R,
     /// (1 - alpha) / f_t
     beta_slope: R,
-    compressive: R,
-    /// Rise of the compressive strength by hardening, 1 / (plastic strain at the peak), and its shape.
-    hardening: R,
-    per_peak: R,
-    peak: R,
-    bend: R,
-    /// Elastic strains of the strengths.
-    tensile_strain: R,
+    rise: Rise<R>,
+    crack: Crack<R>,
+    /// f_c / E.
     compressive_strain: R,
-    /// Fracture energy over strength, mm, and strength over crushing energy, per mm: widths of the softening curves.
-    tensile_opening: R,
+    /// Strength over crushing energy, per mm.
     per_crushing_opening: R,
     /// Widest bands of cracking and of crushing, mm.
     widest: [R; 2],
     widest_mm: [f64; 2],
 }
 
-const ELASTIC_LIMIT: f64 = Strength::ELASTIC_LIMIT;
-/// How far damage of a crack goes.
-const LEAST_INTEGRITY: f64 = 1e-4;
 /// Newton's steps; the equation is convex, so each ends on the safe side. A third changes no strength at steps of 1e-4.
 const STEPS: usize = 2;
 
@@ -96,14 +88,14 @@ pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
         meridian_ratio > 0.5 && meridian_ratio <= 1.0,
         accepted,
     )?;
-    let (alpha, given) = (alpha(&materials.plasticity), &materials.mortar_strength);
-    let most = ELASTIC_LIMIT * given.compressive_mpa * (1.0 - alpha) / (1.0 + alpha);
+    let (alpha, given) = (alpha(materials.plasticity.biaxial_ratio), &materials.mortar_strength);
+    let most = Strength::ELASTIC_LIMIT * given.compressive_mpa * (1.0 - alpha) / (1.0 + alpha);
     let accepted = format!("it must be at most {most:.4}: the surface has no beta below 0 where hardening begins");
     MATERIALS.require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, accepted)
 }
 
-fn alpha(plasticity: &Plasticity) -> f64 {
-    let biaxial = plasticity.biaxial_ratio;
+/// alpha of the biaxial over the uniaxial compressive strength.
+pub(super) fn alpha(biaxial: f64) -> f64 {
     (biaxial - 1.0) / (2.0 * biaxial - 1.0)
 }
 
@@ -114,10 +106,9 @@ impl<R: Real> Cdp<R> {
         let (bulk, shear) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
         let (fc, ft, kc) = (strength.compressive_mpa, strength.tensile_mpa, plasticity.meridian_ratio);
         let tan = libm::tan(plasticity.dilation_angle_deg.to_radians());
-        let alpha = alpha(plasticity);
-        let peak = strength.peak_strain - fc / e;
-        let openings = [strength.fracture_energy_n_per_mm / ft, strength.crushing_energy_n_per_mm / fc];
-        let snapping = [openings[0] / (BRANCHES[0].1 * ft / e), openings[1] / (fc / e)];
+        let alpha = alpha(plasticity.biaxial_ratio);
+        let crushing_opening = strength.crushing_energy_n_per_mm / fc;
+        let snapping = [Crack::<R>::snapping_mm(strength, e), crushing_opening / (fc / e)];
         let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
         let splat = R::splat;
         Self {
@@ -133,43 +124,15 @@ impl<R: Real> Cdp<R> {
             one_more_alpha: splat(1.0 + alpha),
             gamma: splat(3.0 * (1.0 - kc) / (2.0 * kc - 1.0)),
             beta_slope: splat((1.0 - alpha) / ft),
-            compressive: splat(fc),
-            hardening: splat((1.0 - ELASTIC_LIMIT) * fc),
-            per_peak: splat(1.0 / peak),
-            peak: splat(peak),
-            bend: splat(bend(e * strength.peak_strain / fc)),
-            tensile_strain: splat(ft / e),
+            rise: Rise::new(strength, e),
+            crack: Crack::new(strength, e),
             compressive_strain: splat(fc / e),
-            tensile_opening: splat(openings[0]),
-            per_crushing_opening: splat(1.0 / openings[1]),
+            per_crushing_opening: splat(1.0 / crushing_opening),
             widest: widest_mm.map(splat),
             widest_mm,
         }
     }
 }
-
-/// The a of c = 1 - 0.6 (1 - x)^2 (1 + a x), x from 0 to 1, closest to the deck's rising branch; k = E e_peak / f.
-///
-/// The branch is fib Model Code 2010, eq. 5.1-26, over plastic strain: with s = stress / f at plastic strain
-/// x (1 - 1/k) e_peak it solves ((k - 1) / k)^2 s^2 + B X s - X (k - X) = 0, X = x (1 - 1/k), B = (k^2 - 2 k + 2) / k.
-fn bend(k: f64) -> f64 {
-    let (square, linear) = (((k - 1.0) / k).powi(2), (k * k - 2.0 * k + 2.0) / k);
-    let (mut above, mut below) = (0.0, 0.0);
-    for step in 1..100 {
-        let x = f64::from(step) / 100.0;
-        let strain = x * (1.0 - 1.0 / k);
-        let half = linear * strain / (2.0 * square);
-        let stress = (half * half + strain * (k - strain) / square).sqrt() - half;
-        let weight = (1.0 - ELASTIC_LIMIT) * (1.0 - x).powi(2);
-        above += weight * x * (1.0 - weight - stress.max(ELASTIC_LIMIT));
-        below += (weight * x).powi(2);
-    }
-    // Within these the branch rises all the way.
-    (above / below).clamp(-1.0, 2.0)
-}
-
-/// Straight pieces of the crack law of fib Model Code 2010, 5.1.8.2: the share a - b w of f_t at the opening w, in G_f / f_t.
-const BRANCHES: [(f64, f64); 2] = [(1.0, 0.8), (0.25, 0.05)];
 
 /// Quantities of a step of plasticity.
 #[derive(Clone, Copy)]
@@ -187,23 +150,11 @@ struct Trial<R> {
 }
 
 impl<R: Real> Cdp<R> {
-    /// Effective compressive strength and its slope at the crushing strain `crushed`.
-    #[inline(always)]
-    fn strength(&self, crushed: R) -> (R, R) {
-        let one = R::splat(1.0);
-        let x = (crushed * self.per_peak).min(one);
-        let rest = one - x;
-        let bent = self.bend.mul_add(x, one);
-        let fall = self.hardening * rest;
-        let slope = (bent + bent - self.bend * rest) * fall * self.per_peak;
-        ((-fall).mul_add(rest * bent, self.compressive), slope)
-    }
-
     /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
     #[inline(always)]
     fn excess(&self, trial: &Trial<R>, flow: R) -> (R, R) {
         let zero = R::splat(0.0);
-        let (strength, hardening) = self.strength(trial.harden.mul_add(flow, trial.crushed));
+        let (strength, hardening) = self.rise.at(trial.harden.mul_add(flow, trial.crushed));
         let mises = (-trial.mises_fall).mul_add(flow, trial.invariants.mises);
         let mean = (-self.mean_fall).mul_add(flow, trial.invariants.mean);
         let largest = (-trial.largest_fall).mul_add(flow, trial.largest);
@@ -223,12 +174,12 @@ impl<R: Real> Cdp<R> {
     #[inline(always)]
     fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
         let zero = R::splat(0.0);
-        let (strength, _) = self.strength(crushed);
+        let (strength, _) = self.rise.at(crushed);
         let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
         let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean).positive();
         let pressed = self.three_alpha.mul_add(of.mean, of.mises);
         let bound = beta.mul_add(largest, pressed) - self.one_less_alpha * strength;
-        zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed)
+        zero.lt(bound) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
     /// The trial stress's directions.
@@ -255,7 +206,7 @@ impl<R: Real> Cdp<R> {
     /// Mean stress at the surface's tip, on the side of tension.
     #[inline(always)]
     fn tip(&self, crushed: R) -> R {
-        let strength = self.strength(crushed).0;
+        let strength = self.rise.at(crushed).0;
         let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
         self.one_less_alpha * strength / (self.three_alpha + beta)
     }
@@ -282,29 +233,15 @@ impl<R: Real> Cdp<R> {
         (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
-    /// A piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
-    /// f_t / E): where it begins, and numerator and denominator of its fall.
-    #[inline(always)]
-    fn branch(&self, (from, slope): (f64, f64), cracked: R, width: R) -> (R, R, R) {
-        let (from, slope) = (R::splat(from), R::splat(slope));
-        let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
-        let run = (-slope).mul_add(width * self.tensile_strain, self.tensile_opening);
-        (from, slope * width * held, run)
-    }
-
     /// Integrities of tension and compression, on this width.
     #[inline(always)]
     fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
         let [cracking, crushing] = self.widest.map(|widest| width.min(widest));
-        let (from, steep, steep_run) = self.branch(BRANCHES[0], cracked, cracking);
-        let (to, flat, flat_run) = self.branch(BRANCHES[1], cracked, cracking);
-        // Both quotients by one division.
-        let over = R::splat(1.0) / (steep_run * flat_run);
-        let crack = (from - steep * flat_run * over).max(to - flat * steep_run * over).between(LEAST_INTEGRITY, 1.0);
+        let crack = self.crack.integrity(cracked, cracking);
         let per_scale = crushing * self.per_crushing_opening;
-        let x = (crushed - self.peak).positive() * per_scale;
+        let x = (crushed - self.rise.peak).positive() * per_scale;
         let crush = softening::integrity(x, self.compressive_strain * per_scale).min(R::splat(1.0));
-        [crack, R::select(self.peak.lt(crushed), crush, R::splat(1.0))]
+        [crack, R::select(self.rise.peak.lt(crushed), crush, R::splat(1.0))]
     }
 }
 
@@ -376,7 +313,8 @@ impl<R: Real> Law<R> for Cdp<R> {
         State {
             tension: one - crack,
             compression: one - crush,
-            opening: width.min(self.widest[0]) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
+            weakened: R::splat(0.0),
+            opening: width.min(self.widest[0]) * (one - crack).mul_add(self.crack.elastic_strain, history[CRACKED]),
             stored: energy(&stress, &elastic_part(strain, history)),
         }
     }

@@ -25,49 +25,21 @@
 //! steps with the trial stress's Lode angle, so a large step ends near the surface, and the next step takes up the rest.
 
 use super::elastic::{elastic_part, flow};
-use super::invariants::Invariants;
+use super::invariants::{Invariants, split};
 use super::{Hooke, Law, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
 use meso_mesh::materials::{self, MATERIALS, Materials, Strength};
 
-/// The paper's parameters that `[materials]` has no word for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// q_h0: where hardening begins, as share of the strength.
-    pub initial_hardening: f64,
-    /// H_p: slope of q2 beyond the peak.
-    pub hardening_modulus: f64,
-    /// A_h, B_h, C_h, D_h: plastic strain at the peak, over confinement.
-    pub hardening_ductility: [f64; 4],
-    /// D_f: lateral over axial plastic strain in uniaxial compression.
-    pub dilation: f64,
-    /// A_s: ductility of damage in uniaxial compression.
-    pub softening_ductility: f64,
-    /// e_fc: strain of the softening in compression on any width; none takes it from the crushing energy.
-    pub crushing_strain: Option<f64>,
-}
-
-impl Default for Options {
-    /// Sec. 4 of the paper.
-    fn default() -> Self {
-        Self {
-            initial_hardening: 0.3,
-            hardening_modulus: 0.01,
-            hardening_ductility: [0.08, 0.003, 2.0, 1e-6],
-            dilation: 0.85,
-            softening_ductility: 15.0,
-            crushing_strain: None,
-        }
-    }
-}
+/// The paper's parameters that the strengths do not give.
+pub use meso_mesh::materials::Cdpm2Parameters as Options;
 
 /// Finds out whether the law can have these values.
 ///
 /// # Errors
 /// Names the first one that it cannot have.
-pub fn validate(materials: &Materials, options: &Options) -> Result<(), OutOfRange> {
+pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
     materials.validate_strength()?;
     [Phase::Mortar, Phase::Itz].into_iter().try_for_each(|phase| materials.validate_peak_strain(phase))?;
@@ -78,22 +50,7 @@ pub fn validate(materials: &Materials, options: &Options) -> Result<(), OutOfRan
     let most = given.compressive_mpa / 3.0;
     let accepted = format!("it must be at most {most:.4}, a third of the compressive strength");
     MATERIALS.require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, accepted)?;
-    let [ah, bh, ch, dh] = options.hardening_ductility;
-    for (key, value, met, accepted) in [
-        ("initial_hardening", options.initial_hardening, (0.1, 0.9), "0.1 to 0.9; 0.3 is usual"),
-        ("hardening_modulus", options.hardening_modulus, (0.0, 0.1), "0 to 0.1; 0.01 is usual"),
-        ("dilation", options.dilation, (0.55, 2.0), "0.55 to 2; 0.85 is usual"),
-        ("softening_ductility", options.softening_ductility, (1.0, 100.0), "1 to 100; 15 is usual"),
-        ("hardening_ductility[3]", dh, (1e-8, 1e-3), "1e-8 to 1e-3; 1e-6 is usual"),
-        ("hardening_ductility[2]", ch, (0.1, 100.0), "0.1 to 100; 2 is usual"),
-        ("hardening_ductility[1]", bh, (2.0 * dh, 0.1), "twice its last one to 0.1; 0.003 is usual"),
-        ("hardening_ductility[0]", ah, (1.01 * bh, 1.0), "above its second one and at most 1; 0.08 is usual"),
-        ("crushing_strain", options.crushing_strain.unwrap_or(1e-4), (1e-6, 1.0), "1e-6 to 1; 1e-4 is usual"),
-    ] {
-        let inside = value >= met.0 && value <= met.1;
-        MATERIALS.require(format!("cdpm2.{key}"), value, inside, format!("it must be {accepted}"))?;
-    }
-    Ok(())
+    materials.validate_cdpm2()
 }
 
 /// Parameters, as registers.
@@ -504,39 +461,6 @@ fn compression<R: Real>(principal: &[R; 3]) -> R {
     below / (x * x + y * y + z * z).max(R::splat(1e-20))
 }
 
-/// `crack` times the tensile and `crush` times the compressive part of the tensor with this mean, deviator and principal
-/// deviators: the lone principal stress of one sign is split off by the product of the tensor less the two others.
-#[inline(always)]
-fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: R, crush: R) -> Tensor<R> {
-    let [a, b, c, xy, yz, zx] = *deviator;
-    let zero = R::splat(0.0);
-    let two_pulled = zero.lt(mean + of[1]);
-    let pick = |two: R, one: R| R::select(two_pulled, two, one);
-    let (lone, far) = (pick(of[2], of[0]), pick(of[0], of[2]));
-    let (base, other) = (pick(crack, crush), pick(crush, crack));
-    // The lone stress where it has the other sign, 0 else.
-    let value = pick((mean + lone).min(zero), (mean + lone).positive());
-    let gap = (lone - of[1]) * (lone - far);
-    // Where the lone one meets its neighbour, its value is 0, too.
-    let weight = (other - base) * value / gap.max(R::splat(1e-12));
-    let constant = (of[1] * far).mul_add(weight, base * mean);
-    let square = [
-        a.mul_add(a, xy.mul_add(xy, zx * zx)),
-        b.mul_add(b, xy.mul_add(xy, yz * yz)),
-        c.mul_add(c, yz.mul_add(yz, zx * zx)),
-        a.mul_add(xy, xy.mul_add(b, zx * yz)),
-        xy.mul_add(zx, b.mul_add(yz, yz * c)),
-        a.mul_add(zx, xy.mul_add(yz, zx * c)),
-    ];
-    let linear = lone.mul_add(weight, base);
-    let mut sum = *deviator;
-    for i in 0..6 {
-        let rest = linear * deviator[i];
-        sum[i] = weight.mul_add(square[i], if i < 3 { rest + constant } else { rest });
-    }
-    sum
-}
-
 impl<R: Real> Law<R> for Cdpm2<R> {
     type History = History<R>;
 
@@ -603,6 +527,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         State {
             tension: one - crack,
             compression: one - crush,
+            weakened: R::splat(0.0),
             opening: width.min(self.widest[0]) * opened,
             stored: self.stored(&self.elastic.of(&elastic_part(strain, history)), crack, crush),
         }

@@ -80,7 +80,8 @@ impl<R: Real> Law<R> for Hooke<R> {
 
     fn state(&self, strain: &Tensor<R>, _: &[R; 0], _: R) -> State<R> {
         let none = R::splat(0.0);
-        State { tension: none, compression: none, opening: none, stored: energy(&self.of(strain), strain) }
+        let stored = energy(&self.of(strain), strain);
+        State { tension: none, compression: none, weakened: none, opening: none, stored }
     }
 
     fn widest_mm(&self) -> [f64; 2] {

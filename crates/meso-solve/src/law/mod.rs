@@ -5,14 +5,17 @@
 
 pub mod cdp;
 pub mod cdpm2;
+mod curves;
 mod elastic;
 mod invariants;
+pub mod meso;
 pub mod point;
 mod softening;
 
 pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
+pub use meso::Meso;
 
 use crate::real::Real;
 
@@ -56,6 +59,8 @@ pub struct State<R> {
     pub tension: R,
     /// Damage in compression, 0 to 1.
     pub compression: R,
+    /// Share of the strength that is lost while the stiffness stays, 0 to 1.
+    pub weakened: R,
     /// Opening of its crack, mm.
     pub opening: R,
     /// Energy per volume that unloading would give back, N/mm2.

@@ -81,6 +81,22 @@ impl Row {
     }
 }
 
+/// The columns of the curve after those of every test: gauges, and forces of supports.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Extra {
+    /// Names of the columns.
+    pub names: Vec<String>,
+    /// Values, row by row: means over the steps since the row before.
+    pub values: Vec<f64>,
+}
+
+impl Extra {
+    /// Values of a row.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.values[row * self.names.len()..][..self.names.len()]
+    }
+}
+
 /// Share of the peak whose secant is the modulus.
 const SECANT: f64 = 0.3;
 /// A curve that falls below this share of its peak has softened.
@@ -119,7 +135,7 @@ impl Figures {
 }
 
 /// Number of the row with the highest stress, the first of them.
-fn peak(rows: &[Row]) -> usize {
+pub(crate) fn peak(rows: &[Row]) -> usize {
     (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best })
 }
 

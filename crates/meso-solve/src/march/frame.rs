@@ -1,11 +1,10 @@
 //! The fields of a moment, computed on demand.
 
 use crate::block::matter::LawTask;
-use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
+use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch, without};
 use crate::element::uniform::Uniform;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
-use crate::march::plates::Plates;
 use crate::march::run::Run;
 use meso_mesh::Mesh;
 use rayon::prelude::*;
@@ -45,7 +44,7 @@ impl<'a> Frame<'a> {
 
     /// Mean axial strain, positive in the test's sense.
     pub fn strain(&self) -> f64 {
-        self.run.state.travel.abs() / self.run.outline.height_mm
+        self.run.state.travel.abs() / self.run.supports.length_mm
     }
 
     /// Stress of the latest row, MPa.
@@ -58,6 +57,11 @@ impl<'a> Frame<'a> {
         self.run.state.time
     }
 
+    /// Values of the gauges at this moment, by the first columns of [`Extra`](crate::Extra).
+    pub fn gauges(&self) -> Vec<f64> {
+        self.run.gauges.iter().map(|gauge| gauge.read(&self.run.nodes.displacement)).collect()
+    }
+
     /// The mesh.
     pub fn mesh(&self) -> &Mesh {
         self.run.sample.mesh
@@ -65,10 +69,10 @@ impl<'a> Frame<'a> {
 
     /// Displacements of the mesh's nodes, mm; the lower plate rests.
     pub fn displacement(&self) -> Vec<[f32; 3]> {
-        let lower = -Plates::share(self.run.state.travel);
+        let rest = self.run.rest();
         let mut moved = vec![[0.0; 3]; self.run.order.len()];
         for (u, &node) in self.run.nodes.displacement.iter().zip(&self.run.order) {
-            moved[node as usize] = [u[0], u[1], u[2] - lower].map(|x| x as f32);
+            moved[node as usize] = [0, 1, 2].map(|k| (u[k] - rest[k]) as f32);
         }
         moved
     }
@@ -154,7 +158,7 @@ impl Task for Probe<'_> {
         scratch.take_in(block, displacement);
         let mut points = Vec::new();
         for group in &block.groups {
-            let matter = &common.matter[group.phase as usize];
+            let matter = &common.matter[usize::from(group.matter)];
             points.extend(matter.law::<L, _>(GroupProbe { group, common, u: &scratch.u }));
         }
         points
@@ -184,11 +188,12 @@ impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
             Cells::Triangles(_) | Cells::Quads(_) => Vec::new(),
         };
         let remembered = group.memory.len() / strains.len().max(1);
+        let free = common.free.map(|free| L::splat(free[group.phase as usize]));
         let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
         let mut points = Vec::with_capacity(strains.len() * LANES);
         for (i, (strain, width)) in strains.iter().enumerate() {
             let memory = &group.memory[i * remembered..(i + 1) * remembered];
-            let eight = answer(law, strain, *width, memory);
+            let eight = answer(law, &without(*strain, free), *width, memory);
             let numbers = group.numbers[i * LANES..][..LANES].iter().zip(eight);
             points.extend(
                 numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (element(number), point)),
@@ -210,9 +215,11 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
     let response = law.stress(strain, &mut history, width);
     let state = law.state(strain, &history, width);
     let stress = response.stress.map(L::eight);
+    // Laws lose stiffness or strength.
+    let weakened = L::splat(0.0).lt(state.weakened);
+    let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
     let [damage, tension, compression, opening, stored] =
-        [L::splat(1.0) - response.integrity, state.tension, state.compression, state.opening, state.stored]
-            .map(L::eight);
+        [damage, state.tension, state.compression, state.opening, state.stored].map(L::eight);
     std::array::from_fn(|lane| Point {
         stress: stress.map(|s| s.0[lane]),
         damage: damage.0[lane],

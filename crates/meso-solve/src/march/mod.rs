@@ -1,15 +1,19 @@
 //! A test step by step: the state of a run, its loop, and the response of the specimen.
 
+mod beyond_peak;
 mod curve;
 mod frame;
+mod gauges;
 mod nodes;
 mod observer;
-mod plates;
+mod path;
 mod response;
 mod run;
 mod servo;
+mod supports;
 
-pub use curve::{Figures, Row};
+pub use beyond_peak::BeyondPeak;
+pub use curve::{Extra, Figures, Row};
 pub use frame::{Frame, Mean, Point};
 pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};

@@ -1,7 +1,8 @@
 //! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
 use crate::block::Block;
-use crate::march::plates::{Motion, Plates};
+use crate::march::supports::contact::{Motion, Touched};
+use crate::march::supports::{MOST, Supports};
 use rayon::prelude::*;
 
 /// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
@@ -25,9 +26,9 @@ pub(crate) struct Nodes {
 /// Sums over nodes in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Forces of the lower and the upper plate on the specimen, along z, N.
-    pub(crate) plates: [f64; 2],
-    /// Work of the plates, of the elements' forces, and of friction, mJ.
+    /// Forces of the supports on the specimen, each along its axis, N.
+    pub(crate) supports: [f64; MOST],
+    /// Work of the supports, of the elements' forces, and of friction, mJ.
     pub(crate) external: f64,
     /// See `external`.
     pub(crate) internal: f64,
@@ -39,7 +40,7 @@ pub(crate) struct Sums {
 
 impl Sums {
     fn with(mut self, other: &Self) -> Self {
-        (0..2).for_each(|plate| self.plates[plate] += other.plates[plate]);
+        self.supports.iter_mut().zip(&other.supports).for_each(|(own, force)| *own += force);
         self.external += other.external;
         self.internal += other.internal;
         self.friction += other.friction;
@@ -93,12 +94,13 @@ impl Nodes {
     }
 
     /// Moves all nodes by a step under the blocks' `forces`.
-    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion) -> Sums {
+    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], supports: &Supports, motion: &Motion) -> Sums {
         let Self { displacement, velocity, mass, first, shares } = self;
         let spans = displacement.par_chunks_mut(SPAN).zip(velocity.par_chunks_mut(SPAN)).enumerate();
         let spans = spans.map(|(number, (u, v))| {
             let start = number * SPAN;
-            let span = Span { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion };
+            let (mass, first) = (&mass[start..], &first[start..]);
+            let span = Span { start, mass, first, shares, forces, supports, motion };
             span.advance(u, v)
         });
         let sums: Vec<Sums> = spans.collect();
@@ -114,24 +116,44 @@ struct Span<'a> {
     first: &'a [u32],
     shares: &'a [u32],
     forces: &'a [[f32; 4]],
-    plates: &'a Plates,
+    supports: &'a Supports,
     motion: &'a Motion,
 }
 
 impl Span<'_> {
     fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
-        let mut contacts = self.plates.among(self.start, self.start + u.len()).iter().peekable();
+        let end = self.start + u.len();
+        let mut contacts = self.supports.among(self.start, end).iter().peekable();
+        let mut loads = self.supports.loads_among(self.start, end).iter().peekable();
         let (mut sums, dt) = (Sums::default(), self.motion.dt);
         for (i, (u, v)) in u.iter_mut().zip(v).enumerate() {
             let (force, m) = (self.force(i), self.mass[i]);
             let before = *v;
             let push = dt / m;
             (0..3).for_each(|k| v[k] -= force[k] * push);
-            if let Some(contact) = contacts.next_if(|contact| contact.node as usize == self.start + i) {
-                let impact = self.plates.meet(contact, self.motion, m, u, &before, v);
-                sums.plates[contact.plate] += impact.force;
+            let mut load = None;
+            while let Some(own) = loads.next_if(|load| load.node as usize == self.start + i) {
+                let (pressure, sum) =
+                    (self.motion.supports[own.support as usize].pressure, load.get_or_insert([0.0; 3]));
+                (0..3).for_each(|k| sum[k] += pressure * own.force[k]);
+            }
+            if let Some(load) = load {
+                (0..3).for_each(|k| v[k] += load[k] * push);
+            }
+            let mut touched: Option<Touched> = None;
+            while let Some(contact) = contacts.next_if(|contact| contact.node as usize == self.start + i) {
+                let support = contact.support as usize;
+                let moved = (dt, &self.motion.supports[support]);
+                let impact =
+                    self.supports.all[support].face.meet(contact.gap, moved, m, u, v, touched.get_or_insert_default());
+                sums.supports[support] += impact.force;
                 sums.external += impact.work;
-                sums.friction += impact.friction;
+            }
+            if let Some(touched) = touched {
+                sums.friction += touched.friction(dt, &before, v);
+            }
+            if let Some(load) = load {
+                sums.external += 0.5 * dt * (0..3).map(|k| load[k] * (before[k] + v[k])).sum::<f64>();
             }
             sums.internal += 0.5 * dt * (0..3).map(|k| force[k] * (before[k] + v[k])).sum::<f64>();
             sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);

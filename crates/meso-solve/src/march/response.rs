@@ -1,9 +1,12 @@
 //! Response of a specimen to a test.
 
-use crate::march::curve::{Figures, Row, to_half_peak};
+use crate::element::tet::{Shape, corners};
+use crate::march::beyond_peak::BeyondPeak;
+use crate::march::curve::{Extra, Figures, Row, to_half_peak};
+use crate::march::frame::Frame;
 use crate::march::run::Run;
 use crate::test::{Control, LawName, Smoothing, TestKind};
-use meso_mesh::{Phase, PhaseVolumes};
+use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::Serialize;
 
 /// How a test came to its end.
@@ -26,6 +29,9 @@ pub struct Response {
     /// The curve, row by row.
     #[serde(skip)]
     pub curve: Vec<Row>,
+    /// Gauges and forces of supports, where the test has such columns.
+    #[serde(skip)]
+    pub extra: Extra,
     /// Content of `result.json`.
     #[serde(flatten)]
     pub result: Summary,
@@ -61,6 +67,9 @@ pub struct Summary {
     /// Figures of the curve.
     #[serde(flatten)]
     pub figures: Figures,
+    /// Figures of the curve beyond its peak.
+    #[serde(flatten)]
+    pub beyond_peak: BeyondPeak,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
     /// Largest kinetic over internal energy until the stress has fallen to half its peak.
@@ -77,6 +86,11 @@ pub struct Summary {
     pub joined_cells: usize,
     /// Phases of the test.
     pub phases: Vec<PhaseResult>,
+    /// Columns of the curve after those of every test: gauges, and forces of supports in N.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<String>,
+    /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
+    pub broken_stone: Option<f64>,
     /// Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known.
     pub phase_error: Option<f64>,
     /// Name of the phase that is farthest off, in lower case.
@@ -136,7 +150,7 @@ impl Response {
     pub(crate) fn of(run: &Run, ended: Ended) -> Self {
         let rows = &run.state.rows;
         let last = rows.last().copied().unwrap_or_default();
-        let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
+        let ramp_s = run.path.lead_s + run.path.ramp_s;
         let checked = first_checked(rows, ramp_s);
         let largest = |rows: &[Row], of: fn(&Row) -> f64| {
             let after = rows.iter().skip(checked).filter(|row| row.internal > 0.0);
@@ -158,6 +172,7 @@ impl Response {
             stable_time_step_s: run.outline.stable_s,
             added_mass_percent: run.added_mass_percent(),
             figures: Figures::of(rows),
+            beyond_peak: BeyondPeak::of(rows, run.supports.length_mm),
             kinetic_over_internal_max: largest(rows, kinetic),
             kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
             energy_balance_error: balance_error(rows),
@@ -166,6 +181,8 @@ impl Response {
             joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
             joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
+            columns: run.extra().names,
+            broken_stone: broken_stone(run),
             phase_error: off.map(|off| off.error()),
             phase_error_of: off.map(|off| off.phase.name().to_ascii_lowercase()),
             flags: run.sample.flags(),
@@ -175,7 +192,7 @@ impl Response {
             errors: Vec::new(),
         };
         result.warn(run);
-        Self { curve: rows.clone(), result }
+        Self { curve: rows.clone(), extra: run.extra(), result }
     }
 }
 
@@ -197,6 +214,26 @@ fn balance_error(rows: &[Row]) -> f64 {
     let work = rows.iter().map(|row| row.external.abs()).fold(0.0, f64::max);
     let off = |row: &Row| (row.external - row.internal - row.kinetic - row.friction_work).abs();
     if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
+}
+
+/// Damage beyond which a cell of stone is broken.
+const BROKEN: f32 = 0.5;
+
+fn broken_stone(run: &Run) -> Option<f64> {
+    if run.common.stones.is_empty() {
+        return None;
+    }
+    let mesh = run.sample.mesh;
+    let damage = Frame::new(run, 0).cells(|point| point.damage);
+    let is_stone = |cell: &usize| mesh.phase[*cell] == Phase::Aggregate;
+    let volume = |cell: usize| match mesh.kind {
+        CellKind::Hexahedron => run.common.shape.volume(),
+        _ => Shape::of(&corners(mesh, cell as u32)).volume,
+    };
+    let all: f64 = (0..mesh.cell_count()).filter(is_stone).map(volume).sum();
+    let broken: f64 = (0..mesh.cell_count()).filter(is_stone).filter(|&cell| damage[cell] > BROKEN).map(volume).sum();
+    // A sum of nothing is -0.
+    (all > 0.0).then(|| broken / all + 0.0)
 }
 
 fn phases(run: &Run) -> Vec<PhaseResult> {
@@ -244,10 +281,22 @@ impl Summary {
         }
     }
 
+    /// Says that a test was not quasi-static until half its peak, so that its strength is that of a fast test.
+    pub fn dynamic_before_the_peak(&self) -> Option<String> {
+        let share = self.kinetic_over_internal_to_half_peak;
+        (share > SLOW).then(|| {
+            let share = 100.0 * share;
+            format!(
+                "the test was not quasi-static before its peak: its kinetic energy was {share:.1} % of the internal energy, so \
+                 its strength is that of a fast test; lengthen test.duration_s"
+            )
+        })
+    }
+
     /// Kinetic energy that is no longer small.
     fn warn_of_speed(&mut self) {
         let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);
-        if kinetic <= SLOW {
+        if kinetic <= SLOW || self.test == TestKind::Expansion {
             return;
         }
         let share = 100.0 * kinetic;
@@ -267,9 +316,15 @@ impl Summary {
 
     /// Warns of bands that are too wide for the energy of cracking or crushing.
     fn warn_of_the_laws(&mut self, run: &Run) {
+        if let Some(ratio) = run.common.matter.iter().find_map(|matter| matter.low_tension()) {
+            self.warnings.push(format!(
+                "the mortar's tensile strength is {ratio:.3} of its compressive strength; below 0.09 the law cdpm2 gains \
+                 too much from friction and lateral pressure; set materials.mortar_strength.tensile_mpa to 0.1 of \
+                 compressive_mpa"
+            ));
+        }
         for phase in Phase::ALL {
-            let (width, limits) =
-                (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            let (width, limits) = (run.outline.widest_mm[phase as usize], run.common.widest_mm(phase));
             let name = phase.name().to_ascii_lowercase();
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {

@@ -47,6 +47,11 @@ impl Servo {
         [self.pace, self.most, self.supply]
     }
 
+    /// Lowers the largest elastic energy by the energy that the specimen gives back to its supports: unloading is no softening.
+    pub(crate) fn give_back(&mut self) {
+        self.most += self.supply.min(0.0);
+    }
+
     /// What devices need to follow a test of `steps`: [`SLOWING`], [`RECOVERING`], [`SOFTENING`], [`COLLAPSE`], [`SLOWEST`], and
     /// the shares within [`LAG`] and [`MEAN`].
     pub(crate) fn rule(steps: f64) -> [f64; 9] {

@@ -11,8 +11,7 @@ mod snapshot;
 pub use shots::{Shooting, Shot, Taken};
 pub use snapshot::{Moment, Snapshot};
 
-use crate::march::Response;
-use crate::march::Row;
+use crate::march::{Extra, Response, Row};
 use crate::sample::Sample;
 use meso_mesh::{Mesh, MeshOptions, PhaseVolumes};
 use meso_pack::Model;
@@ -111,7 +110,7 @@ impl ResultFile {
     /// Fails with the errors of `out`.
     pub fn write(self, outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
         match self {
-            Self::Curve => write_curve(&outcome.response.curve, out),
+            Self::Curve => write_curve(&outcome.response.curve, &outcome.response.extra, out),
             Self::Figures => write_figures(outcome, out),
             Self::Collection => write_collection(outcome.frames, out),
             Self::Page => page::write(outcome, out),
@@ -119,16 +118,18 @@ impl ResultFile {
     }
 }
 
-/// Writes a header of [`Row::COLUMNS`] and a line for every row, in digits that read back to the same numbers; no zero has a
-/// sign.
+/// Writes a header of [`Row::COLUMNS`] and the names of further columns, and a line for every row, in digits that read back
+/// to the same numbers; no zero has a sign.
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_curve(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+pub fn write_curve(rows: &[Row], extra: &Extra, out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
-    writeln!(out, "{}", Row::COLUMNS.join(","))?;
-    for row in rows {
-        writeln!(out, "{}", row.values().map(|value| format!("{:?}", value + 0.0)).join(","))?;
+    let names = Row::COLUMNS.into_iter().chain(extra.names.iter().map(String::as_str));
+    writeln!(out, "{}", names.collect::<Vec<_>>().join(","))?;
+    for (number, row) in rows.iter().enumerate() {
+        let values = row.values().into_iter().chain(extra.row(number).iter().copied());
+        writeln!(out, "{}", values.map(|value| format!("{:?}", value + 0.0)).collect::<Vec<_>>().join(","))?;
     }
     out.flush()
 }
@@ -183,12 +184,13 @@ mod tests {
     fn a_curve_reads_back_to_the_same_numbers() {
         let row = Row { strain: 1.0 / 3.0, stress_mpa: 1e-300, time_s: 0.1 + 0.2, ..Row::default() };
         let mut text = Vec::new();
-        write_curve(&[row], &mut text).unwrap();
+        let extra = Extra { names: vec!["top_n".to_owned()], values: vec![0.25] };
+        write_curve(&[row], &extra, &mut text).unwrap();
         let text = String::from_utf8(text).unwrap();
         let mut lines = text.lines();
-        assert_eq!(lines.next().unwrap(), Row::COLUMNS.join(","));
+        assert_eq!(lines.next().unwrap(), Row::COLUMNS.join(",") + ",top_n");
         let read: Vec<f64> = lines.next().unwrap().split(',').map(|value| value.parse().unwrap()).collect();
-        assert_eq!((read, lines.next()), (row.values().to_vec(), None));
+        assert_eq!((read, lines.next()), ([&row.values()[..], &[0.25]].concat(), None));
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Volume meshes as VTK unstructured grids (`.vtu`), for ParaView, PyVista and meshio.
 //!
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
-//! `radius_ratio` and `min_dihedral_deg`.
+//! `radius_ratio` and `min_dihedral_deg`. Cohesive elements follow the cells, as wedges (hexahedra between voxels) of the
+//! ITZ; they have no volume, and NaN for their quality. Fields of a test have no values there, so its frames leave them out.
 
 use super::{Array, Encoding, Grid, Layout};
-use meso_mesh::cells::{CellKind, Mesh};
+use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::CellQuality;
 use std::io::{self, Write};
 
@@ -17,18 +18,20 @@ pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
         CellKind::Hexahedron => Vec::new(),
         _ => CellQuality::of_cells(mesh),
     };
-    let mut cell_data: Vec<Array> = bodies(mesh).collect();
+    let mut cell_data: Vec<Array> = bodies(mesh, Joints::Written).collect();
     if !quality.is_empty() {
         let measure = |name, value: fn(&CellQuality) -> f64| {
             let quality = &quality;
-            Array::new("Float32", name, quality.len(), move || {
-                quality.iter().map(move |q| (value(q) as f32).to_le_bytes())
+            let joints = mesh.cohesive().len();
+            Array::new("Float32", name, quality.len() + joints, move || {
+                let values = quality.iter().map(move |q| value(q) as f32);
+                values.chain(std::iter::repeat_n(f32::NAN, joints)).map(f32::to_le_bytes)
             })
         };
         cell_data.push(measure("radius_ratio", |q| q.radius_ratio));
         cell_data.push(measure("min_dihedral_deg", |q| q.min_dihedral_deg));
     }
-    grid(mesh, cell_data).write(Encoding::compressed(compress), out)
+    grid(mesh, Joints::Written, cell_data).write(Encoding::compressed(compress), out)
 }
 
 /// Values at the points or in the cells of a mesh.
@@ -48,8 +51,8 @@ pub struct Field<'a> {
 /// # Errors
 /// Fails with the errors of `out`.
 pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
-    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh)).collect();
-    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }
+    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, Joints::LeftOut)).collect();
+    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, Joints::LeftOut, cell_data) }
         .write(Encoding::Compressed, out)
 }
 
@@ -68,33 +71,63 @@ pub fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
     if kind == CellKind::Hexahedron { &ALL[..2] } else { &ALL }
 }
 
+/// Whether cohesive elements are cells of the file.
+#[derive(Clone, Copy, PartialEq)]
+enum Joints {
+    Written,
+    LeftOut,
+}
+
+impl Joints {
+    /// Nodes of the cohesive elements in the file, and the bodies below these.
+    fn of(self, mesh: &Mesh) -> (&[u32], &[u32]) {
+        match self {
+            Self::Written => (&mesh.cohesive, &mesh.cohesive_owner),
+            Self::LeftOut => (&[], &[]),
+        }
+    }
+}
+
 /// The phase of every cell, and the body that it belongs to.
-fn bodies(mesh: &Mesh) -> impl Iterator<Item = Array<'_>> {
-    let cells = mesh.cell_count();
-    let phase = Array::new("UInt8", "phase", cells, || mesh.phase.iter().map(|phase| [*phase as u8]));
-    let ids = Array::new("Int32", "aggregate", cells, || mesh.ids().map(|id| signed(id).to_le_bytes()));
+fn bodies(mesh: &Mesh, joints: Joints) -> impl Iterator<Item = Array<'_>> {
+    let (_, below) = joints.of(mesh);
+    let cells = mesh.cell_count() + below.len();
+    let phase = Array::new("UInt8", "phase", cells, move || {
+        mesh.phase.iter().map(|phase| [*phase as u8]).chain(std::iter::repeat_n([Phase::Itz as u8], below.len()))
+    });
+    let ids = Array::new("Int32", "aggregate", cells, move || {
+        mesh.ids().chain(below.iter().map(|&owner| mesh.id(owner))).map(|id| signed(id).to_le_bytes())
+    });
     [phase, ids].into_iter()
 }
 
-fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
-    let (nodes, cells) = (mesh.kind.nodes() as i64, mesh.cell_count());
-    let kind = match mesh.kind {
-        CellKind::Tetrahedron => 10,
-        CellKind::QuadraticTetrahedron => 24,
-        CellKind::Hexahedron => 12,
+fn grid<'a>(mesh: &'a Mesh, joints: Joints, cell_data: Vec<Array<'a>>) -> Grid<'a> {
+    let (joined, below) = joints.of(mesh);
+    let (nodes, solids, joints) = (mesh.kind.nodes() as i64, mesh.cell_count() as i64, below.len() as i64);
+    let (kind, joint) = match mesh.kind {
+        CellKind::Tetrahedron => (10, 13),
+        CellKind::QuadraticTetrahedron => (24, 13),
+        CellKind::Hexahedron => (12, 12),
     };
+    let of_joint = joined.len() as i64 / joints.max(1);
     let positions = || mesh.points.iter().flat_map(|p| [p.x, p.y, p.z]).map(f64::to_le_bytes);
+    let cells = (solids + joints) as usize;
     Grid {
         layout: Layout::Cells,
         points: mesh.points.len(),
         cells,
         positions: Array::new("Float64", "Points", 3 * mesh.points.len(), positions).of_vectors(),
         topology: [
-            Array::new("Int32", "connectivity", mesh.cells.len(), || mesh.cells.iter().map(|node| node.to_le_bytes())),
-            Array::new("Int64", "offsets", cells, move || {
-                (1..=cells as i64).map(move |cell| (cell * nodes).to_le_bytes())
+            Array::new("Int32", "connectivity", mesh.cells.len() + joined.len(), move || {
+                mesh.cells.iter().chain(joined).map(|node| node.to_le_bytes())
             }),
-            Array::new("UInt8", "types", cells, move || std::iter::repeat_n([kind], cells)),
+            Array::new("Int64", "offsets", cells, move || {
+                let of_joints = (1..=joints).map(move |joint| solids * nodes + joint * of_joint);
+                (1..=solids).map(move |cell| cell * nodes).chain(of_joints).map(i64::to_le_bytes)
+            }),
+            Array::new("UInt8", "types", cells, move || {
+                std::iter::repeat_n([kind], solids as usize).chain(std::iter::repeat_n([joint], joints as usize))
+            }),
         ],
         point_data: Vec::new(),
         cell_data,

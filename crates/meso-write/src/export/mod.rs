@@ -1,9 +1,12 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
 
 pub mod abaqus;
+pub(crate) mod ansys;
 pub(crate) mod appearance;
+mod columns;
 pub(crate) mod csv;
 pub(crate) mod glb;
+pub mod lsdyna;
 pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod ply;

@@ -4,10 +4,14 @@
 //! surfaces XMIN to ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or
 //! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
+//!
+//! In a periodic mesh XMAX, YMAX and ZMAX name the opposite surface as their master (`$Periodic`), with the node opposite
+//! to each of theirs. Where cohesive elements separate the materials, both nodes are of one material; a node opposite to a
+//! void has no partner and is left out.
 
-use meso_collision::math::Aabb;
+use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::{CellKind, Mesh, Phase};
-use meso_mesh::cells::{SIDES, Sides};
+use meso_mesh::cells::{SIDES, Sides, Spots, owners};
 use std::io::{self, BufWriter, Write};
 
 /// Elements of one entity: dimension, tag, gmsh's element type, nodes each, and all their nodes.
@@ -34,7 +38,8 @@ impl Block {
 /// Fails with the errors of `out`.
 pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
-    let blocks = blocks(mesh);
+    let sides = Sides::of(mesh);
+    let blocks = blocks(mesh, &sides);
     out.write_all(b"$MeshFormat\n4.1 1 8\n")?;
     int(&mut out, 1)?;
     out.write_all(b"\n$EndMeshFormat\n")?;
@@ -42,12 +47,12 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     entities(mesh, &blocks, &mut out)?;
     nodes(mesh, &blocks, &mut out)?;
     elements(&blocks, &mut out)?;
+    periodic(mesh, &sides, &blocks, &mut out)?;
     grains(&blocks, &mut out)?;
     out.flush()
 }
 
-fn blocks(mesh: &Mesh) -> Vec<Block> {
-    let sides = Sides::of(mesh);
+fn blocks(mesh: &Mesh, sides: &Sides) -> Vec<Block> {
     let sides = (1..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
     let phases = [Phase::Mortar, Phase::Itz, Phase::Aggregate].map(|phase| volume(mesh, phase));
     let last = [cohesive(mesh), volume(mesh, Phase::Fibre)];
@@ -163,6 +168,47 @@ fn elements(blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
         }
     }
     out.write_all(b"\n$EndElements\n")
+}
+
+/// Every upper surface of a direction in which the box repeats itself, the lower one as its master, the translation between
+/// them, and pairs of opposite nodes.
+fn periodic(mesh: &Mesh, sides: &Sides, blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
+    let has_surface = |tag: i32| blocks.iter().any(|block| (block.dimension, block.tag) == (2, tag));
+    let tags = |axis: usize| [2 * axis as i32 + 2, 2 * axis as i32 + 1];
+    let axes = || (0..3).filter(|axis| mesh.periodic[*axis] && tags(*axis).into_iter().all(has_surface));
+    if axes().next().is_none() {
+        return Ok(());
+    }
+    let lengths = Aabb::around(&mesh.points).size();
+    let owners = owners(mesh, sides);
+    let spots = Spots::new(&mesh.points, (0..mesh.points.len() as u32).filter(|&node| sides.on(node) != 0));
+    out.write_all(b"$Periodic\n")?;
+    size(out, axes().count())?;
+    for axis in axes() {
+        let [slave, master] = tags(axis);
+        [2, slave, master].into_iter().try_for_each(|n| int(out, n))?;
+        // An affine transformation, row by row: the identity and a translation.
+        size(out, 16)?;
+        let affine = |i: usize| {
+            if i % 5 == 0 {
+                1.0
+            } else if i == 4 * axis + 3 {
+                lengths[axis]
+            } else {
+                0.0
+            }
+        };
+        (0..16).try_for_each(|i| out.write_all(&f64::to_le_bytes(affine(i))))?;
+        let opposite = |node: u32| {
+            let at = mesh.points[node as usize] - Vec3::ith(axis, lengths[axis]);
+            spots.at(at).filter(|image| owners[*image as usize] == owners[node as usize]).min()
+        };
+        let pairs: Vec<[u32; 2]> =
+            sides.members(2 * axis + 1).filter_map(|node| Some([node, opposite(node)?])).collect();
+        size(out, pairs.len())?;
+        pairs.as_flattened().iter().try_for_each(|&node| size(out, node as usize + 1))?;
+    }
+    out.write_all(b"\n$EndPeriodic\n")
 }
 
 /// The view `aggregate`: time 0, step 0, one component, all elements.

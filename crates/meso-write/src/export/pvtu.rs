@@ -1,6 +1,6 @@
 //! Large meshes in pieces (`.pvtu`): an index that names `.vtu` files beside it, which ParaView reads at the same time.
 //!
-//! A piece has its own nodes; those between two pieces are in both.
+//! A piece has its own nodes; those between two pieces are in both. Cohesive elements are shared out like cells.
 
 use super::vtu_mesh;
 use meso_concrete::parallel;
@@ -17,25 +17,26 @@ pub(crate) fn pieces(mesh: &Mesh) -> usize {
     mesh.cell_count().div_ceil(PIECE_CELLS).max(1)
 }
 
-/// Piece `index` of `mesh`, without cohesive elements, which no `.vtu` holds.
+/// Piece `index` of `mesh`.
 pub(crate) fn piece(mesh: &Mesh, index: usize) -> Mesh {
-    let count = mesh.cell_count();
     // Equal shares, so that no piece is a rest.
-    let range = index * count / pieces(mesh)..(index + 1) * count / pieces(mesh);
-    part(mesh, range)
+    let share = |count: usize| index * count / pieces(mesh)..(index + 1) * count / pieces(mesh);
+    part(mesh, share(mesh.cell_count()), share(mesh.cohesive_owner.len()))
 }
 
-fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
-    let width = mesh.kind.nodes();
+fn part(mesh: &Mesh, range: Range<usize>, joints: Range<usize>) -> Mesh {
+    let (width, of_joint) = (mesh.kind.nodes(), 2 * mesh.kind.faces()[0].len());
     let cells = &mesh.cells[width * range.start..width * range.end];
-    let mut nodes = cells.to_vec();
+    let cohesive = &mesh.cohesive[of_joint * joints.start..of_joint * joints.end];
+    let mut nodes = [cells, cohesive].concat();
     nodes.par_sort_unstable();
     nodes.dedup();
     let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
     let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
     let (phase, owner) = (mesh.phase[range.clone()].to_vec(), mesh.owner[range].to_vec());
     let part = Mesh::of(mesh.kind, points, parallel::map_short(cells.len(), |k| number(&cells[k])), phase, owner);
-    Mesh { id_of: mesh.id_of.clone(), ..part }
+    let cohesive = parallel::map_short(cohesive.len(), |k| number(&cohesive[k]));
+    Mesh { id_of: mesh.id_of.clone(), cohesive, cohesive_owner: mesh.cohesive_owner[joints].to_vec(), ..part }
 }
 
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.

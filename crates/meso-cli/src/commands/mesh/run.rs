@@ -24,12 +24,13 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
-    let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
+    let writes_deck = plan.iter().any(|(_, format)| format.is_deck());
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
     args.meshing.try_sizes(&model.spec, &watch)?;
     let settings = args.meshing.settings(&model.spec, writes_deck)?;
     let deck = &settings.deck;
+    plan.iter().try_for_each(|(_, format)| format.check(deck)).map_err(|error| wrong_option(&error))?;
     let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
     watch.finish();
     let (mesh, off) = mesh?;
@@ -98,6 +99,9 @@ impl Settings {
 
 /// Prints the commands that run a deck with a curve and write the curve.
 pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
+    if let (Target::File { shown, .. }, MeshFormat::K, true) = (target, format, deck.has_curve()) {
+        stderr::line(format!("run it: lsdyna i={} ncpu=16 (double precision)", shown.display()));
+    }
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
         let (input, script) = (shown.display(), DeckOptions::curve_path(shown));
         stderr::line(format!(

@@ -19,7 +19,7 @@ impl Args {
 
     /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        let writes_deck = self.formats()?.contains(&MeshFormat::Inp);
+        let writes_deck = self.formats()?.into_iter().any(MeshFormat::is_deck);
         self.meshing.settings(spec, writes_deck).map(drop)
     }
 

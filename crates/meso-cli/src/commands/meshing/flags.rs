@@ -4,6 +4,7 @@ use super::errors::wrong_mesh;
 use crate::commands::{names, values};
 use crate::failure::Failure;
 use meso_core::export::abaqus::{Analysis, Loading};
+use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Purpose, Volumes};
 use meso_core::{Spec, Watch};
 use meso_solve::footing;
@@ -176,6 +177,14 @@ pub(crate) struct DeckFlags {
     #[arg(help = format!("Frames of field output in compression and tension [default: {}]", Loading::default().frames))]
     #[arg(hide_short_help = true)]
     frames: Option<u32>,
+    #[arg(long, value_name = "MM_S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Speed of the striker in an impact, mm/s [default: {}]", Loading::default().impact_speed_mm_per_s))]
+    #[arg(hide_short_help = true)]
+    impact_speed: Option<f64>,
+    /// Law of mortar and ITZ in a .k
+    #[arg(long, value_name = "LAW", default_value = "cdpm", value_parser = names::parser::<LsdynaLaw>())]
+    #[arg(hide_short_help = true)]
+    pub(super) lsdyna_law: LsdynaLaw,
     /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
     #[arg(long, hide_short_help = true)]
     pub(super) with_damage: bool,
@@ -194,6 +203,7 @@ impl DeckFlags {
             duration_s: self.duration.unwrap_or(usual.duration_s),
             time_increment_s: self.time_increment.unwrap_or(usual.time_increment_s),
             frames: self.frames.unwrap_or(usual.frames),
+            impact_speed_mm_per_s: self.impact_speed.unwrap_or(usual.impact_speed_mm_per_s),
         }
     }
 
@@ -207,6 +217,8 @@ impl DeckFlags {
             ("--friction", self.friction.is_some()),
             ("--duration", self.duration.is_some()),
             ("--frames", self.frames.is_some()),
+            ("--impact-speed", self.impact_speed.is_some()),
+            ("--lsdyna-law", self.lsdyna_law != LsdynaLaw::default()),
             ("--with-damage", self.with_damage),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)

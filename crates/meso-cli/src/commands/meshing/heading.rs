@@ -4,6 +4,7 @@ use super::errors::flag;
 use crate::commands::names;
 use meso_core::Spec;
 use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
+use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::MeshOptions;
 
 /// Characters of a heading's line.
@@ -34,9 +35,15 @@ pub(super) fn command(
         words.extend(deck.strain.map(|strain| format!("--strain {strain}")));
     }
     if deck.analysis.is_explicit() {
-        let Loading { friction, duration_s, time_increment_s, frames } = deck.loading;
+        let Loading { friction, duration_s, time_increment_s, frames, impact_speed_mm_per_s } = deck.loading;
         words.push(format!("--friction {friction} --duration {duration_s:?} --time-increment {time_increment_s:?}"));
         words.push(format!("--frames {frames}"));
+        if deck.analysis == Analysis::Impact {
+            words.push(format!("--impact-speed {impact_speed_mm_per_s}"));
+        }
+    }
+    if deck.lsdyna_law != LsdynaLaw::default() {
+        words.push(format!("--lsdyna-law {}", names::of(&deck.lsdyna_law)));
     }
     words.extend(has_materials.then(|| "--materials FILE".to_owned()));
     words.join(" ")

@@ -8,4 +8,4 @@ mod settings;
 
 pub(super) use errors::wrong_option;
 pub(super) use flags::MeshFlags;
-pub(super) use settings::{MeshSettings, Meshing, Settings};
+pub(super) use settings::{MeshSettings, Meshing, Settings, materials};

@@ -58,9 +58,14 @@ impl MeshFlags {
 
     /// The materials of the file that is given, or the illustrative ones.
     pub(crate) fn materials(&self) -> Result<Materials, Failure> {
-        let Some(path) = &self.materials else { return Ok(Materials::default()) };
-        inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
+        materials(self.materials.as_deref())
     }
+}
+
+/// The materials of a file, or the illustrative ones.
+pub(crate) fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
+    let Some(path) = path else { return Ok(Materials::default()) };
+    inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
 }
 
 /// A file of material values.
@@ -103,7 +108,7 @@ impl Meshing {
     pub(crate) fn settings(&self, spec: &Spec, writes_deck: bool) -> Result<Settings, Failure> {
         let mesh = self.mesh.settings(self.purpose(), spec)?;
         let options = &mesh.footing.options;
-        room::accept_in_memory("the mesh", options.bytes(&spec.specimen), options.element_size_mm)?;
+        room::accept_in_memory("the mesh", options.bytes(&spec.specimen), ("--element-size-mm", options.element_size_mm))?;
         let deck = self.deck(spec, options)?;
         self.validate_deck(&deck, options, writes_deck)?;
         Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })
@@ -116,7 +121,7 @@ impl Meshing {
             return deck.validate_effects(has_hexahedra).map_err(|error| wrong_option(&error));
         }
         match self.deck.only_for_decks() {
-            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp is written; leave it out"))),
+            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp or .k is written; leave it out"))),
             None => Ok(()),
         }
     }
@@ -135,6 +140,7 @@ impl Meshing {
             periodic_equations: flags.periodic_equations,
             section_mm2: Some(spec.specimen.volume() / spec.specimen.aabb().size().z),
             allow_joined: self.mesh.table().joined == Some(Joined::Keep),
+            lsdyna_law: flags.lsdyna_law,
             heading: Vec::new(),
         };
         deck.validate_for(spec.specimen.periodic().0).map_err(|error| wrong_option(&error))?;

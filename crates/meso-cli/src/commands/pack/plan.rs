@@ -25,8 +25,12 @@ pub(super) enum Content {
     Page,
 }
 
-/// A deck.
-pub(super) const DECK: Content = Content::Mesh(MeshFormat::Inp);
+impl Content {
+    /// Whether it takes the options of a deck.
+    pub(super) fn is_deck(self) -> bool {
+        matches!(self, Self::Mesh(format) if format.is_deck())
+    }
+}
 
 impl Args {
     /// The files to write, or the usual ones.
@@ -109,7 +113,7 @@ impl Plan {
     }
 
     pub(super) fn has_deck(&self) -> bool {
-        self.outputs.iter().any(|(_, content)| *content == DECK)
+        self.outputs.iter().any(|(_, content)| content.is_deck())
     }
 
     pub(super) fn has_mesh(&self) -> bool {
@@ -132,7 +136,7 @@ impl Plan {
                     unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
                 }
                 (Content::Mesh(format), Some((mesh, deck))) => {
-                    deck.validate(mesh).map_err(|error| wrong_option(&error))?;
+                    deck.validate(mesh).and_then(|()| format.check(deck)).map_err(|error| wrong_option(&error))?;
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
                 }
                 (Content::Mesh(_), None) => {}

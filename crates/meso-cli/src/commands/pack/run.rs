@@ -46,7 +46,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     watch.finish();
     let (model, mesh) = written?;
     if !args.writing.quiet {
-        print(&model.report, args.verbose);
+        print(&model.report, args.verbose, args.spec.is_none());
         if let (Ok(Some(mesh)), Some(settings)) = (&mesh, &settings) {
             settings.print(mesh, &model, args.verbose);
         }
@@ -63,8 +63,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(exit_code(&model.report, args.strict))
 }
 
-/// The result in lines; every size class where `verbose`, else the one that is furthest off.
-fn print(report: &Report, verbose: bool) {
+/// The result in lines; every size class where `verbose`, else the one that is furthest off. The default specimen says
+/// which sizes it has.
+fn print(report: &Report, verbose: bool, is_default: bool) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
     stderr::line(format!(
@@ -76,19 +77,21 @@ fn print(report: &Report, verbose: bool) {
         report.strategy,
         report.seed
     ));
+    let sizes = if is_default { "; sizes are longest axes, size = \"sieve\" in a spec takes openings" } else { "" };
+    let grading = format!("grading: {}{sizes}", report.grading);
     if verbose {
-        table(report);
+        table(report, &grading);
     } else {
         let off = report.worst_class().map_or(String::new(), |off| format!("; worst class {:+.2} %", 100.0 * off));
-        stderr::line(format!("grading: {}{off}", report.grading));
+        stderr::line(format!("{grading}{off}"));
         let phase = |p: &PhaseReport| format!("{} {:.5} of {} asked", p.phase.plural(), p.fraction, p.target_fraction);
         report.phases.iter().for_each(|p| stderr::line(phase(p)));
     }
 }
 
 /// Every size class and further phase as a row.
-fn table(report: &Report) {
-    stderr::line(format!("grading: {}", report.grading));
+fn table(report: &Report, grading: &str) {
+    stderr::line(grading);
     stderr::line("    class, mm       asked     reached  aggregates");
     for class in &report.classes {
         let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);

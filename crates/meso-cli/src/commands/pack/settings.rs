@@ -1,7 +1,6 @@
 //! The spec that the flags of `mesocrete pack` ask for.
 
 use super::flags::Args;
-use super::plan::DECK;
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, stderr};
@@ -14,7 +13,10 @@ impl Args {
         let contents = self.contents()?;
         match self.spec {
             Some(_) => self.meshing.validate(),
-            None => self.meshing.validate_for(&self.spec(&Watch::of_files(true, &[]))?, contents.contains(&DECK)),
+            None => self.meshing.validate_for(
+                &self.spec(&Watch::of_files(true, &[]))?,
+                contents.iter().any(|content| content.is_deck()),
+            ),
         }
     }
 

@@ -3,7 +3,6 @@
 use crate::commands::meshing::MeshFlags;
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
-use clap::builder::TypedValueParser;
 use meso_gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
 use std::path::PathBuf;
@@ -16,27 +15,32 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
-    /// Load on the specimen, along z
-    #[arg(long, default_value = "compression", value_parser = names::parser::<TestKind>())]
-    pub(super) test: TestKind,
-    /// Friction between plates and specimen; in tension the plates are glued on
-    #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
-    #[arg(allow_negative_numbers = true)]
-    pub(super) friction: f64,
-    /// Mean axial strain at the end [default: 0.005 in compression, 0.0005 in tension]
+    #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = TestText::read)]
+    #[arg(help = format!("The test: {}; or a file of its supports, loads, turns and gauges, see `mesocrete init --test`", names::list::<TestKind>()))]
+    pub(super) test: TestText,
+    #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Friction between plates and specimen; in tension the plates are glued on [default: {}]", Test::default().friction))]
+    pub(super) friction: Option<f64>,
+    /// Plates of brushes or teflon: a friction of 0.005
+    #[arg(long, conflicts_with = "friction")]
+    pub(super) brush: bool,
+    /// Lateral pressure of a triaxial test, MPa [default: 5]
+    #[arg(long, value_name = "P", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) pressure_mpa: Option<f64>,
+    /// Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) strain: Option<f64>,
-    /// The law of mortar and ITZ
-    #[arg(long, default_value_t = LawText(Test::default().law), value_parser = names::parser::<LawName>().map(LawText))]
-    pub(super) law: LawText,
+    #[arg(long, value_parser = names::parser::<LawName>())]
+    #[arg(help = format!("The law of mortar and ITZ [default: {}]", names::of(&Test::default().law)))]
+    pub(super) law: Option<LawName>,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
     #[arg(hide_short_help = true)]
     pub(super) smoothing: Option<Smoothing>,
-    /// Plates that slow down while the specimen breaks, or keep their speed as in a deck
-    #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parser::<Control>())]
+    /// Plates that slow down while the specimen breaks, or keep their speed as in a deck [default: servo]
+    #[arg(long, value_name = "HOW", value_parser = names::parser::<Control>())]
     #[arg(hide_short_help = true)]
-    pub(super) control: Control,
+    pub(super) control: Option<Control>,
     /// Frames of all fields, evenly over the test, 0 for none; more while a servo holds the plates back
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
@@ -81,12 +85,20 @@ pub(crate) struct Args {
     pub(super) mesh: MeshFlags,
 }
 
-/// A law by its name, as clap shows it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LawText(pub(super) LawName);
+/// A named test, or the file that describes one.
+#[derive(Clone, Debug)]
+pub(super) enum TestText {
+    Named(TestKind),
+    File(PathBuf),
+}
 
-impl std::fmt::Display for LawText {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&names::of(&self.0))
+impl TestText {
+    fn read(text: &str) -> Result<Self, String> {
+        let path = PathBuf::from(text);
+        let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        if is_file {
+            return Ok(Self::File(path));
+        }
+        names::read(text).map(Self::Named).map_err(|why| format!("{why}, or a TEST.toml"))
     }
 }

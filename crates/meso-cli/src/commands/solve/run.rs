@@ -16,7 +16,7 @@ use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
 use meso_gpu::DeviceName;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
-use meso_solve::{Control, Ended, Response, Run, Sample, Summary};
+use meso_solve::{Control, Ended, Response, Run, Sample, Summary, Test, TestKind};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let started = Instant::now();
-    let (test, materials) = (args.test(), args.mesh.materials()?);
+    let (test, materials) = (args.test()?, args.mesh.materials()?);
     meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
     args.validate()?;
     let device = args.device()?;
@@ -43,14 +43,15 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
     let written = kept.map_or_else(|| Ok(Note::default()), |kept| resume(&mut run, kept))?;
     folder.go_on(written, !args.resume)?;
-    args.announce(&run, &mesh);
+    args.announce(&test, &run, &mesh);
     if let Some(device) = &device {
         args.attach(&mut run, device)?;
     }
     let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
-    finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
+    let strain = test.strain();
+    finish(args, &Finished { mesh: &mesh, run: &run, response, source, strain, started, seconds }, folder)
 }
 
 impl Args {
@@ -114,17 +115,17 @@ impl Args {
         Ok(())
     }
 
-    fn announce(&self, run: &Run, mesh: &Mesh) {
+    fn announce(&self, asked: &Test, run: &Run, mesh: &Mesh) {
         if self.writing.quiet {
             return;
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         // A servo adds steps while the specimen breaks.
-        let at_least = if self.control == Control::Servo { "at least " } else { "" };
-        let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
+        let at_least = if asked.control == Control::Servo { "at least " } else { "" };
+        let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         stderr::line(format!(
             "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
-            self.friction,
+            asked.friction,
             run.time_step_s(),
             run.added_mass_percent(),
             run.bytes() as f64 / 1e6
@@ -148,13 +149,15 @@ struct Finished<'a> {
     run: &'a Run<'a>,
     response: Response,
     source: Source,
+    /// At the end of the whole test.
+    strain: f64,
     started: Instant,
     seconds: TestSeconds,
 }
 
 /// Writes the results and says the most of them; the exit code.
 fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Failure> {
-    let Finished { mesh, run, response, source, started, seconds } = finished;
+    let Finished { mesh, run, response, source, strain, started, seconds } = finished;
     let ended = &response.result.ended;
     let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
@@ -164,7 +167,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let (frames, taken) = (folder.frames(), folder.taken());
     let outcome = Outcome { mesh, response, source, frames: &frames, taken: &taken, last: last.as_ref(), seconds };
     // Before a disk without room can hide them.
-    tell(response, args.test().strain(), args.writing.quiet);
+    tell(response, *strain, args.writing.quiet);
     folder.fill(&outcome)?;
     let lost = folder.lost();
     let written = folder.commit(*ended == Ended::Completed)?;
@@ -196,7 +199,10 @@ fn flag(result: &Summary) {
 /// Prints the curve's figures, then warnings and errors.
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
-    if !quiet {
+    if let Some(text) = result.dynamic_before_the_peak() {
+        stderr::line(format!("warning: {}", with_flags(&text)));
+    }
+    if !quiet && result.test != TestKind::Expansion {
         stderr::line(format!(
             "peak {:.2} MPa at a strain of {:.5}, modulus {:.0} MPa, {:.2} MPa at the end",
             figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa

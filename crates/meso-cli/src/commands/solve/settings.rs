@@ -1,6 +1,6 @@
 //! The test, the mesh and the spec that the flags of `mesocrete solve` ask for.
 
-use super::flags::Args;
+use super::flags::{Args, TestText};
 use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
 use crate::failure::Failure;
@@ -8,32 +8,41 @@ use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
+use meso_core::spec::options_from_toml;
 use meso_core::{Spec, SpecError};
 use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
-use meso_solve::{Smoothing, SolveError, Test};
+use meso_solve::{Geometry, Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
 use std::path::Path;
 
+/// Friction of brushes and teflon (van Mier et al. 1997).
+const BRUSH: f64 = 0.005;
+
 impl Args {
-    pub(super) fn test(&self) -> Test {
-        Test {
-            kind: self.test,
-            friction: self.friction,
-            strain: self.strain,
-            duration_s: self.duration,
-            time_step_s: self.time_step,
+    /// The named test or the one of the file, with the changes of the flags.
+    pub(super) fn test(&self) -> Result<Test, Failure> {
+        let test = match &self.test {
+            TestText::Named(kind) => Test { kind: *kind, ..Test::default() },
+            TestText::File(path) => inputs::toml(path, options_from_toml)?,
+        };
+        Ok(Test {
+            friction: if self.brush { BRUSH } else { self.friction.unwrap_or(test.friction) },
+            strain: self.strain.or(test.strain),
+            duration_s: self.duration.or(test.duration_s),
+            time_step_s: self.time_step.or(test.time_step_s),
+            pressure_mpa: self.pressure_mpa.or(test.pressure_mpa),
             frames: self.frames,
-            control: self.control,
-            law: self.law.0,
-            smoothing: self.smoothing,
-            ..Test::default()
-        }
+            control: self.control.unwrap_or(test.control),
+            law: self.law.unwrap_or(test.law),
+            smoothing: self.smoothing.or(test.smoothing),
+            ..test
+        })
     }
 
     /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| wrong(&error))?;
         self.validate()?;
         self.settings(spec).map(drop)
     }
@@ -55,7 +64,7 @@ impl Args {
         if self.mesh.has_materials() {
             return Ok(());
         }
-        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| wrong(&error))?;
         self.mesh.options(self.purpose(), &Shells::default()).map(drop)
     }
 
@@ -79,7 +88,7 @@ impl Args {
         if self.device != Choice::Cpu {
             let is_voxel = options.method.name() == MethodName::Voxel;
             let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
-            let accepted = meso_solve::device::accept(&self.test(), kind, options.itz == ItzForm::Cohesive);
+            let accepted = meso_solve::device::accept(&self.test()?, kind, options.itz == ItzForm::Cohesive);
             accepted.map_err(|error| wrong(&error))?;
         }
         if self.packs() {
@@ -118,9 +127,11 @@ impl Args {
     /// The mesh of a specimen, if its test would have a number of steps that can be taken.
     pub(super) fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
         let settings = self.mesh.settings(self.purpose(), spec)?;
-        let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.footing.options);
-        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
-        let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
+        let (test, options) = (self.test()?, &settings.footing.options);
+        test.suits(&spec.specimen).map_err(|error| wrong(&error))?;
+        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), ("--element-size-mm", options.element_size_mm))?;
+        let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
+        let steps = test.steps(&measures, options.element_size_mm, is_cohesive);
         steps.map(|_| settings).map_err(|error| wrong(&error))
     }
 
@@ -159,10 +170,17 @@ fn is_spec(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
+/// Keys of a TEST.toml that have no flag.
+const OF_FILES: [&str; 9] =
+    ["ramp", "rows", "hourglass", "stress_ratio", "strip_mm", "span_mm", "expansion", "supports", "turns"];
+
 /// Turns an error of the engine into wrong usage; a value of the test has a flag.
 pub(super) fn wrong(error: &SolveError) -> Failure {
     Failure::Usage(match error {
-        SolveError::Value(wrong) if wrong.table == "test" => return wrong_option(wrong),
+        SolveError::Value(wrong) if wrong.table == "test" && wrong.key == "kind" => format!("--test {}", wrong.fault()),
+        SolveError::Value(wrong) if wrong.table == "test" && !OF_FILES.contains(&wrong.key.as_str()) => {
+            return wrong_option(wrong);
+        }
         _ => error.to_string(),
     })
 }

@@ -34,7 +34,7 @@ struct Content {
 }
 
 /// A STUDY.toml and its place.
-pub(super) struct StudyFile {
+pub(crate) struct StudyFile {
     path: PathBuf,
     /// The spec that the axes are laid over, and the folder of the files that it names.
     base: Value,
@@ -48,6 +48,12 @@ impl StudyFile {
     /// Reads the file, and the spec that it names.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         Self::of(inputs::toml(path, options_from_toml)?, path)
+    }
+
+    /// The study of a tree of values, as if it were the file at `path`.
+    pub(crate) fn of_tree(tree: Value, path: &Path) -> Result<Self, Failure> {
+        let content = serde_json::from_value(tree).map_err(|error| Failure::Run(error.to_string()))?;
+        Self::of(content, path)
     }
 
     fn of(content: Content, path: &Path) -> Result<Self, Failure> {

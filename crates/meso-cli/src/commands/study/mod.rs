@@ -8,7 +8,7 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
-use file::StudyFile;
+pub(crate) use file::StudyFile;
 use meso_concrete::thousands;
 use meso_study::{Again, Case, CaseState, Plan, RunError, Status, StudyRun, TABLES, Tally};
 use std::io::{self, IsTerminal};
@@ -69,34 +69,76 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut file = StudyFile::read(&args.study)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
-    let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
-    let given = Given { threads: args.threads(), gmsh: args.gmsh.clone() };
-    // Before the work: an invalid flag is named while nothing is lost.
-    for (number, case) in plan.cases.iter().enumerate() {
-        shown.count("checking flags", number, plan.cases.len());
-        let steps = file.steps(case, &args.output, &given)?;
-        steps.check(&case.spec).map_err(|failure| file.wrong(&failure))?;
-    }
-    shown.clear();
+    let given = Given { threads: shared_threads(args.jobs, args.threads), gmsh: args.gmsh.clone() };
+    let plan = checked_plan(&file, &args.output, &given, &shown)?;
     if args.dry_run {
         return list(&plan, args);
     }
-    let study = StudyRun::open(Arc::clone(&plan), "", &args.output, args.again()).map_err(failure)?;
+    let how = Working { given, jobs: args.jobs, again: args.again() };
+    let study = drive(&file, &plan, &args.output, &how, &shown)?;
+    finish(&study, args)
+}
+
+/// Does the cases of a study that another command made, and leaves those that are done.
+pub(crate) fn cases(
+    file: &StudyFile,
+    out: &Path,
+    jobs: Option<u16>,
+    threads: Option<u16>,
+    quiet: bool,
+) -> Result<StudyRun, Failure> {
+    let shown = Shown::new(quiet);
+    let given = Given { threads: shared_threads(jobs, threads), gmsh: None };
+    let plan = checked_plan(file, out, &given, &shown)?;
+    drive(file, &plan, out, &Working { given, jobs, again: Again::Failed }, &shown)
+}
+
+/// How cases are worked on.
+struct Working {
+    given: Given,
+    jobs: Option<u16>,
+    again: Again,
+}
+
+/// The plan. An invalid flag of any case is named before the work, while nothing is lost.
+fn checked_plan(file: &StudyFile, out: &Path, given: &Given, shown: &Shown) -> Result<Arc<Plan>, Failure> {
+    let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
+    for (number, case) in plan.cases.iter().enumerate() {
+        shown.count("checking flags", number, plan.cases.len());
+        let steps = file.steps(case, out, given)?;
+        steps.check(&case.spec).map_err(|failure| file.wrong(&failure))?;
+    }
+    shown.clear();
+    Ok(plan)
+}
+
+/// Does the cases that are left.
+fn drive(file: &StudyFile, plan: &Arc<Plan>, out: &Path, how: &Working, shown: &Shown) -> Result<StudyRun, Failure> {
+    let study = StudyRun::open(Arc::clone(plan), "", out, how.again).map_err(failure)?;
     interrupt::hold().extend(study.lock_file());
     let work = |number: usize| {
         let case = &plan.cases[number];
-        let folder = args.output.join(&case.folder);
-        let outcome = match file.steps(case, &args.output, &given) {
+        let folder = out.join(&case.folder);
+        let outcome = match file.steps(case, out, &how.given) {
             Ok(steps) => steps.run(case, &folder),
             Err(failure) => Err(failure.message().to_owned()).into(),
         };
         (!interrupt::asked()).then_some(outcome)
     };
     let starts = |number: usize| shown.case(study.tally(), &plan.cases[number]);
-    let ended = study.drive(args.jobs.unwrap_or(1), Signals, &starts, &work);
+    let ended = study.drive(how.jobs.unwrap_or(1), Signals, &starts, &work);
     shown.clear();
     ended.map_err(failure)?;
-    finish(&study, args)
+    Ok(study)
+}
+
+/// Threads of a case: cases at the same time share the cores.
+fn shared_threads(jobs: Option<u16>, threads: Option<u16>) -> Option<u16> {
+    let shared = |jobs: u16| {
+        let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+        (cores / usize::from(jobs)).max(1) as u16
+    };
+    threads.or_else(|| jobs.filter(|jobs| *jobs > 1).map(shared))
 }
 
 /// Reads the text of a study that names no other file, and plans it: the files of every case, as the study names them. It
@@ -115,15 +157,6 @@ impl Args {
             (false, true) => Again::Failed,
             (false, false) => Again::None,
         }
-    }
-
-    /// Threads of a case: cases at the same time share the cores.
-    fn threads(&self) -> Option<u16> {
-        let shared = |jobs: u16| {
-            let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
-            (cores / usize::from(jobs)).max(1) as u16
-        };
-        self.threads.or_else(|| self.jobs.filter(|jobs| *jobs > 1).map(shared))
     }
 }
 

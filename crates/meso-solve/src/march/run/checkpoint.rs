@@ -3,17 +3,19 @@
 //! Little-endian numbers: a mark and a version, a note of the caller's, a fingerprint of the test, the state, and last the
 //! SHA-256 of all bytes before it. The mesh is not in it; whoever resumes builds the same run anew.
 
-use super::{Run, State};
-use crate::block::{Block, Group};
+use super::{Run, Since, State};
+use crate::block::{Block, Common, Group};
 use crate::error::SolveError;
 use crate::lanes::LANES;
 use crate::march::curve::Row;
+use crate::march::path::Leg;
 use crate::march::servo::Servo;
+use crate::march::supports::{Held, MOST};
 use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 8;
+const VERSION: u64 = 9;
 /// Bytes of a SHA-256.
 const SEAL: usize = 32;
 const DAMAGED: &str = "the file is cut off or damaged";
@@ -51,13 +53,21 @@ impl Run<'_> {
         out.write_all(&self.fingerprint())?;
         let state = &self.state;
         words(out, &[state.step, state.rows.len() as u64])?;
-        let [bottom, top, travel, count] = state.since_row;
-        let State { time, progress, held, speed, travel: place, .. } = *state;
-        numbers(out, &[time, progress, held, speed, place])?;
+        let State { time, progress, added, speed, travel, .. } = *state;
+        numbers(out, &[time, progress, added, speed, travel])?;
         let State { external, internal, friction, kinetic, spent, .. } = *state;
-        numbers(out, &[external, internal, friction, kinetic, spent, bottom, top, travel, count])?;
+        numbers(out, &[external, internal, friction, kinetic, spent])?;
         numbers(out, &state.servo.values())?;
+        numbers(out, &state.leg.values())?;
+        numbers(out, state.held.as_flattened())?;
+        numbers(out, &state.forces)?;
+        let Since { forces, travel, count, gauges } = &state.since_row;
+        numbers(out, forces)?;
+        numbers(out, &[*travel, *count])?;
+        // A row that has just begun has no sums yet.
+        (0..self.gauges.len()).try_for_each(|gauge| numbers(out, &[gauges.get(gauge).copied().unwrap_or(0.0)]))?;
         state.rows.iter().try_for_each(|row| numbers(out, &row.values()))?;
+        numbers(out, &state.extra)?;
         numbers(out, self.nodes.displacement.as_flattened())?;
         numbers(out, self.nodes.velocity.as_flattened())?;
         for group in self.blocks.iter().flat_map(|block| &block.groups) {
@@ -93,34 +103,41 @@ impl Run<'_> {
             return Err(SolveError::Resume(why.to_owned()));
         }
         let (step, rows) = (word(from)?, word(from)?);
-        let (mut places, mut sums, mut servo) = ([0.0; 5], [0.0; 9], [0.0; 3]);
-        fill(from, &mut places)?;
-        fill(from, &mut sums)?;
-        fill(from, &mut servo)?;
-        let [time, progress, held, speed, travel] = places;
-        let [external, internal, friction, kinetic, spent, since_row @ ..] = sums;
-        let (servo, rows_so_far) = (Servo::from_values(servo), Vec::new());
+        let [time, progress, added, speed, travel] = some(from)?;
+        let [external, internal, friction, kinetic, spent] = some(from)?;
+        let (servo, leg) = (Servo::from_values(some(from)?), Leg::from_values(some(from)?));
+        let mut held = [Held::default(); MOST];
+        fill(from, held.as_flattened_mut())?;
+        let (forces, since) = (some(from)?, some(from)?);
+        let [way, count] = some(from)?;
+        let mut gauges = vec![0.0; self.gauges.len()];
+        fill(from, &mut gauges)?;
+        let since_row = Since { forces: since, travel: way, count, gauges };
         self.state = State {
             step,
             time,
             progress,
-            held,
+            added,
             speed,
             servo,
             travel,
+            leg,
+            held,
+            forces,
             external,
             internal,
             friction,
             kinetic,
             spent,
             since_row,
-            rows: rows_so_far,
+            rows: Vec::new(),
+            extra: Vec::new(),
         };
         for _ in 0..rows {
-            let mut values = [0.0; 11];
-            fill(from, &mut values)?;
-            self.state.rows.push(Row::from_values(values));
+            self.state.rows.push(Row::from_values(some(from)?));
         }
+        self.state.extra = vec![0.0; self.state.rows.len() * self.extra().names.len()];
+        fill(from, &mut self.state.extra)?;
         fill(from, self.nodes.displacement.as_flattened_mut())?;
         fill(from, self.nodes.velocity.as_flattened_mut())?;
         for group in self.blocks.iter_mut().flat_map(|block| &mut block.groups) {
@@ -143,7 +160,8 @@ impl Run<'_> {
     fn fingerprint(&self) -> [u8; SEAL] {
         let test = crate::test::Test { instruction_set: None, ..self.test.clone() };
         let mut hash = Sha256::new();
-        hash.update(format!("{test:?} {:?} {:?}", self.outline, self.common));
+        let common = Common { free: None, ..self.common.clone() };
+        hash.update(format!("{test:?} {:?} {common:?}", self.outline));
         self.nodes.mass.iter().for_each(|m| hash.update(m.to_le_bytes()));
         self.blocks.iter().for_each(|block| hash.update(size(block).to_le_bytes()));
         hash.finalize().into()
@@ -270,6 +288,12 @@ fn word(from: &mut dyn Read) -> Result<u64, SolveError> {
     let mut bytes = [0; 8];
     read(from, &mut bytes)?;
     Ok(u64::from_le_bytes(bytes))
+}
+
+fn some<const N: usize>(from: &mut dyn Read) -> Result<[f64; N], SolveError> {
+    let mut numbers = [0.0; N];
+    fill(from, &mut numbers)?;
+    Ok(numbers)
 }
 
 fn fill(from: &mut dyn Read, numbers: &mut [f64]) -> Result<(), SolveError> {

@@ -7,13 +7,15 @@ pub use crate::block::matter::LawTask;
 pub use crate::block::spent;
 pub use crate::march::nodes::SPAN;
 
-use super::{Run, State};
+use super::{Run, Since, State};
 use crate::block::{Block, Cells, Group};
 use crate::element::uniform::Uniform;
 use crate::error::SolveError;
 use crate::lanes::LANES;
 use crate::march::servo::Servo;
+use crate::march::supports::MOST;
 use crate::real::Real;
+use crate::test::load::Rule;
 use crate::test::{Control, Test};
 use meso_mesh::CellKind;
 
@@ -22,8 +24,9 @@ use meso_mesh::CellKind;
 ///
 /// # Errors
 /// Names the first thing that devices have no code for.
-pub fn accept(_: &Test, kind: CellKind, is_cohesive: bool) -> Result<(), SolveError> {
+pub fn accept(test: &Test, kind: CellKind, is_cohesive: bool) -> Result<(), SolveError> {
     let why = match () {
+        () if test.has_extra() => "devices take compression and tension without gauges; take one, or the device cpu",
         () if kind == CellKind::Hexahedron => "voxels run on the processor only; take tetrahedra, or the device cpu",
         () if is_cohesive => "cohesive faces run on the processor only; take another ITZ, or the device cpu",
         () => return Ok(()),
@@ -113,6 +116,11 @@ impl Run<'_> {
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
         let mesh = self.sample.mesh;
         accept(&self.test, mesh.kind, !mesh.cohesive.is_empty())?;
+        if !self.common.stones.is_empty() {
+            let why =
+                "stone that breaks runs on the processor only; leave out aggregate_strength, or take --device cpu";
+            return Err(SolveError::Device(why.to_owned()));
+        }
         Ok(Upload(self))
     }
 
@@ -172,29 +180,36 @@ impl Run<'_> {
     }
 
     fn scalars(&self) -> Scalars {
-        let State { step, progress, held, speed, travel, external, internal, friction, kinetic, spent, .. } =
+        let State { step, progress, added, speed, travel, external, internal, friction, kinetic, spent, .. } =
             self.state;
+        let (sign, since) = (self.supports.sign, &self.state.since_row);
         Scalars {
             step,
-            progress: [progress, held],
-            plate: [speed, travel],
+            progress: [progress, added],
+            plate: [sign * speed, sign * travel],
             servo: self.state.servo.values(),
             energies: [external, internal, friction, kinetic, spent],
-            since_row: self.state.since_row,
+            since_row: [since.forces[0], since.forces[1], sign * since.travel, since.count],
         }
     }
 
     fn take(&mut self, scalars: &Scalars) {
-        let Scalars { step, progress: [progress, held], plate: [speed, travel], servo, energies, since_row } = *scalars;
+        let Scalars { step, progress: [progress, added], plate: [speed, travel], servo, energies, since_row } =
+            *scalars;
+        let sign = self.supports.sign;
         let [external, internal, friction, kinetic, spent] = energies;
-        let rows = std::mem::take(&mut self.state.rows);
+        let [bottom, top, way, count] = since_row;
+        let mut forces = [0.0; MOST];
+        forces[..2].copy_from_slice(&[bottom, top]);
+        let since_row = Since { forces, travel: sign * way, count, gauges: Vec::new() };
+        let (before, travel) = (std::mem::take(&mut self.state), sign * travel);
         let (time, servo) = (step as f64 * self.outline.dt, Servo::from_values(servo));
         self.state = State {
             step,
             time,
             progress,
-            held,
-            speed,
+            added,
+            speed: sign * speed,
             servo,
             travel,
             external,
@@ -203,7 +218,7 @@ impl Run<'_> {
             kinetic,
             spent,
             since_row,
-            rows,
+            ..before
         };
     }
 }
@@ -217,7 +232,9 @@ impl Upload<'_> {
     /// Numbers that the run keeps.
     pub fn rules(&self) -> Rules {
         let (run, outline) = (self.0, self.0.outline);
-        let (is_tension, friction, ramp) = run.plates.rule();
+        let (face, sign) = (&run.supports.all[0].face, run.supports.sign);
+        let (is_tension, friction, ramp) =
+            (face.rule == Rule::Glued, face.friction, [sign * run.path.speed, run.path.ramp_s]);
         Rules {
             dt: outline.dt,
             steps: outline.steps,
@@ -267,7 +284,7 @@ impl Upload<'_> {
 
     /// Nodes that can meet a plate, ascending: the node, 0 for the lower plate or 1 for the upper one, and the gap, mm.
     pub fn contacts(&self) -> impl Iterator<Item = (u32, usize, f64)> {
-        self.0.plates.contacts.iter().map(|contact| (contact.node, contact.plate, contact.gap))
+        self.0.supports.contacts.iter().map(|contact| (contact.node, contact.support as usize, contact.gap))
     }
 
     /// Runs `task` with the law of a phase over any numbers.

@@ -14,16 +14,19 @@ use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
 use crate::block::matter::{self, Matter};
-use crate::block::{Block, Common, Pass, Scratch};
+use crate::block::{Block, Common, PHASES, Pass, Scratch};
 use crate::element::face::CohesionValues;
 use crate::error::SolveError;
 use crate::lanes::InstructionSet;
-use crate::march::curve::Row;
+use crate::march::curve::{Extra, Row};
+use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::Nodes;
-use crate::march::plates::{Motion, Plates};
+use crate::march::path::{Leg, Path};
 use crate::march::servo::Servo;
+use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
-use crate::test::{Control, LawName, Smoothing, Test, TestKind};
+use crate::test::load::TurnOf;
+use crate::test::{Control, LawName, Smoothing, Test};
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
@@ -45,7 +48,9 @@ pub struct Run<'a> {
     forces: Vec<[f32; 4]>,
     /// Energy that each block spent in the step, mJ.
     spent: Vec<f64>,
-    pub(crate) plates: Plates,
+    pub(crate) supports: Supports,
+    pub(crate) path: Path,
+    pub(crate) gauges: Vec<Reader>,
     pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
     pub(crate) state: State,
@@ -56,7 +61,6 @@ pub struct Run<'a> {
 /// Decisions before the first step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outline {
-    pub(crate) height_mm: f64,
     pub(crate) dt: f64,
     /// At the plates' full speed.
     pub(crate) steps: u64,
@@ -78,21 +82,38 @@ pub(crate) struct State {
     /// Steps that the plates' way would have taken at full speed.
     pub(crate) progress: f64,
     /// Steps that the servo has added.
-    pub(crate) held: f64,
-    /// Speed of the upper plate against the lower one in the last step, upwards, mm/s.
+    pub(crate) added: f64,
+    /// Speed of the path in the last step, mm/s.
     pub(crate) speed: f64,
     pub(crate) servo: Servo,
-    /// Travel of the upper plate against the lower one, upwards, mm.
+    /// Place on the path, mm: of two plates, the way of one against the other in the test's sense.
     pub(crate) travel: f64,
+    /// Where a path with turns is.
+    pub(crate) leg: Leg,
+    /// Places and speeds of the plates that a servo drives.
+    pub(crate) held: [Held; MOST],
+    /// Forces of the supports in the last step, N.
+    pub(crate) forces: [f64; MOST],
     pub(crate) external: f64,
     pub(crate) internal: f64,
     pub(crate) friction: f64,
     pub(crate) kinetic: f64,
     /// Spent in cracks, crushing, plastic flow and lost hourglass modes, mJ.
     pub(crate) spent: f64,
-    /// Sums since the last row: forces of the plates, travel, steps.
-    pub(crate) since_row: [f64; 4],
+    pub(crate) since_row: Since,
     pub(crate) rows: Vec<Row>,
+    /// Further columns, row by row.
+    pub(crate) extra: Vec<f64>,
+}
+
+/// Sums over the steps since the last row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Since {
+    pub(crate) forces: [f64; MOST],
+    pub(crate) travel: f64,
+    pub(crate) count: f64,
+    /// One for each gauge.
+    pub(crate) gauges: Vec<f64>,
 }
 
 thread_local! {
@@ -110,22 +131,29 @@ impl<'a> Run<'a> {
         sample.validate()?;
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
-        let (mesh, height_mm) = (sample.mesh, sample.height_mm());
+        let (mesh, geometry) = (sample.mesh, sample.geometry());
         let common = common(&sample, &materials.in_mesh(mesh), test)?;
-        let (steps, dt) = test.steps(height_mm, sample.element_size_mm, !mesh.cohesive.is_empty())?;
+        let plan = test.plan(&geometry)?;
+        let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
         let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
-        let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
+        let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
+        let (length_mm, axis) = (plan.length_mm, plan.axis);
+        let supports = Supports::new(&sample, plan, &number, &mass, e_mpa)?;
+        let setter = Setter { sample: &sample, axis, sign: supports.sign, has_path: test.has_path(), number: &number };
+        let gauges = setter.all(&test.gauges())?;
         sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];
         let set = test.instruction_set.map_or_else(InstructionSet::best, InstructionSet::or_best);
+        let path = Path::new(test, length_mm, dt * steps as f64, test.lead_s(&geometry, supports.lead()));
+        let steps = path.steps(steps, dt);
         let stride = (steps / u64::from(test.rows)).max(1);
-        let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
+        let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
         let (test, state) = (test.clone(), State::default());
         let run = Self {
             sample,
@@ -137,7 +165,9 @@ impl<'a> Run<'a> {
             order,
             forces,
             spent,
-            plates,
+            supports,
+            path,
+            gauges,
             set,
             outline,
             state,
@@ -170,19 +200,24 @@ impl<'a> Run<'a> {
 
     /// Takes one step.
     pub(crate) fn advance(&mut self) {
+        self.expand();
         self.resist();
         let Outline { dt, steps, .. } = self.outline;
-        let (state, steps) = (&mut self.state, steps as f64);
-        // The last step goes no further than the test.
-        let pace = state.servo.pace.min(steps - state.progress);
-        let speed = pace * self.plates.speed(state.progress * dt + 0.5 * pace * dt);
+        let steps = steps as f64;
+        let (pace, speed) = self.speed(steps);
+        self.add_gauges();
+        let state = &mut self.state;
         let travel = state.travel + speed * dt;
-        let mean_speed = Plates::share(0.5 * (speed + state.speed));
-        let motion = Motion { dt, travel: Plates::share(travel), mean_speed };
-        let sums = self.nodes.advance(&self.forces, &self.plates, &motion);
-        for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
-            *sum += x;
-        }
+        let (mean_speed, time) = (0.5 * (speed + state.speed), (state.progress + pace) * dt);
+        let moment = Moment { travel, mean_speed, share: self.path.share(time), leads: time < self.path.lead_s };
+        let motion = self.supports.motion(dt, &moment, &state.held);
+        let sums = self.nodes.advance(&self.forces, &self.supports, &motion);
+        let since = &mut state.since_row;
+        since.forces.iter_mut().zip(&sums.supports).for_each(|(sum, force)| *sum += force);
+        since.travel += state.travel;
+        since.count += 1.0;
+        state.forces = sums.supports;
+        self.supports.follow(dt, &moment, &sums.supports, &mut state.held);
         state.external += sums.external;
         state.internal += sums.internal;
         state.friction += sums.friction;
@@ -191,13 +226,73 @@ impl<'a> Run<'a> {
         state.step += 1;
         state.time = state.step as f64 * dt;
         state.progress += pace;
-        state.held += 1.0 - pace;
+        state.added += 1.0 - pace;
         let spent = self.spent.iter().sum::<f64>();
         state.spent += spent;
         if self.test.control == Control::Servo {
             let stored = state.external - state.friction - state.spent;
             state.servo.follow(stored, spent, sums.external - sums.friction, steps);
+            if !self.path.turns.is_empty() {
+                state.servo.give_back();
+            }
         }
+    }
+
+    /// Lets the phases expand to their strains at the present displacements.
+    fn expand(&mut self) {
+        if let Some(expansion) = &self.test.expansion {
+            let share = self.path.share(self.state.progress * self.outline.dt);
+            self.common.free = Some(expansion.at(share));
+        }
+    }
+
+    /// Pace and speed of the path in the next step.
+    fn speed(&mut self, steps: f64) -> (f64, f64) {
+        let Self { state, path, supports, outline, .. } = self;
+        let (dt, pace) = (outline.dt, state.servo.pace);
+        if path.turns.is_empty() || state.progress * dt < path.lead_s {
+            // The last step goes no further than the test.
+            let pace = pace.min(steps - state.progress);
+            return (pace, pace * path.straight(state.progress * dt + 0.5 * pace * dt));
+        }
+        let (stress, travel) = (supports.stress(&state.forces), state.travel);
+        let opening = || {
+            self.gauges.iter().find(|gauge| gauge.is_mouth).map_or(0.0, |gauge| gauge.read(&self.nodes.displacement))
+        };
+        let reading = |of| match of {
+            TurnOf::Strain => travel / path.length_mm,
+            TurnOf::Stress => stress,
+            TurnOf::Opening => opening(),
+        };
+        (pace, pace * path.turning(&mut state.leg, travel, pace * dt, reading))
+    }
+
+    /// Adds the gauges' values to the sums of the row.
+    fn add_gauges(&mut self) {
+        let Self { gauges, nodes, state, .. } = self;
+        state.since_row.gauges.resize(gauges.len(), 0.0);
+        for (sum, gauge) in state.since_row.gauges.iter_mut().zip(gauges) {
+            *sum += gauge.read(&nodes.displacement);
+        }
+    }
+
+    /// Displacement of the first support along its axis, mm: pictures show the specimen against it.
+    pub(crate) fn rest(&self) -> [f64; 3] {
+        let mut rest = [0.0; 3];
+        if let Some(first) = self.supports.all.first() {
+            rest[first.face.axis] = first.moves * self.state.travel + self.state.held[0][0];
+        }
+        rest
+    }
+
+    /// Further columns of the curve; none where the test has the columns of every test alone.
+    pub(crate) fn extra(&self) -> Extra {
+        let forces = self.supports.all.iter().map(|fixture| format!("{}_n", fixture.name));
+        let names = self.gauges.iter().map(|gauge| gauge.name.clone()).chain(forces);
+        if !self.test.has_extra() {
+            return Extra::default();
+        }
+        Extra { names: names.collect(), values: self.state.extra.clone() }
     }
 
     /// The elements' forces at the present displacements.
@@ -218,27 +313,30 @@ impl<'a> Run<'a> {
 
     /// Adds a row of the curve from the steps since the last one, unless a value is NaN or infinite.
     pub(crate) fn add_row(&mut self) -> bool {
-        let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
-        let sign = if self.test.kind == TestKind::Compression { -1.0 } else { 1.0 };
-        let stress = |force: f64| sign * force / count / self.sample.section_mm2;
+        let Since { forces, travel, count, gauges } = std::mem::take(&mut self.state.since_row);
+        let [bottom, top] = self.supports.stresses(self.supports.at_ends(&forces), count);
         let groups = || self.blocks.iter().flat_map(|block| &block.groups);
         let state = &self.state;
         let row = Row {
-            strain: sign * travel / count / self.outline.height_mm,
-            stress_mpa: 0.5 * (stress(top) + stress(-bottom)),
+            strain: travel / count / self.supports.length_mm,
+            stress_mpa: 0.5 * (top + bottom),
             kinetic: state.kinetic,
             internal: state.internal,
             external: state.external,
             friction_work: state.friction,
             hourglass: groups().map(|group| group.hourglass[0] + group.hourglass[1]).sum(),
             dissipated: groups().map(|group| group.dissipated).sum(),
-            stress_bottom_mpa: stress(-bottom),
-            stress_top_mpa: stress(top),
+            stress_bottom_mpa: bottom,
+            stress_top_mpa: top,
             time_s: state.time,
         };
         let is_sound = row.values().iter().all(|value| value.is_finite());
         if is_sound {
             self.state.rows.push(row);
+            if self.test.has_extra() {
+                let pressed = self.supports.all.iter().zip(&forces).map(|(fixture, force)| fixture.face.inward * force);
+                self.state.extra.extend(gauges.iter().copied().chain(pressed).map(|sum| sum / count));
+            }
         }
         is_sound
     }
@@ -259,8 +357,21 @@ fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common,
     let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;
     let matter = |phase| Matter::new(materials, phase, test.law);
     // Places in the order of the phases' numbers; 3 is no phase of a mesh.
-    let matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter);
-    Ok(Common { matter, shape, cohesion, hourglass: test.hourglass, band_mm: sample.band_factor * shape.edge() })
+    let mut matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter).to_vec();
+    let mut stones = Vec::new();
+    if let Some(stone) = materials.aggregate_strength.as_ref().filter(|_| test.law != LawName::Elastic) {
+        stones = sample.mesh.id_of.iter().map(|&id| (PHASES + stone.place(id)) as u16).collect();
+        matter.extend(Matter::stones(materials, stone, test.law));
+    }
+    Ok(Common {
+        matter,
+        stones,
+        shape,
+        cohesion,
+        hourglass: test.hourglass,
+        band_mm: sample.band_factor * shape.edge(),
+        free: None,
+    })
 }
 
 /// The values of cohesive faces, those of a deck but for the friction.

@@ -6,7 +6,6 @@ use super::shots::{Body, Shot};
 use super::{Outcome, ResultFile};
 use crate::march::Row;
 use crate::march::{Ended, Summary};
-use crate::test::TestKind;
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
@@ -57,7 +56,8 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
 
 fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let result = &outcome.response.result;
-    let test = if result.test == TestKind::Compression { "Compression" } else { "Tension" };
+    let test = word(&result.test);
+    let test = test[..1].to_ascii_uppercase() + &test[1..];
     let flags: String = result.flags.iter().map(|flag| format!(", {flag}")).collect();
     let (peak, strain) = (result.figures.peak_mpa, result.figures.peak_strain);
     let title = format!("{test} test: {peak:.2} MPa at a strain of {strain:.5}{flags}");
@@ -180,6 +180,10 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let figures = &result.figures;
     let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let softened = if figures.softened { "yes" } else { "no" };
+    let beyond = &result.beyond_peak;
+    let to_half = beyond.displacement_to_half_mm.map_or("not reached".to_owned(), |mm| format!("{mm:.4} mm"));
+    let left = 100.0 * beyond.energy_beyond_peak_until;
+    let energy = format!("{:.3} N/mm, until {left:.0} % are left", beyond.energy_beyond_peak_n_per_mm);
     let rows = [
         ("test, friction, law", format!("{}, {}, {}", word(&result.test), result.friction, word(&result.law))),
         ("strain smoothing", word(&result.smoothing)),
@@ -188,6 +192,8 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("strain at the peak", format!("{:.5}", figures.peak_strain)),
         ("stress at the end", format!("{:.2} MPa", figures.stress_at_end_mpa)),
         ("fell below 0.8 of the peak", softened.to_owned()),
+        ("displacement from the peak to half of it", to_half),
+        ("energy beyond the peak, per area", energy),
         ("steps, time step", format!("{}, {:.3e} s", thousands(result.steps as usize), result.time_step_s)),
         ("mass added", format!("{:.1} %", result.added_mass_percent)),
         ("kinetic over internal energy after the ramp, at most", percent(result.kinetic_over_internal_max)),
@@ -196,8 +202,9 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
         ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
     ];
+    let stone = result.broken_stone.map(|share| ("aggregates that broke, by volume", percent(share)));
     writeln!(out, "<h2>Figures</h2>\n<div class=\"split\">\n<div class=\"wide\"><table>")?;
-    rows.iter().try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
+    rows.iter().chain(&stone).try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
     writeln!(
         out,
         "</table></div>\n<div class=\"wide\"><table><tr><th>phase<th>of specimen<th>exact<th>dissipated, mJ"

@@ -4,11 +4,12 @@
 //! over the strain it is the effective modulus. Three pinned displacements take the rigid motions that are left. A
 //! periodic box is compressed in the mean instead, by its reference nodes.
 
+use super::geometry::present;
 use super::lines::Lines;
 use super::periodic::REFERENCES;
 use meso_collision::math::{Aabb, Vec3};
-use meso_mesh::cells::Mesh;
 use meso_mesh::cells::Sides;
+use meso_mesh::cells::{Mesh, Phase};
 use std::io::{self, Write};
 
 /// The step: displacement of ZMAX by -`strain` times the height, reactions of both planes.
@@ -23,7 +24,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides, s
     lines.line(format!("{pin}, 1, 2"))?;
     lines.line(format!("{guide}, 2, 2"))?;
     lines.line(format!("ZMAX, 3, 3, {:.12e}", -strain * aabb.size().z))?;
-    end(lines, &["ZMIN", "ZMAX"], "RF")
+    end(lines, &["ZMIN", "ZMAX"], "RF", &[])
 }
 
 /// The step of a periodic box: mean strain -`strain` along z, all other mean stresses zero, the reactions over the
@@ -40,11 +41,14 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
     lines.line("REF_X, 2, 3")?;
     lines.line("REF_Y, 3, 3")?;
     lines.line(format!("REF_Z, 3, 3, {:.12e}", -strain * aabb.size().z))?;
-    end(lines, &REFERENCES, "U, RF")
+    let sets: Vec<&str> = present(mesh).map(Phase::name).collect();
+    end(lines, &REFERENCES, "U, RF", &sets)
 }
 
 /// Writes the output requests of `sets` and fields, and the end of the step.
-fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str) -> io::Result<()> {
+///
+/// The strain energy of `energies`, element sets, is printed in all: CalculiX leaves forces of equations out of reactions.
+fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str, energies: &[&str]) -> io::Result<()> {
     lines.line("*OUTPUT, FIELD")?;
     lines.line("*NODE OUTPUT")?;
     lines.line("U, RF")?;
@@ -53,6 +57,10 @@ fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str) -> io::Resul
     for set in sets {
         lines.line(format!("*NODE PRINT, NSET={set}, TOTALS=YES"))?;
         lines.line(printed)?;
+    }
+    for set in energies {
+        lines.line(format!("*EL PRINT, ELSET={set}, TOTALS=YES"))?;
+        lines.line("ELSE")?;
     }
     lines.line("*NODE FILE")?;
     lines.line("U, RF")?;

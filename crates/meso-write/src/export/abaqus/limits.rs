@@ -6,7 +6,7 @@ use meso_mesh::cells::Phase;
 use meso_mesh::materials::{MATERIALS, Materials};
 
 /// Checks values by their names in the options of a deck.
-pub(super) const DECK: Ranges = Ranges("deck");
+pub(crate) const DECK: Ranges = Ranges("deck");
 
 /// Every value against its range; NaN lies in none.
 pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
@@ -18,6 +18,7 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     DECK.require("frames", loading.frames, loading.frames > 0, "it must be 1 or more")?;
     DECK.positive("duration_s", loading.duration_s)?;
     DECK.positive("time_increment_s", loading.time_increment_s)?;
+    DECK.positive("impact_speed_mm_per_s", loading.impact_speed_mm_per_s)?;
     let met = !options.with_damage || options.analysis != Analysis::Elastic;
     let accepted = "analysis elastic has no damage; take compression, tension or none";
     DECK.require("with_damage", "true", met, accepted)?;
@@ -38,7 +39,7 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
     let analysis = if *geometry_only { Analysis::None } else { options.analysis };
     let name = format!("{:?}", options.analysis).to_lowercase();
     let geometry = "geometry_only leaves it out";
-    let explicit = "only the analyses compression and tension take it";
+    let explicit = "only the analyses compression, tension and impact take it";
     let asked = |key, value: f64, usual: f64| (key, value != usual, value.to_string());
     let (friction, frames) = (loading.friction, f64::from(loading.frames));
     for ((key, is_asked, value), has_effect, accepted) in [
@@ -52,8 +53,13 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
         ),
         (
             asked("friction", friction, usual.friction),
-            analysis == Analysis::Compression,
-            "only the analysis compression takes it",
+            matches!(analysis, Analysis::Compression | Analysis::Impact),
+            "only the analyses compression and impact take it",
+        ),
+        (
+            asked("impact_speed_mm_per_s", loading.impact_speed_mm_per_s, usual.impact_speed_mm_per_s),
+            analysis == Analysis::Impact,
+            "only the analysis impact takes it",
         ),
         (asked("frames", frames, f64::from(usual.frames)), is_explicit, explicit),
         (asked("duration_s", loading.duration_s, usual.duration_s), is_explicit, explicit),

@@ -1,13 +1,14 @@
 //! TIFF (`.tif`): a page for every layer, lowest z first, or one page of a section. By the crate `tiff`.
 //!
-//! The resolution is the voxels' own, in pixels per centimetre. Images near 4 GB and beyond are BigTIFF.
+//! The resolution is the voxels' own, in pixels per centimetre. The first page has ImageJ's description of a volume: the
+//! number of slices and their distance in cm, the unit of the resolution, and thereby the axes z, y and x. Images near 4 GB and beyond are BigTIFF.
 
 use super::{Frame, Voxels};
 use std::io::{self, Seek, Write};
 use tiff::TiffError;
 use tiff::encoder::colortype::{ColorType, Gray8, Gray32Float, GrayI32};
 use tiff::encoder::{Rational, TiffEncoder, TiffKind, TiffValue};
-use tiff::tags::ResolutionUnit;
+use tiff::tags::{ResolutionUnit, Tag};
 
 /// Bytes of values from which offsets need 64 bits: directories and padding come on top.
 const LARGE: usize = 3_900_000_000;
@@ -36,18 +37,24 @@ fn pages<W: Write + Seek, K: TiffKind>(
 ) -> Result<(), TiffError> {
     let ([rows, columns], _) = frame.pictures();
     let of_page = rows as usize * columns as usize;
+    let mut first = true;
+    let mut about = || std::mem::take(&mut first).then(|| description(frame)).flatten();
     for slab in slabs {
         match &slab {
             Voxels::Label(values) => {
-                values.chunks_exact(of_page).try_for_each(|page| add::<Gray8, _, _>(frame, page, &mut encoder))?;
+                values
+                    .chunks_exact(of_page)
+                    .try_for_each(|page| add::<Gray8, _, _>(frame, page, about(), &mut encoder))?;
             }
             Voxels::Id(values) => {
-                values.chunks_exact(of_page).try_for_each(|page| add::<GrayI32, _, _>(frame, page, &mut encoder))?;
+                values
+                    .chunks_exact(of_page)
+                    .try_for_each(|page| add::<GrayI32, _, _>(frame, page, about(), &mut encoder))?;
             }
             Voxels::Real(values) => {
                 values
                     .chunks_exact(of_page)
-                    .try_for_each(|page| add::<Gray32Float, _, _>(frame, page, &mut encoder))?;
+                    .try_for_each(|page| add::<Gray32Float, _, _>(frame, page, about(), &mut encoder))?;
             }
         }
     }
@@ -57,6 +64,7 @@ fn pages<W: Write + Seek, K: TiffKind>(
 fn add<C: ColorType, W: Write + Seek, K: TiffKind>(
     frame: &Frame,
     page: &[C::Inner],
+    about: Option<String>,
     encoder: &mut TiffEncoder<W, K>,
 ) -> Result<(), TiffError>
 where
@@ -65,7 +73,26 @@ where
     let ([rows, columns], _) = frame.pictures();
     let mut image = encoder.new_image::<C>(columns, rows)?;
     image.resolution(ResolutionUnit::Centimeter, per_cm(frame.voxel_size_mm));
+    if let Some(about) = about {
+        image.encoder().write_tag(Tag::ImageDescription, about.as_str())?;
+    }
     image.write_data(page)
+}
+
+/// The description by which ImageJ knows a volume; `None` of a section.
+fn description(frame: &Frame) -> Option<String> {
+    let (_, slices) = frame.pictures();
+    frame.section.is_none().then(|| {
+        let lines = [
+            "ImageJ=1.54f".to_owned(),
+            format!("images={slices}"),
+            format!("slices={slices}"),
+            "unit=cm".to_owned(),
+            format!("spacing={}", frame.voxel_size_mm / 10.0),
+            "loop=false".to_owned(),
+        ];
+        lines.join("\n") + "\n"
+    })
 }
 
 /// Pixels per centimetre, to a millionth.

@@ -2,9 +2,9 @@
 
 use crate::march::frame::Frame;
 use crate::march::observer::Observer;
-use crate::march::plates::Plates;
 use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
+use crate::test::Expansion;
 use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
 
@@ -66,12 +66,15 @@ impl Run<'_> {
     }
 
     fn is_over(&self) -> bool {
+        if !self.path.turns.is_empty() {
+            return self.path.is_through(&self.state.leg);
+        }
         self.state.progress >= self.outline.steps as f64
     }
 
     /// Share of the test's time at full speed that is over.
     fn done(&self) -> f64 {
-        self.state.progress / self.outline.steps as f64
+        (self.state.progress / self.outline.steps as f64).min(1.0)
     }
 
     /// Rows due so far.
@@ -87,7 +90,7 @@ impl Run<'_> {
     /// How often an event was due that comes `times` in `steps` at full speed, and at that rate in the steps of the servo.
     fn due(&self, times: u64, steps: u64) -> u64 {
         let due = |taken: f64| (taken * times as f64 / steps as f64) as u64;
-        due(self.state.progress) + due(self.state.held)
+        due(self.state.progress) + due(self.state.added)
     }
 
     /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
@@ -100,7 +103,16 @@ impl Run<'_> {
 
     /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
     pub(super) fn plate_energy(&self) -> f64 {
-        0.5 * self.outline.masses[1] * Plates::share(self.plates.speed(f64::INFINITY)).powi(2)
+        let speeds = self.supports.all.iter().map(|fixture| fixture.moves.abs() * self.path.speed);
+        let moved = 0.5 * self.outline.masses[1] * speeds.fold(0.0, f64::max).powi(2);
+        moved + self.test.expansion.map_or(0.0, |expansion| self.stored_by(&expansion))
+    }
+
+    /// Elastic energy of the whole specimen, were it held while its phases expand, mJ.
+    fn stored_by(&self, expansion: &Expansion) -> f64 {
+        let stiffest = self.common.matter.iter().map(|matter| matter.elastic.youngs_modulus_mpa).fold(0.0, f64::max);
+        let most = expansion.at(1.0).into_iter().fold(0.0, |most: f64, strain| most.max(strain.abs()));
+        0.5 * stiffest * most * most * self.sample.volume_mm3
     }
 
     /// The cell whose nodes are fastest, in words.

@@ -67,7 +67,7 @@ impl Body {
     /// A run that no plate can touch.
     fn free(&self, law: LawName) -> Run<'_> {
         let mut run = self.run(law);
-        run.plates.contacts.clear();
+        run.supports.contacts.clear();
         run
     }
 }
@@ -118,7 +118,8 @@ fn off(run: &Run, expected: &Mat3) -> f64 {
 #[test]
 fn a_body_in_free_fall_keeps_its_shape_to_the_last_bit() {
     let bodies = Body::all();
-    for (body, law) in bodies.iter().flat_map(|body| [(body, LawName::Cdp), (body, LawName::Cdpm2)]) {
+    let laws = [LawName::Cdp, LawName::Cdpm2, LawName::Meso];
+    for (body, law) in bodies.iter().flat_map(|body| laws.map(|law| (body, law))) {
         let method = body.name();
         let mut run = body.free(law);
         let (gravity, dt, steps) = (9810.0, run.outline.dt, 300);

@@ -1,21 +1,29 @@
-//! Options of a test: the serde view of `mesocrete solve` and `mesh.solve(...)`.
+//! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
+
+pub(crate) mod load;
+pub(crate) mod named;
+mod recipes;
+
+pub use load::{Along, Expansion, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 
 use crate::error::{SolveError, TEST};
 use crate::lanes::InstructionSet;
+use crate::sample::Geometry;
 use meso_concrete::OutOfRange;
 use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
-/// A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test.
+/// A test of a specimen. Whatever is absent takes its default from the mesh and the kind of test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Test {
-    /// Compression or tension.
+    /// The named test, which gives supports, gauges and history unless they are given.
     pub kind: TestKind,
     /// Coulomb's coefficient between plates and specimen; in tension the plates are glued on.
     pub friction: f64,
-    /// Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
+    /// Strain of the test at the end; 0.005 in compression, 0.0005 in tension.
     pub strain: Option<f64>,
     /// Time of the whole test at the plates' full speed, s.
     pub duration_s: Option<f64>,
@@ -37,19 +45,47 @@ pub struct Test {
     pub hourglass: f64,
     /// Cohesive faces.
     pub interface: Interface,
+    /// Lateral pressure of a triaxial test, MPa; 5 where absent.
+    pub pressure_mpa: Option<f64>,
+    /// Lateral over axial stress of a biaxial test; 1 where absent.
+    pub stress_ratio: Option<f64>,
+    /// Width of the strips of a splitting test, or of a beam's rollers, mm.
+    pub strip_mm: Option<f64>,
+    /// Distance of a beam's rollers, mm.
+    pub span_mm: Option<f64>,
+    /// Strains of the phases that have no stress; they grow before the path begins.
+    pub expansion: Option<Expansion>,
+    /// Supports and loads; those of the named test where none are given.
+    pub supports: Vec<SupportSpec>,
+    /// Places at which the path turns; straight on to `strain` where none are given.
+    pub turns: Vec<Turn>,
+    /// Gauges, each a column of the curve; those of the named test where none are given.
+    pub gauges: Vec<Gauge>,
     /// The instruction set; absent, the machine's best. The results are the same bytes.
     pub instruction_set: Option<InstructionSet>,
 }
 
-/// Which way the plates move.
+/// A named test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TestKind {
-    /// Towards each other, between plates that press and rub.
+    /// Between plates that move towards each other, press and rub.
     Compression,
-    /// Apart, glued on.
+    /// Between plates that move apart, glued on.
     Tension,
+    /// Pressed across strips on two opposite sides.
+    Splitting,
+    /// A beam on two rollers, pressed by a third.
+    Bending,
+    /// Pressure on all sides, then plates.
+    Triaxial,
+    /// Two pairs of plates in a ratio of stresses.
+    Biaxial,
+    /// Plates that press, and turn.
+    Cyclic,
+    /// Phases that swell or shrink, without a support.
+    Expansion,
 }
 
 /// How the plates keep their speed.
@@ -74,6 +110,8 @@ pub enum LawName {
     Cdp,
     /// CDPM2, with the parameters of its paper beside those of `[materials]`.
     Cdpm2,
+    /// Mortar between grains: cracks by the signs of stress, and crushing that leaves friction.
+    Meso,
 }
 
 /// Where strains belong to.
@@ -112,6 +150,14 @@ impl Default for Test {
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),
+            pressure_mpa: None,
+            stress_ratio: None,
+            strip_mm: None,
+            span_mm: None,
+            expansion: None,
+            supports: Vec::new(),
+            turns: Vec::new(),
+            gauges: Vec::new(),
             instruction_set: None,
         }
     }
@@ -134,6 +180,14 @@ const TENSION_PACE: f64 = 160e-6;
 /// 0.2 % had kinetic energies of 54, 5.8, 1.4 and 0.4 % of the internal one without it
 /// (`benches/results/short_tests.csv`).
 const LEAST_PACE: f64 = 8e-6;
+/// Time to 0.5 % of strain per diameter in splitting, s/mm: a disc splits at a strain of about 0.1 %.
+const SPLITTING_PACE: f64 = 120e-6;
+/// Periods of a beam to a flexural strain of 0.2 %: its peak is at a tenth of it.
+const BENDING_PERIODS: f64 = 16.0;
+/// Speed of sound in a beam of concrete with some mass added, mm/s.
+const SOUND: f64 = 2.5e6;
+/// Time in which loads grow before the path begins, per size, s/mm: 40 periods of the slowest wave.
+const LEAD_PACE: f64 = 48e-6;
 /// Least strain of a test. Elements compute in single precision: from 2e-4 to 1e-30 a cube's modulus agrees within 3e-7, at
 /// 1e-300 it is off by 70 %.
 const LEAST_STRAIN: f64 = 1e-12;
@@ -143,19 +197,35 @@ const STEP_PER_MM: f64 = 1e-7;
 impl Test {
     /// Strain at the end.
     pub fn strain(&self) -> f64 {
+        let of_turn = |turn: &Turn| if turn.of == TurnOf::Strain { turn.at.abs() } else { 0.0 };
+        let turned = self.turns().iter().map(of_turn).fold(0.0, f64::max);
         self.strain.unwrap_or(match self.kind {
-            TestKind::Compression => 0.005,
+            _ if turned > 0.0 => turned,
+            TestKind::Compression | TestKind::Biaxial | TestKind::Cyclic | TestKind::Expansion => 0.005,
+            TestKind::Triaxial => 0.01,
             TestKind::Tension => 0.0005,
+            TestKind::Splitting => 0.0015,
+            TestKind::Bending => 0.002,
         })
     }
 
-    /// Time of the whole test on a specimen of this height, s.
-    pub fn duration_s(&self, height_mm: f64) -> f64 {
-        let pace = match self.kind {
-            TestKind::Compression => COMPRESSION_PACE,
-            TestKind::Tension => TENSION_PACE,
-        };
-        self.duration_s.unwrap_or_else(|| (pace * height_mm * self.strain() / 0.005).max(LEAST_PACE * height_mm))
+    /// Time of the whole path on a specimen of these measures, s.
+    pub fn duration_s(&self, geometry: &Geometry) -> f64 {
+        let [length_mm, _, height_mm] = geometry.size_mm;
+        let paced = |pace: f64, size_mm: f64| (pace * size_mm * self.strain() / 0.005).max(LEAST_PACE * size_mm);
+        self.duration_s.unwrap_or_else(|| match self.kind {
+            TestKind::Tension => paced(TENSION_PACE, height_mm),
+            TestKind::Splitting => paced(SPLITTING_PACE, length_mm),
+            TestKind::Bending => BENDING_PERIODS * self.period_s(geometry) * (self.strain() / 0.002).max(0.25),
+            TestKind::Expansion => LEAST_PACE * height_mm,
+            _ => paced(COMPRESSION_PACE, height_mm),
+        })
+    }
+
+    /// Longest period of a beam between its rollers, s.
+    fn period_s(&self, geometry: &Geometry) -> f64 {
+        let (span, height) = (self.span_mm(geometry), geometry.size_mm[2] - geometry.notch_mm);
+        2.0 * span * span / (PI * SOUND * height / 12.0_f64.sqrt())
     }
 
     /// Time step asked for, s; half the default with cohesive faces, which are stiff.
@@ -164,12 +234,17 @@ impl Test {
         self.time_step_s.unwrap_or(share * STEP_PER_MM * element_size_mm)
     }
 
-    /// Steps of the test at full speed on a specimen of this height, and the length of each, s.
+    /// Steps of the path at full speed on a specimen of these measures, and the length of each, s.
     ///
     /// # Errors
     /// Fewer than 10 steps, and more than 1e9: names the value that makes it so.
-    pub fn steps(&self, height_mm: f64, element_size_mm: f64, is_cohesive: bool) -> Result<(u64, f64), SolveError> {
-        let duration = self.duration_s(height_mm);
+    pub fn steps(
+        &self,
+        geometry: &Geometry,
+        element_size_mm: f64,
+        is_cohesive: bool,
+    ) -> Result<(u64, f64), SolveError> {
+        let duration = self.duration_s(geometry);
         let step = self.time_step_s(element_size_mm, is_cohesive);
         let steps = (duration / step).ceil();
         if (10.0..=1e9).contains(&steps) {
@@ -181,6 +256,40 @@ impl Test {
         };
         let accepted = format!("{duration:.3e} s in steps of {step:.3e} s are {steps} steps; they must be 10 to 1e9");
         Err(TEST.error(key, value, accepted).into())
+    }
+
+    /// Time in which loads grow before the path begins, s; 0 without loads that do.
+    pub(crate) fn lead_s(&self, geometry: &Geometry, is_pressed: bool) -> f64 {
+        let has_lead = is_pressed || self.expansion.is_some();
+        if has_lead { LEAD_PACE * geometry.size_mm.into_iter().fold(0.0, f64::max) } else { 0.0 }
+    }
+
+    /// Whether the path moves a support.
+    pub(crate) fn has_path(&self) -> bool {
+        self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0)
+    }
+
+    /// Places at which the path turns.
+    pub(crate) fn turns(&self) -> Vec<Turn> {
+        if self.kind == TestKind::Cyclic && self.turns.is_empty() {
+            return named::cycles(self.strain.unwrap_or(0.005));
+        }
+        self.turns.clone()
+    }
+
+    /// Gauges of the test.
+    pub(crate) fn gauges(&self) -> Vec<Gauge> {
+        if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() }
+    }
+
+    /// Whether the curve has columns of gauges and supports.
+    pub(crate) fn has_extra(&self) -> bool {
+        let is_plain = matches!(self.kind, TestKind::Compression | TestKind::Tension);
+        !(is_plain
+            && self.expansion.is_none()
+            && self.supports.is_empty()
+            && self.gauges.is_empty()
+            && self.turns.is_empty())
     }
 
     /// Strain smoothing of a mesh with cells of this `kind`.
@@ -215,7 +324,40 @@ impl Test {
         }
         TEST.require("rows", self.rows, (10..=1_000_000).contains(&self.rows), "it must be 10 to 1000000")?;
         TEST.require("frames", self.frames, self.frames <= 10_000, "it must be at most 10000")?;
+        self.validate_loads()?;
         self.interface.validate()
+    }
+}
+
+impl Test {
+    fn validate_loads(&self) -> Result<(), OutOfRange> {
+        let within = |key: &str, value: Option<f64>, least: f64, most: f64| {
+            let met = value.is_none_or(|value| (least..=most).contains(&value));
+            TEST.require(key, value.unwrap_or_default(), met, format!("it must be {least} to {most}"))
+        };
+        within("pressure_mpa", self.pressure_mpa, 0.0, 1000.0)?;
+        within("stress_ratio", self.stress_ratio, 0.0, 10.0)?;
+        for (key, value) in [("strip_mm", self.strip_mm), ("span_mm", self.span_mm)] {
+            value.map_or(Ok(()), |value| TEST.positive(key, value))?;
+        }
+        let expansion = self.expansion.unwrap_or_default();
+        for strain in expansion.at(1.0) {
+            within("expansion", Some(strain), -0.02, 0.02)?;
+        }
+        if self.kind == TestKind::Expansion && self.expansion.is_none() {
+            let why =
+                "it needs a table [expansion] with the strain of a phase; mesocrete init --test expansion writes one";
+            return Err(TEST.error("kind", "expansion", why));
+        }
+        self.supports.iter().try_for_each(SupportSpec::validate)?;
+        for turn in &self.turns {
+            TEST.require("turns.at", turn.at, turn.at.is_finite(), "it must be a number")?;
+        }
+        let mut names: Vec<&str> = self.gauges.iter().map(Gauge::name).collect();
+        names.extend(self.supports.iter().map(|support| support.name.as_str()));
+        names.sort_unstable();
+        let twice = names.windows(2).find(|pair| pair[0] == pair[1]);
+        twice.map_or(Ok(()), |pair| Err(TEST.error("gauges", pair[0], "names of gauges and supports must differ")))
     }
 }
 

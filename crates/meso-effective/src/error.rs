@@ -1,0 +1,24 @@
+//! Why effective properties are refused.
+
+use meso_concrete::OutOfRange;
+
+/// An error of the options, the values or the specimen.
+#[derive(Debug, thiserror::Error)]
+pub enum EffectiveError {
+    /// A value outside its range.
+    #[error(transparent)]
+    Value(#[from] OutOfRange),
+    /// A specimen that is no box.
+    #[error("specimen.kind is {0}; effective properties need a cube, a box or a prism")]
+    Specimen(&'static str),
+    /// The iterations did not reach the accuracy.
+    #[error("after {iterations} iterations the error of the equations is still {reached:.1e} of the result; {fix}")]
+    Diverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Error reached, over the result.
+        reached: f64,
+        /// Remedy.
+        fix: &'static str,
+    },
+}

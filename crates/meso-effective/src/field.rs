@@ -1,0 +1,150 @@
+//! Potentials and fluxes at the voxels, for viewers.
+
+use crate::grid::{End, Grid};
+use crate::links::Links;
+use std::io::{self, BufWriter, Write};
+
+/// Potential and flux at every voxel, for a unit gradient along one axis.
+pub struct FluxField {
+    /// Axis of the gradient: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Voxels along x, y, z.
+    pub counts: [usize; 3],
+    /// Lower corner, mm.
+    pub origin_mm: [f64; 3],
+    /// Edges of a voxel, mm.
+    pub spacing_mm: [f64; 3],
+    /// Potential at the voxels' centres, x fastest.
+    pub potential: Vec<f32>,
+    /// Flux at the voxels' centres along x, y, z.
+    pub flux: Vec<[f32; 3]>,
+}
+
+/// Fluxes through the links of a grid whose potential is that of a unit gradient along `axis`, and a periodic part.
+pub(crate) struct Flow<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) links: &'a Links,
+    pub(crate) axis: usize,
+    pub(crate) potential: &'a [f64],
+}
+
+impl Flow<'_> {
+    /// Length of the link below voxel `number` along an axis, 0 without a link; `counts` gives the link above the last.
+    pub(crate) fn length(&self, axis: usize, number: usize) -> f64 {
+        self.grid.link(axis, number).map_or(0.0, |link| link.to - link.from)
+    }
+
+    /// Flux through the link below voxel `at` along `axis`, and its energy; along z also above the last layer.
+    fn through(&self, axis: usize, at: [usize; 3]) -> (f64, f64) {
+        let [nx, ny, nz] = self.links.counts;
+        let index = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
+        let count = self.links.counts[axis];
+        let u = |mut at: [usize; 3], place: Option<usize>| {
+            place.map_or(0.0, |place| {
+                at[axis] = place;
+                self.potential[index(at)]
+            })
+        };
+        let open = self.grid.ends[axis] == End::Fixed;
+        let above = if at[axis] < count { Some(at[axis]) } else { (!open).then_some(0) };
+        let below = if at[axis] > 0 { Some(at[axis] - 1) } else { (!open).then_some(count - 1) };
+        let link = if axis < 2 && at[axis] == count { [at[0] % nx, at[1] % ny, at[2]] } else { at };
+        debug_assert!(link[2] <= nz);
+        let given = if axis == self.axis { self.length(axis, at[axis]) } else { 0.0 };
+        let difference = given + u(at, above) - u(at, below);
+        let flux = f64::from(self.links.across[axis][index(link)]) * difference;
+        (flux, flux * difference)
+    }
+
+    /// Flux at the centre of a voxel, along the grid's axes.
+    fn at_centre(&self, at: [usize; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| {
+            let mut above = at;
+            above[axis] += 1;
+            (self.through(axis, at).0 + self.through(axis, above).0) / (2.0 * self.grid.area(axis))
+        })
+    }
+
+    /// Sums over the links of a layer: flux times length, along the grid's axes, and flux times difference of potential, the
+    /// energy. The last layer has the links above it, too.
+    pub(crate) fn sums(&self, k: usize) -> [f64; 4] {
+        let [nx, ny, nz] = self.links.counts;
+        let mut sums = [0.0; 4];
+        let last = k + 1 == nz && self.grid.ends[2] == End::Fixed;
+        for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
+            let above = last.then_some((2, [i, j, nz]));
+            for (axis, at) in (0..3).map(|axis| (axis, [i, j, k])).chain(above) {
+                let (flux, energy) = self.through(axis, at);
+                sums[axis] += flux * self.length(axis, at[axis]);
+                sums[3] += energy;
+            }
+        }
+        sums
+    }
+
+    /// The field in the specimen's axes, of which `last` is the grid's third.
+    pub(crate) fn field(&self, last: usize) -> FluxField {
+        let turned = |axis: usize| (axis + 2 - last) % 3;
+        let spacing_mm = [0, 1, 2].map(|axis| self.grid.spacing[turned(axis)]);
+        let origin_mm = [0, 1, 2].map(|axis| self.grid.origin[turned(axis)]);
+        let counts = [0, 1, 2].map(|axis| self.grid.counts[turned(axis)]);
+        let [nx, ny, nz] = counts;
+        let at = |number: usize| {
+            let place = [number % nx, number / nx % ny, number / (nx * ny)];
+            let mut at = [0; 3];
+            (0..3).for_each(|axis| at[turned(axis)] = place[axis]);
+            at
+        };
+        let [gx, gy, _] = self.grid.counts;
+        let total = |number: usize| {
+            let at = at(number);
+            let given = (at[self.axis] as f64 + 0.5) * self.grid.spacing[self.axis];
+            (given + self.potential[(at[2] * gy + at[1]) * gx + at[0]]) as f32
+        };
+        let flux = |number: usize| {
+            let flux = self.at_centre(at(number));
+            [0, 1, 2].map(|axis| flux[turned(axis)] as f32)
+        };
+        let axis = (0..3).find(|axis| turned(*axis) == self.axis).unwrap_or(last);
+        FluxField {
+            axis,
+            counts,
+            origin_mm,
+            spacing_mm,
+            potential: (0..nx * ny * nz).map(total).collect(),
+            flux: (0..nx * ny * nz).map(flux).collect(),
+        }
+    }
+}
+
+impl FluxField {
+    /// Writes VTK image data (`.vti`) for ParaView and PyVista.
+    ///
+    /// # Errors
+    /// Fails with the errors of `out`.
+    pub fn write_vti(&self, out: impl Write) -> io::Result<()> {
+        let mut out = BufWriter::new(out);
+        let Self { counts: [nx, ny, nz], origin_mm: [x, y, z], spacing_mm: [dx, dy, dz], .. } = self;
+        let (extent, voxels) = (format!("0 {nx} 0 {ny} 0 {nz}"), nx * ny * nz);
+        let array = |name: &str, components: usize, offset: usize| {
+            format!(
+                "<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
+            )
+        };
+        writeln!(out, "<?xml version=\"1.0\"?>")?;
+        writeln!(
+            out,
+            "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+        )?;
+        writeln!(out, "<ImageData WholeExtent=\"{extent}\" Origin=\"{x} {y} {z}\" Spacing=\"{dx} {dy} {dz}\">")?;
+        writeln!(out, "<Piece Extent=\"{extent}\">\n<CellData Scalars=\"potential\" Vectors=\"flux\">")?;
+        writeln!(out, "{}\n{}", array("potential", 1, 0), array("flux", 3, 8 + 4 * voxels))?;
+        write!(out, "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
+        out.write_all(&(4 * voxels as u64).to_le_bytes())?;
+        self.potential.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
+        out.write_all(&(12 * voxels as u64).to_le_bytes())?;
+        self.flux.iter().flatten().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
+        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+        out.flush()
+    }
+}

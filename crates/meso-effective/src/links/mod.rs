@@ -1,0 +1,220 @@
+//! Conductances between neighbouring voxels, from the exact geometry.
+//!
+//! A link joins the centres of two voxels through the face between them. Let `D` be the mean value over the face, `L` the
+//! mean resistance along the link, and `n` the component along the link of the normal of the interface that it meets.
+//!
+//! - A gradient along the interface drives the flux `D` times the link's own gradient. So `D` is exact for it, for any
+//!   angle, in any gap: the faces' shares of a phase, and its interface, close in every voxel (divergence theorem).
+//! - A gradient across the interface drives one flux through both phases. So `1 / L` is exact for it.
+//!
+//! In a body of value `q` with a uniform field, a sphere say, the flux across the surface is `q` times the gradient
+//! along it. The conductance that fits both in the mean of all directions is
+//!
+//! ```text
+//! K = (D (1 - n^2) + n^2 q^2 L) / ((1 - n^2) + n^2 q^2 L^2)
+//! ```
+//!
+//! It is `D` for impermeable bodies, `1 / L` for perfect conductors, and both are exact. A plane interface along the grid
+//! has `D` or `1 / L`, too.
+
+mod layers;
+mod section;
+
+pub(crate) use layers::Layer;
+
+use crate::grid::{End, Grid};
+use meso_collision::geometry::Plane;
+use meso_collision::math::Vec3;
+use meso_concrete::parallel;
+use section::{Section, Squares};
+
+/// Conductances below this share of the mortar's are rounding.
+const NOTHING: f64 = 1e-9;
+
+/// Conductances of all links, each over the spacing along it: flux per difference of potential.
+///
+/// `across[a]` has the link below every voxel along axis a; along z there is one more layer, above the last.
+pub(crate) struct Links {
+    pub(crate) counts: [usize; 3],
+    /// Whether voxels at opposite ends of z are neighbours. Along x and y they always are, by a link of 0 at walls.
+    pub(crate) wraps: bool,
+    pub(crate) across: [Vec<f32>; 3],
+}
+
+impl Links {
+    /// The links of `layers` in mortar of value `mortar`.
+    pub(crate) fn new(grid: &Grid, layers: &[Layer], mortar: f64) -> Self {
+        let across = [0, 1, 2].map(|axis| along(grid, layers, mortar, axis));
+        Self { counts: grid.counts, wraps: grid.ends[2] == End::Periodic, across }
+    }
+}
+
+/// The links along an axis, in the grid's order.
+fn along(grid: &Grid, layers: &[Layer], mortar: f64, axis: usize) -> Vec<f32> {
+    let planes = Planes::new(grid, layers, mortar, axis);
+    let count = grid.counts[axis] + usize::from(axis == 2);
+    let of = |number: usize| planes.conductances(number);
+    let slices: Vec<Vec<f32>> = parallel::map(count, of);
+    if axis == 2 {
+        return slices.concat();
+    }
+    let [nx, ny, nz] = grid.counts;
+    let mut links = vec![0.0; nx * ny * nz];
+    parallel::chunks_mut(&mut links, nx * ny, |k, layer| {
+        for (number, link) in layer.iter_mut().enumerate() {
+            let (i, j) = (number % nx, number / nx);
+            // A plane across x is numbered with y fastest, a plane across y with z fastest.
+            *link = if axis == 0 { slices[i][k * ny + j] } else { slices[j][i * nz + k] };
+        }
+    });
+    links
+}
+
+/// The planes of faces across an axis.
+struct Planes<'a> {
+    grid: &'a Grid,
+    layers: &'a [Layer],
+    mortar: f64,
+    axis: usize,
+    squares: Squares,
+    /// Layers that reach into the links of each plane.
+    by_plane: Vec<Vec<u32>>,
+    /// Whether a body conducts: else resistances along links are not asked for.
+    conduct: bool,
+}
+
+/// Sums over the layers at a link.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    value: f64,
+    blocked: f64,
+    resistance: f64,
+    weight: f64,
+    normal: f64,
+    flux: f64,
+}
+
+impl<'a> Planes<'a> {
+    fn new(grid: &'a Grid, layers: &'a [Layer], mortar: f64, axis: usize) -> Self {
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let squares = Squares {
+            origin: [grid.origin[b], grid.origin[c]],
+            spacing: [grid.spacing[b], grid.spacing[c]],
+            counts: [grid.counts[b], grid.counts[c]],
+        };
+        let h = grid.spacing[axis];
+        let mut by_plane = vec![Vec::new(); grid.counts[axis] + 1];
+        for (number, layer) in layers.iter().enumerate() {
+            let at = |x: f64| (x - grid.origin[axis]) / h;
+            let first = (at(layer.aabb.min[axis]) - 0.5).floor().max(0.0) as usize;
+            let last = (at(layer.aabb.max[axis]) + 0.5).ceil().min(grid.counts[axis] as f64);
+            (first..=last.max(-1.0) as usize).for_each(|plane| by_plane[plane].push(number as u32));
+        }
+        let conduct = layers.iter().any(|layer| layer.body > 0.0);
+        Self { grid, layers, mortar, axis, squares, by_plane, conduct }
+    }
+
+    /// The conductances through a plane, over the length of the links.
+    fn conductances(&self, number: usize) -> Vec<f32> {
+        let Some(link) = self.grid.link(self.axis, number) else {
+            return vec![0.0; self.squares.counts[0] * self.squares.counts[1]];
+        };
+        // The last plane of a period is its first one, to the last bit.
+        let number =
+            if self.grid.ends[self.axis] == End::Periodic { number % self.grid.counts[self.axis] } else { number };
+        let at = self.grid.origin[self.axis] + number as f64 * self.grid.spacing[self.axis];
+        let mut sums = vec![Sums::default(); self.squares.counts[0] * self.squares.counts[1]];
+        let mut section = Section::default();
+        let mut shares = vec![0.0; sums.len()];
+        for &layer in &self.by_plane[number] {
+            let layer = &self.layers[layer as usize];
+            section.shares(&layer.surface, self.axis, at, &self.squares, |square, share| {
+                sums[square].value += layer.change * share;
+                sums[square].blocked += layer.blocks * share;
+                shares[square] = share;
+            });
+            if self.conduct && layer.blocks == 0.0 {
+                self.add_lines(layer, at, [at + link.from, at + link.to], &shares, &mut sums);
+            }
+            section.shares(&layer.surface, self.axis, at, &self.squares, |square, _| shares[square] = 0.0);
+        }
+        let over = self.grid.area(self.axis) / (link.to - link.from);
+        sums.iter().map(|sums| (sums.conductance(self.mortar) * over) as f32).collect()
+    }
+
+    /// Adds the resistances that a layer changes along its links, and the normals where it ends.
+    fn add_lines(&self, layer: &Layer, at: f64, ends: [f64; 2], shares: &[f64], sums: &mut [Sums]) {
+        let Squares { origin, spacing, counts } = &self.squares;
+        let (b, c) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        let rows = self.squares.touched(1, layer.aabb.min[c], layer.aabb.max[c]);
+        let columns = self.squares.touched(0, layer.aabb.min[b], layer.aabb.max[b]);
+        for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
+            let square = row * counts[0] + column;
+            let mut centre = Vec3::zeros();
+            centre[self.axis] = at;
+            centre[b] = origin[0] + (column as f64 + 0.5) * spacing[0];
+            centre[c] = origin[1] + (row as f64 + 0.5) * spacing[1];
+            let met = Met::new(&layer.planes, self.axis, &centre, ends);
+            let (share, along) = (shares[square], met.share);
+            let weight = share * (1.0 - share) + along * (1.0 - along);
+            let sum = &mut sums[square];
+            sum.resistance += layer.resistance * along;
+            sum.weight += weight;
+            sum.normal += weight * met.normal2;
+            sum.flux += weight * met.normal2 * layer.body * layer.body;
+        }
+    }
+}
+
+impl Sums {
+    fn conductance(&self, mortar: f64) -> f64 {
+        let (value, open) = (mortar + self.value, 1.0 - self.blocked);
+        if value < NOTHING * mortar || open < NOTHING {
+            return 0.0;
+        }
+        if self.weight <= 0.0 {
+            return value;
+        }
+        let (value, resistance) = (value / open, 1.0 / mortar + self.resistance);
+        let (normal, flux) = (self.normal / self.weight, self.flux / self.weight);
+        open * (value * (1.0 - normal) + flux * resistance) / ((1.0 - normal) + flux * resistance * resistance)
+    }
+}
+
+/// A link on its way through a convex body.
+struct Met {
+    /// Share of the link inside.
+    share: f64,
+    /// Square of the component along the link of the normal where it enters or leaves, or else of the nearest face.
+    normal2: f64,
+}
+
+impl Met {
+    fn new(planes: &[Plane], axis: usize, centre: &Vec3, [low, high]: [f64; 2]) -> Self {
+        let (mut from, mut to) = (low, high);
+        let mut ends: [Option<f64>; 2] = [None, None];
+        let mut nearest = (f64::NEG_INFINITY, 0.0);
+        for plane in planes {
+            let (height, along) = (plane.height(centre), plane.normal[axis]);
+            if height > nearest.0 {
+                nearest = (height, along);
+            }
+            let at = centre[axis] - height / along;
+            if along > 0.0 && at < to {
+                (to, ends[1]) = (at, Some(along));
+            } else if along < 0.0 && at > from {
+                (from, ends[0]) = (at, Some(along));
+            } else if along == 0.0 && height > 0.0 {
+                to = f64::NEG_INFINITY;
+            }
+        }
+        let share = ((to - from) / (high - low)).max(0.0);
+        let crossed: Vec<f64> = ends.into_iter().flatten().filter(|_| share > 0.0).collect();
+        let square = |along: f64| (along * along).min(1.0);
+        let normal2 = match crossed.len() {
+            0 => square(nearest.1),
+            count => crossed.iter().map(|along| square(*along)).sum::<f64>() / count as f64,
+        };
+        Self { share, normal2 }
+    }
+}

@@ -1,0 +1,201 @@
+//! The area of a plane section of a convex body in every square of a grid, exact to rounding.
+
+use meso_collision::geometry::Polyhedron;
+use std::ops::Range;
+
+/// A point of a section: coordinates along the two axes of its plane, mm.
+type Point = [f64; 2];
+
+/// Memory that sections reuse.
+#[derive(Default)]
+pub(super) struct Section {
+    corners: Vec<Point>,
+    strip: Vec<Point>,
+    rest: Vec<Point>,
+    piece: Vec<Point>,
+    beyond: Vec<Point>,
+}
+
+/// A grid of rectangles in a plane.
+pub(super) struct Squares {
+    pub(super) origin: Point,
+    pub(super) spacing: Point,
+    pub(super) counts: [usize; 2],
+}
+
+impl Squares {
+    fn side(&self, axis: usize, number: usize) -> f64 {
+        self.origin[axis] + number as f64 * self.spacing[axis]
+    }
+
+    /// The squares along an axis that the interval reaches into.
+    pub(super) fn touched(&self, axis: usize, low: f64, high: f64) -> Range<usize> {
+        let at = |x: f64| ((x - self.origin[axis]) / self.spacing[axis]).max(0.0);
+        let end = (at(high).ceil() as usize).min(self.counts[axis]);
+        (at(low) as usize).min(end)..end
+    }
+}
+
+impl Section {
+    /// Calls `visit` with every square that the section of `body` by the plane at `at` on `axis` meets, and the share of
+    /// the square that it covers. Squares are numbered with the axis after `axis` fastest.
+    pub(super) fn shares(
+        &mut self,
+        body: &Polyhedron,
+        axis: usize,
+        at: f64,
+        squares: &Squares,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        self.cut(body, axis, at);
+        if self.corners.len() < 3 {
+            return;
+        }
+        let (low, high) = extent(&self.corners, 1);
+        let whole = squares.spacing[0] * squares.spacing[1];
+        for row in squares.touched(1, low, high) {
+            let (bottom, top) = (squares.side(1, row), squares.side(1, row + 1));
+            divide(&self.corners, 1, bottom, &mut self.rest, &mut self.beyond);
+            divide(&self.beyond, 1, top, &mut self.strip, &mut self.rest);
+            if self.strip.len() < 3 {
+                continue;
+            }
+            let (left, right) = extent(&self.strip, 0);
+            let (inner_left, inner_right) = inner(&self.strip, bottom, top);
+            for column in squares.touched(0, left, right) {
+                let (from, to) = (squares.side(0, column), squares.side(0, column + 1));
+                let share = if from >= inner_left && to <= inner_right {
+                    1.0
+                } else {
+                    divide(&self.strip, 0, from, &mut self.rest, &mut self.beyond);
+                    divide(&self.beyond, 0, to, &mut self.piece, &mut self.rest);
+                    (area(&self.piece) / whole).clamp(0.0, 1.0)
+                };
+                visit(row * squares.counts[0] + column, share);
+            }
+        }
+    }
+
+    /// The corners of the section just above the plane, counter-clockwise: of two bodies that touch there, one is cut.
+    fn cut(&mut self, body: &Polyhedron, axis: usize, at: f64) {
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let points = &mut self.rest;
+        points.clear();
+        let vertices = body.vertices();
+        for face in body.faces() {
+            for (from, to) in face.iter().zip(face.iter().cycle().skip(1)) {
+                let (p, q) = (&vertices[from as usize], &vertices[to as usize]);
+                // Each edge belongs to two faces, and runs upwards in one of them.
+                if p[axis] <= at && q[axis] > at {
+                    let t = (at - p[axis]) / (q[axis] - p[axis]);
+                    points.push([p[b] + t * (q[b] - p[b]), p[c] + t * (q[c] - p[c])]);
+                }
+            }
+        }
+        hull(points, &mut self.corners);
+    }
+}
+
+/// Least and largest coordinate.
+fn extent(points: &[Point], axis: usize) -> (f64, f64) {
+    points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])))
+}
+
+/// The interval that a strip covers over its whole height; empty where it does not reach both sides.
+fn inner(strip: &[Point], bottom: f64, top: f64) -> (f64, f64) {
+    let at = |y: f64| {
+        let met = strip.iter().filter(|p| p[1] == y);
+        met.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[0]), high.max(p[0])))
+    };
+    let (below, above) = (at(bottom), at(top));
+    (below.0.max(above.0), below.1.min(above.1))
+}
+
+fn area(polygon: &[Point]) -> f64 {
+    let Some((first, rest)) = polygon.split_first() else { return 0.0 };
+    let spans = rest.windows(2).map(|pair| {
+        let (a, b) = (pair[0], pair[1]);
+        (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0])
+    });
+    spans.sum::<f64>() / 2.0
+}
+
+/// The parts of a convex polygon below `at` on `axis`, and from there on.
+fn divide(polygon: &[Point], axis: usize, at: f64, below: &mut Vec<Point>, above: &mut Vec<Point>) {
+    below.clear();
+    above.clear();
+    let Some(mut from) = polygon.last() else { return };
+    for to in polygon {
+        if (from[axis] < at) != (to[axis] < at) {
+            let (low, high) = if from[axis] < at { (from, to) } else { (to, from) };
+            let t = (at - low[axis]) / (high[axis] - low[axis]);
+            let mut cut = [low[0] + t * (high[0] - low[0]), low[1] + t * (high[1] - low[1])];
+            cut[axis] = at;
+            below.push(cut);
+            above.push(cut);
+        }
+        if to[axis] < at {
+            below.push(*to);
+        } else {
+            above.push(*to);
+        }
+        from = to;
+    }
+}
+
+/// The convex hull of points, counter-clockwise (Andrew's monotone chain).
+fn hull(points: &mut [Point], corners: &mut Vec<Point>) {
+    points.sort_unstable_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
+    corners.clear();
+    chain(points.iter(), corners, 0);
+    let first = corners.len().saturating_sub(1);
+    chain(points.iter().rev(), corners, first);
+    corners.pop();
+}
+
+/// Appends a chain that turns left, and keeps the corners before `start`.
+fn chain<'a>(points: impl Iterator<Item = &'a Point>, corners: &mut Vec<Point>, start: usize) {
+    corners.truncate(start);
+    for &p in points {
+        while corners.len() >= start + 2 {
+            let (o, a) = (corners[corners.len() - 2], corners[corners.len() - 1]);
+            if (a[0] - o[0]) * (p[1] - o[1]) - (a[1] - o[1]) * (p[0] - o[0]) > 0.0 {
+                break;
+            }
+            corners.pop();
+        }
+        corners.push(p);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_collision::geometry::convex_hull;
+    use meso_collision::math::Vec3;
+
+    /// Shares of the section of a box turned about x by 45 degrees, at x = 0.
+    fn shares(counts: [usize; 2], spacing: f64) -> Vec<f64> {
+        let corners = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let at = |x: f64| corners.map(|[y, z]| Vec3::new(x, y + 1.5, z + 1.5));
+        let body = convex_hull(&[at(-1.0), at(1.0)].concat()).unwrap();
+        let squares = Squares { origin: [0.0; 2], spacing: [spacing; 2], counts };
+        let mut shares = vec![0.0; counts[0] * counts[1]];
+        Section::default().shares(&body, 0, 0.0, &squares, |square, share| shares[square] += share);
+        shares
+    }
+
+    #[test]
+    fn shares_of_a_turned_square_are_exact() {
+        let shares = shares([3, 3], 1.0);
+        let expected = [0.0, 0.25, 0.0, 0.25, 1.0, 0.25, 0.0, 0.25, 0.0];
+        assert!(shares.iter().zip(expected).all(|(share, exact)| (share - exact).abs() < 1e-14), "{shares:?}");
+    }
+
+    #[test]
+    fn shares_add_up_to_the_section() {
+        let fine = shares([40, 30], 0.1);
+        assert!((fine.iter().sum::<f64>() * 0.01 - 2.0).abs() < 1e-12);
+        assert!(fine.iter().filter(|share| **share == 1.0).count() > 100);
+    }
+}

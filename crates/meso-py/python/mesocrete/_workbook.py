@@ -1,0 +1,52 @@
+"""Sheets of a workbook as text, for sieve tables in .xlsx."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+
+def text(path: str | PathLike[str], sheet: str | None) -> str:
+    """Return a sheet as text with tabs; numbers that are shown in per cent get their sign.
+
+    Raises ValueError where openpyxl is missing, the sheet cannot be chosen, or a formula has no value.
+    """
+    try:
+        from openpyxl import load_workbook
+    except ImportError:
+        message = "reading an .xlsx takes openpyxl: pip install openpyxl, or save the sheet as CSV"
+        raise ValueError(message) from None
+    try:
+        shown, typed = (load_workbook(path, data_only=only) for only in (True, False))
+    except Exception as error:
+        message = f"it is no workbook that openpyxl reads ({error}); save the sheet as CSV"
+        raise ValueError(message) from None
+    names = [name for name in shown.sheetnames if _has_numbers(shown[name])]
+    if sheet is None and len(names) != 1:
+        message = f"{len(names)} of its sheets have numbers; choose one: sheet = {' or '.join(map(repr, names or shown.sheetnames))}"
+        raise ValueError(message)
+    name = names[0] if sheet is None else sheet
+    if name not in shown.sheetnames:
+        message = f"it has no sheet {name!r}; it has {', '.join(map(repr, shown.sheetnames))}"
+        raise ValueError(message)
+    rows = zip(shown[name].iter_rows(), typed[name].iter_rows(), strict=True)
+    return "\n".join("\t".join(_cell(a, b) for a, b in zip(*row, strict=True)) for row in rows)
+
+
+def _has_numbers(sheet: object) -> bool:
+    rows = getattr(sheet, "iter_rows", None)  # a sheet of a chart has none
+    return rows is not None and any(cell.data_type == "n" and cell.value is not None for row in rows() for cell in row)
+
+
+def _cell(shown: object, typed: object) -> str:
+    value, formula = getattr(shown, "value", None), getattr(typed, "value", None)
+    if value is None and isinstance(formula, str) and formula.startswith("="):
+        message = f"cell {getattr(typed, 'coordinate', '')} has a formula without a value; save the workbook in a spreadsheet program once"
+        raise ValueError(message)
+    if value is None:
+        return ""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        percent = "%" in (getattr(shown, "number_format", "") or "")
+        # Without an exponent, and with a point, so that no mark is taken for thousands.
+        digits = f"{100 * value if percent else value:.10f}".rstrip("0")
+        return f"{digits}0%" if percent else f"{digits}0"
+    return " ".join(str(value).split())

@@ -1,0 +1,197 @@
+//! Gauges: weighted sums of nodes' displacements.
+
+use crate::error::{SolveError, TEST};
+use crate::march::supports::contact::ACROSS;
+use crate::march::supports::nodes::area;
+use crate::sample::Sample;
+use crate::test::load::Gauge;
+use meso_collision::math::Aabb;
+use meso_mesh::Mesh;
+use meso_mesh::cells::Sides;
+
+/// A gauge on the engine's nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Reader {
+    /// Name of its column.
+    pub(crate) name: String,
+    /// Whether it measures the opening that a path may turn at.
+    pub(crate) is_mouth: bool,
+    /// Nodes by the engine's numbers, with the weights of their displacements.
+    weights: Vec<(u32, [f64; 3])>,
+}
+
+impl Reader {
+    /// Its value at some displacements.
+    pub(crate) fn read(&self, displacement: &[[f64; 3]]) -> f64 {
+        let of = |(node, weight): &(u32, [f64; 3])| {
+            let u = displacement[*node as usize];
+            (0..3).map(|k| weight[k] * u[k]).sum::<f64>()
+        };
+        self.weights.iter().map(of).sum()
+    }
+
+    /// Adds the mean displacement along `axis` of some nodes, times a factor.
+    fn add(&mut self, nodes: &[u32], axis: usize, factor: f64) {
+        let mut weight = [0.0; 3];
+        weight[axis] = factor / nodes.len() as f64;
+        self.weights.extend(nodes.iter().map(|&node| (node, weight)));
+    }
+}
+
+/// Sets gauges on the nodes of a specimen that is loaded along `axis`; `sign` is that of the test.
+pub(crate) struct Setter<'a> {
+    pub(crate) sample: &'a Sample<'a>,
+    pub(crate) axis: usize,
+    pub(crate) sign: f64,
+    /// Whether the test has a path, along which strains count in its sense.
+    pub(crate) has_path: bool,
+    /// The engine's numbers of the mesh's nodes.
+    pub(crate) number: &'a [u32],
+}
+
+impl Setter<'_> {
+    /// The readers of all `gauges`.
+    ///
+    /// # Errors
+    /// Names the gauge that finds no nodes on the specimen.
+    pub(crate) fn all(&self, gauges: &[Gauge]) -> Result<Vec<Reader>, SolveError> {
+        gauges.iter().map(|gauge| self.set(gauge)).collect()
+    }
+
+    fn set(&self, gauge: &Gauge) -> Result<Reader, SolveError> {
+        let name = gauge.name();
+        let reader = match *gauge {
+            Gauge::Lvdt { axis, from_mm, to_mm, .. } => self.lvdt(name, axis as usize, [from_mm, to_mm]),
+            Gauge::Sides { axis, .. } => self.sides(name, axis as usize),
+            Gauge::LateralStrain { .. } => self.lateral(name),
+            Gauge::CrackMouth { .. } => self.mouth(name),
+        };
+        reader.map(|mut reader| {
+            reader.weights.iter_mut().for_each(|(node, _)| *node = self.number[*node as usize]);
+            reader
+        })
+    }
+
+    fn mesh(&self) -> &Mesh {
+        self.sample.mesh
+    }
+
+    /// Displacement along `axis` of some nodes against others, over their distance, times a factor.
+    fn add_strain(&self, reader: &mut Reader, axis: usize, [low, high]: [&[u32]; 2], factor: f64) {
+        let place = |nodes: &[u32]| {
+            nodes.iter().map(|&node| self.mesh().points[node as usize][axis]).sum::<f64>() / nodes.len() as f64
+        };
+        let scale = factor / (place(high) - place(low));
+        reader.add(high, axis, scale);
+        reader.add(low, axis, -scale);
+    }
+
+    fn lvdt(&self, name: &str, axis: usize, planes: [f64; 2]) -> Result<Reader, SolveError> {
+        let aabb = Aabb::around(&self.mesh().points);
+        let size = aabb.size()[axis];
+        let [from, to] = planes;
+        if !(0.0 <= from && from < to && to <= size) {
+            let planes = format!("{from} to {to}");
+            let why =
+                format!("the specimen is {size} mm long there; take planes from 0 to {size} mm, the lower one first");
+            return Err(TEST.error(format!("gauges.{name}"), planes, why).into());
+        }
+        let mut surface = self.surface();
+        surface.sort_unstable();
+        surface.dedup();
+        let near = |plane: f64| -> Vec<u32> {
+            let off = |node: u32| (self.mesh().points[node as usize][axis] - aabb.min[axis] - plane).abs();
+            let least = surface.iter().map(|&node| off(node)).fold(f64::INFINITY, f64::min);
+            let half = least.max(0.5 * self.sample.element_size_mm) + 1e-9 * size;
+            surface.iter().copied().filter(|&node| off(node) <= half).collect()
+        };
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
+        let factor = if axis == self.axis && self.has_path { self.sign } else { 1.0 };
+        self.add_strain(&mut reader, axis, [&near(from), &near(to)], factor);
+        Ok(reader)
+    }
+
+    fn sides(&self, name: &str, axis: usize) -> Result<Reader, SolveError> {
+        let sides = Sides::of(self.mesh());
+        let [low, high] = [2 * axis, 2 * axis + 1].map(|bit| shares(self.mesh(), &sides.faces()[bit]));
+        if low.is_empty() || high.is_empty() {
+            let why = "a side across this axis has no face; take another axis";
+            return Err(TEST.error(format!("gauges.{name}"), ["x", "y", "z"][axis], why).into());
+        }
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
+        let factor = if axis == self.axis && self.has_path { self.sign } else { 1.0 };
+        let place = |side: &[(u32, f64)]| -> f64 {
+            side.iter().map(|(node, share)| share * self.mesh().points[*node as usize][axis]).sum()
+        };
+        let scale = factor / (place(&high) - place(&low));
+        for (side, scale) in [(high, scale), (low, -scale)] {
+            let weigh = |(node, share): (u32, f64)| {
+                let mut weight = [0.0; 3];
+                weight[axis] = scale * share;
+                (node, weight)
+            };
+            reader.weights.extend(side.into_iter().map(weigh));
+        }
+        Ok(reader)
+    }
+
+    /// Nodes of the surface, some of them several times.
+    fn surface(&self) -> Vec<u32> {
+        let cells = self.mesh().by_owner();
+        self.mesh().outer_faces().into_iter().flat_map(|(cell, face)| cells.face(cell, face)).collect()
+    }
+
+    fn lateral(&self, name: &str) -> Result<Reader, SolveError> {
+        let sides = Sides::of(self.mesh());
+        let aabb = Aabb::around(&self.mesh().points);
+        let (middle, quarter) = (0.5 * (aabb.min + aabb.max)[self.axis], 0.25 * aabb.size()[self.axis]);
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
+        for axis in ACROSS[self.axis] {
+            let at = |node: &u32| (self.mesh().points[*node as usize][self.axis] - middle).abs() <= quarter;
+            let of = |bit: usize| -> Vec<u32> { sides.members(bit).filter(at).collect() };
+            let [low, high] = [of(2 * axis), of(2 * axis + 1)];
+            if low.is_empty() || high.is_empty() {
+                let why = "it finds no nodes on the sides in the middle half of the height; take smaller elements";
+                return Err(TEST.error(format!("gauges.{name}"), "lateral-strain", why).into());
+            }
+            self.add_strain(&mut reader, axis, [&low, &high], 0.5);
+        }
+        Ok(reader)
+    }
+
+    /// The nodes of the lower side that are nearest to its middle, right against left.
+    fn mouth(&self, name: &str) -> Result<Reader, SolveError> {
+        if self.sample.notch_mm <= 0.0 {
+            let why = "the specimen has no notch; take a notched-prism";
+            return Err(TEST.error(format!("gauges.{name}"), "crack-mouth", why).into());
+        }
+        let points = &self.mesh().points;
+        let middle = 0.5 * (Aabb::around(points).min + Aabb::around(points).max).x;
+        let sides = Sides::of(self.mesh());
+        let of = |sense: f64| -> Vec<u32> {
+            let off = |node: u32| sense * (points[node as usize].x - middle);
+            let lower = || sides.members(4).filter(|&node| off(node) > 0.0);
+            let least = lower().map(off).fold(f64::INFINITY, f64::min);
+            lower().filter(|&node| off(node) <= least + 0.25 * self.sample.element_size_mm).collect()
+        };
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: true };
+        reader.add(&of(1.0), 0, 1.0);
+        reader.add(&of(-1.0), 0, -1.0);
+        Ok(reader)
+    }
+}
+
+/// Nodes of some faces, each with its share of their area.
+fn shares(mesh: &Mesh, faces: &[(u32, usize)]) -> Vec<(u32, f64)> {
+    let cells = mesh.by_owner();
+    let mut shares = Vec::new();
+    for &(cell, face) in faces {
+        let nodes: Vec<u32> = cells.face(cell, face).collect();
+        let share = area(mesh, &nodes).norm() / nodes.len() as f64;
+        shares.extend(nodes.into_iter().map(|node| (node, share)));
+    }
+    shares.sort_by_key(|(node, _)| *node);
+    let total: f64 = shares.iter().map(|(_, share)| share).sum();
+    let of_node = |own: &[(u32, f64)]| (own[0].0, own.iter().map(|(_, share)| share).sum::<f64>() / total);
+    shares.chunk_by(|a, b| a.0 == b.0).map(of_node).collect()
+}

@@ -1,0 +1,214 @@
+//! Supports and loads of a test, and the nodes that they meet.
+//!
+//! The plates of a compression test do half of the way each, so the specimen's middle rests: its kinetic energy is then a
+//! quarter of that beside a plate at rest, and no wave runs from one plate alone.
+
+pub(crate) mod contact;
+pub(crate) mod nodes;
+
+use crate::error::{SolveError, TEST};
+use crate::march::supports::contact::{Contact, Face, Load, Motion, Moved};
+use crate::sample::Sample;
+use crate::test::load::{Rule, SupportSpec};
+use crate::test::named::Plan;
+use meso_mesh::cells::Sides;
+
+/// Supports of a test, at most.
+pub(crate) const MOST: usize = 8;
+
+/// Mass of a plate with a servo over the mass of its nodes. Forces of a step move the plate in the next one, which is
+/// stable where the plate is heavier than its nodes.
+const PLATE_MASS: f64 = 5.0;
+/// Damping of a plate with a servo over the critical damping of plate and specimen.
+const PLATE_DAMPING: f64 = 0.5;
+
+/// The supports of a test and their nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Supports {
+    /// By node.
+    pub(crate) contacts: Vec<Contact>,
+    /// By node.
+    pub(crate) loads: Vec<Load>,
+    /// In the order of the test.
+    pub(crate) all: Vec<Fixture>,
+    /// -1 where the path presses the specimen, 1 where it pulls.
+    pub(crate) sign: f64,
+    /// Path over this is the strain, mm.
+    pub(crate) length_mm: f64,
+    /// Force over this is the stress, mm2.
+    pub(crate) section_mm2: f64,
+}
+
+/// One support.
+#[derive(Clone, Debug)]
+pub(crate) struct Fixture {
+    pub(crate) name: String,
+    pub(crate) face: Face,
+    /// Its way for each mm of the path.
+    pub(crate) moves: f64,
+    /// Pressure that it has when the path begins, MPa.
+    pressure_mpa: f64,
+    stress_ratio: Option<f64>,
+    /// Whether its force counts at the lower (0) or the upper end (1) of the test.
+    end: Option<usize>,
+    /// Area that it presses on, mm2.
+    area_mm2: f64,
+    /// Mass and damping of a plate with a servo, tonne and tonne/s.
+    inertia: [f64; 2],
+}
+
+/// Place and speed that a servo gives to a plate, and its speed in the step before, mm and mm/s along its axis.
+pub(crate) type Held = [f64; 3];
+
+/// A moment of a test that the supports follow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    /// Place and mean speed of the path.
+    pub(crate) travel: f64,
+    pub(crate) mean_speed: f64,
+    /// Share of the loads that acts before the path begins, 0 to 1.
+    pub(crate) share: f64,
+    /// Whether the path has not begun.
+    pub(crate) leads: bool,
+}
+
+impl Supports {
+    /// Supports of `plan`; `number` gives the engine's numbers of the mesh's nodes, and `mass` their mass.
+    ///
+    /// # Errors
+    /// No face of the specimen looks to a support, or no node lies under a strip.
+    pub(crate) fn new(
+        sample: &Sample,
+        plan: Plan,
+        number: &[u32],
+        mass: &[f64],
+        e_mpa: f64,
+    ) -> Result<Self, SolveError> {
+        let (most, count) = (format!("at most {MOST} supports are taken"), plan.supports.len());
+        TEST.require("supports", count, count <= MOST, most)?;
+        let sides = Sides::of(sample.mesh);
+        let (mut contacts, mut loads) = (Vec::new(), Vec::new());
+        let mut all = Vec::with_capacity(count);
+        for (place, support) in (0..).zip(&plan.supports) {
+            let mut fixture = Fixture::new(support, plan.axis);
+            if support.rule == Rule::Pressure {
+                loads.extend(nodes::loads(sample.mesh, &sides, support, place, number)?);
+            } else {
+                let own = nodes::contacts(sample, &sides, support, place, number)?;
+                fixture.area_mm2 = nodes::area_mm2(sample.mesh, &sides, support);
+                let heavy = PLATE_MASS * own.iter().map(|contact| mass[contact.node as usize]).sum::<f64>();
+                let stiffness = e_mpa * fixture.area_mm2 / plan.length_mm;
+                fixture.inertia = [heavy, 2.0 * PLATE_DAMPING * (stiffness * heavy).sqrt()];
+                contacts.extend(own);
+            }
+            all.push(fixture);
+        }
+        let axis = |contact: &Contact| all[contact.support as usize].face.axis;
+        contacts.sort_by_key(|contact| (contact.node, contact.support));
+        contacts.dedup_by(|a, b| a.node == b.node && axis(a) == axis(b));
+        loads.sort_by_key(|load| (load.node, load.support));
+        let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(|fixture| fixture.moves).sum::<f64>();
+        let sign = if way(1) - way(0) > 0.0 { 1.0 } else { -1.0 };
+        Ok(Self { contacts, loads, all, sign, length_mm: plan.length_mm, section_mm2: plan.section_mm2 })
+    }
+
+    /// Sum of the `forces` at the lower and at the upper end, N along the axis.
+    pub(crate) fn at_ends(&self, forces: &[f64; MOST]) -> [f64; 2] {
+        let mut ends = [0.0; 2];
+        for (fixture, force) in self.all.iter().zip(forces) {
+            if let Some(end) = fixture.end {
+                ends[end] += force;
+            }
+        }
+        ends
+    }
+
+    /// Stress of the lower and of the upper end under such forces, MPa, positive in the test's sense.
+    pub(crate) fn stresses(&self, [bottom, top]: [f64; 2], count: f64) -> [f64; 2] {
+        let stress = |force: f64| self.sign * force / count / self.section_mm2;
+        [stress(-bottom), stress(top)]
+    }
+
+    /// Stress in a step with these forces, MPa.
+    pub(crate) fn stress(&self, forces: &[f64; MOST]) -> f64 {
+        let [bottom, top] = self.stresses(self.at_ends(forces), 1.0);
+        0.5 * (top + bottom)
+    }
+
+    /// A step of all supports.
+    pub(crate) fn motion(&self, dt: f64, moment: &Moment, held: &[Held; MOST]) -> Motion {
+        let mut supports = [Moved::default(); MOST];
+        for ((fixture, moved), [at, speed, before]) in self.all.iter().zip(&mut supports).zip(held) {
+            *moved = Moved {
+                travel: fixture.moves * moment.travel + at,
+                mean_speed: fixture.moves * moment.mean_speed + 0.5 * (speed + before),
+                pressure: fixture.pressure_mpa * moment.share,
+            };
+        }
+        Motion { dt, supports }
+    }
+
+    /// Whether loads grow before the path begins.
+    pub(crate) fn lead(&self) -> bool {
+        self.all.iter().any(|fixture| fixture.pressure_mpa != 0.0)
+    }
+
+    /// Moves the plates with a servo by a step, towards the force that each should have.
+    pub(crate) fn follow(&self, dt: f64, moment: &Moment, forces: &[f64; MOST], held: &mut [Held; MOST]) {
+        let stress = self.stress(forces);
+        for ((fixture, force), [at, speed, before]) in self.all.iter().zip(forces).zip(held) {
+            *before = *speed;
+            let Some(pressure) = fixture.wanted(moment, stress) else {
+                *speed = 0.0;
+                continue;
+            };
+            let [mass, damping] = fixture.inertia;
+            let wanted = fixture.face.inward * pressure * fixture.area_mm2;
+            *speed += dt / mass * (wanted - force - damping * *speed);
+            *at += dt * *speed;
+        }
+    }
+
+    /// The contacts of nodes from `first` to before `end`.
+    pub(crate) fn among(&self, first: usize, end: usize) -> &[Contact] {
+        let at = |node: usize| self.contacts.partition_point(|contact| (contact.node as usize) < node);
+        &self.contacts[at(first)..at(end)]
+    }
+
+    /// The loads on nodes from `first` to before `end`.
+    pub(crate) fn loads_among(&self, first: usize, end: usize) -> &[Load] {
+        let at = |node: usize| self.loads.partition_point(|load| (load.node as usize) < node);
+        &self.loads[at(first)..at(end)]
+    }
+}
+
+impl Fixture {
+    /// A support of a test along `axis`; its nodes' share comes later.
+    fn new(support: &SupportSpec, axis: usize) -> Self {
+        let (own, is_upper) = support.on.bit().map_or((0, false), |bit| (bit / 2, bit % 2 == 1));
+        let inward = if is_upper { -1.0 } else { 1.0 };
+        let counts = support.rule != Rule::Pressure && own == axis && support.stress_ratio.is_none();
+        Self {
+            name: support.name.clone(),
+            face: Face { axis: own, inward, rule: support.rule, friction: support.friction },
+            moves: support.moves,
+            pressure_mpa: support.pressure_mpa,
+            stress_ratio: support.stress_ratio,
+            end: counts.then_some(usize::from(is_upper)),
+            area_mm2: 0.0,
+            inertia: [1.0, 0.0],
+        }
+    }
+
+    /// The pressure that a servo gives to it, MPa; none where it follows the path.
+    fn wanted(&self, moment: &Moment, stress: f64) -> Option<f64> {
+        if self.face.rule == Rule::Pressure {
+            return None;
+        }
+        let lead = (self.pressure_mpa != 0.0 && moment.leads).then_some(self.pressure_mpa * moment.share);
+        match self.stress_ratio {
+            Some(ratio) => Some(self.pressure_mpa * moment.share + ratio * stress),
+            None => lead,
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Supports, loads, turns and gauges of a test, as a user writes them.
+
+use crate::error::TEST;
+use meso_concrete::OutOfRange;
+use serde::{Deserialize, Serialize};
+
+/// A side of the specimen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// Lower side across x.
+    XMin,
+    /// Upper side across x.
+    XMax,
+    /// Lower side across y.
+    YMin,
+    /// Upper side across y.
+    YMax,
+    /// Lower side across z.
+    ZMin,
+    /// Upper side across z.
+    ZMax,
+    /// Whole surface without the two sides across z. Only `pressure` can act on it.
+    Mantle,
+}
+
+impl Side {
+    /// Its number among the sides of a mesh; the mantle has none.
+    pub(crate) fn bit(self) -> Option<usize> {
+        (self != Self::Mantle).then_some(self as usize)
+    }
+}
+
+/// An axis of the specimen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Along {
+    /// Along x.
+    X,
+    /// Along y.
+    Y,
+    /// Along z.
+    Z,
+}
+
+/// The action of a support on the nodes that it meets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// A rigid plate presses and rubs; the specimen may lift off.
+    #[default]
+    Plate,
+    /// A rigid plate is glued on.
+    Glued,
+    /// Dead forces press on the faces.
+    Pressure,
+}
+
+/// A strip across a side: a roller, or the strip of a splitting test.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Strip {
+    /// Axis along which its width and its place are measured.
+    pub axis: Along,
+    /// Its centre, mm from the middle of the specimen.
+    pub at_mm: f64,
+    /// Its width, mm; at least one and a half elements are taken.
+    pub width_mm: f64,
+}
+
+/// A support or a load of a specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct SupportSpec {
+    /// Its name, which its column of `curve.csv` has.
+    pub name: String,
+    /// The side that it acts on.
+    pub on: Side,
+    /// The part of the side; absent, it is the whole side.
+    #[serde(default)]
+    pub strip: Option<Strip>,
+    /// Plate, glued or pressure.
+    #[serde(default)]
+    pub rule: Rule,
+    /// Coulomb's coefficient of a plate.
+    #[serde(default)]
+    pub friction: f64,
+    /// Its way along the axis of its side for each mm of the test's path; 0 keeps it at rest.
+    #[serde(default)]
+    pub moves: f64,
+    /// Pressure, or the mean stress that a servo gives a plate before the path begins, MPa. It grows to this value before
+    /// the path begins.
+    #[serde(default)]
+    pub pressure_mpa: f64,
+    /// Mean stress that a servo gives a plate over the stress of the test.
+    #[serde(default)]
+    pub stress_ratio: Option<f64>,
+}
+
+impl SupportSpec {
+    /// Checks every value against its range.
+    pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
+        let named = |key: &str| format!("supports.{}.{key}", self.name);
+        let is_name = !self.name.is_empty() && self.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        TEST.require("supports.name", &self.name, is_name, "it must be letters, digits and _: a column has it")?;
+        TEST.require(named("friction"), self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
+        TEST.require(named("moves"), self.moves, self.moves.abs() <= 1.0, "it must be -1 to 1")?;
+        let pressure = self.pressure_mpa;
+        TEST.require(named("pressure_mpa"), pressure, pressure.abs() <= 1000.0, "it must be -1000 to 1000")?;
+        let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;
+        TEST.require(named("on"), "mantle", on_faces, "only a pressure acts on the mantle; take one of the six sides")
+    }
+}
+
+/// A quantity that a turn is given in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum TurnOf {
+    /// Strain of the test: the path over its length.
+    #[default]
+    Strain,
+    /// Stress of the test, MPa.
+    Stress,
+    /// Opening of the crack mouth, mm.
+    Opening,
+}
+
+/// A place at which the path turns.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Turn {
+    /// The value at which it turns.
+    pub at: f64,
+    /// The quantity of the value.
+    #[serde(default)]
+    pub of: TurnOf,
+}
+
+/// A gauge: a column of `curve.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case", tag = "kind", deny_unknown_fields)]
+pub enum Gauge {
+    /// Strain between two planes across an axis, from the mean displacements of the surface's nodes near them.
+    Lvdt {
+        /// Name of the column.
+        name: String,
+        /// The axis along which it measures.
+        axis: Along,
+        /// The lower plane, mm from the lower side.
+        from_mm: f64,
+        /// The upper plane, mm from the lower side.
+        to_mm: f64,
+    },
+    /// Strain from the mean displacements of two opposite sides.
+    Sides {
+        /// Name of the column.
+        name: String,
+        /// The axis along which it measures.
+        axis: Along,
+    },
+    /// Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height.
+    LateralStrain {
+        /// Name of the column.
+        name: String,
+    },
+    /// Opening of the crack mouth at the lower side of a notched beam, mm.
+    CrackMouth {
+        /// Name of the column.
+        name: String,
+    },
+}
+
+impl Gauge {
+    /// Name of its column.
+    pub fn name(&self) -> &str {
+        let (Self::Lvdt { name, .. }
+        | Self::Sides { name, .. }
+        | Self::LateralStrain { name }
+        | Self::CrackMouth { name }) = self;
+        name
+    }
+}
+
+/// Strains that phases have without stress; they grow before the path begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Expansion {
+    /// Linear strain of the mortar; shrinkage is negative.
+    pub mortar: f64,
+    /// Linear strain of the ITZ; absent, the mortar's.
+    pub itz: Option<f64>,
+    /// Linear strain of the aggregates.
+    pub aggregate: f64,
+    /// Linear strain of the fibres.
+    pub fibre: f64,
+}
+
+impl Expansion {
+    /// Strains by the numbers of phases, at a share of their growth; 3 is no phase of a mesh.
+    pub(crate) fn at(&self, share: f64) -> [f64; 5] {
+        [self.mortar, self.itz.unwrap_or(self.mortar), self.aggregate, 0.0, self.fibre].map(|strain| share * strain)
+    }
+}

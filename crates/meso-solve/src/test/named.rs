@@ -1,0 +1,211 @@
+//! Named tests as supports, and the scales of their curves.
+
+use crate::error::{SolveError, TEST};
+use crate::sample::Geometry;
+use crate::test::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+use crate::test::{Test, TestKind};
+use meso_concrete::specimen::Specimen;
+use std::f64::consts::PI;
+
+/// The supports of a test, and the scales from path and force to strain and stress.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Plan {
+    pub(crate) supports: Vec<SupportSpec>,
+    /// The axis that the supports move along: 0, 1 or 2.
+    pub(crate) axis: usize,
+    /// Path over this is the strain, mm.
+    pub(crate) length_mm: f64,
+    /// Force over this is the stress, mm2.
+    pub(crate) section_mm2: f64,
+}
+
+/// Width of a splitting strip over the diameter: EN 12390-6 has strips of 10 mm on cylinders of 100 and 150 mm.
+const STRIP: f64 = 0.1;
+/// Width of a roller over the beam's depth.
+const ROLLER: f64 = 0.05;
+/// Span over depth of a beam, at most (EN 14651: 500 mm over 150 mm).
+const SPAN: f64 = 10.0 / 3.0;
+
+impl Test {
+    /// The plan of the test on a specimen of this `geometry`.
+    pub(crate) fn plan(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+        let [.., z] = geometry.size_mm;
+        let along_z =
+            |supports: Vec<SupportSpec>| Plan { supports, axis: 2, length_mm: z, section_mm2: geometry.section_mm2 };
+        if !self.supports.is_empty() {
+            let axis = self.moving_axis()?;
+            let length_mm = geometry.size_mm[axis];
+            let section_mm2 = geometry.section_mm2 * z / length_mm;
+            return Ok(Plan { supports: self.supports.clone(), axis, length_mm, section_mm2 });
+        }
+        Ok(match self.kind {
+            TestKind::Compression | TestKind::Cyclic => along_z(self.plates(0.0).to_vec()),
+            TestKind::Tension => along_z(self.pair(Rule::Glued, 0.5, 0.0).to_vec()),
+            TestKind::Triaxial => along_z(self.confined()),
+            TestKind::Biaxial => along_z(self.pressed_twice()),
+            TestKind::Splitting => self.split(geometry),
+            TestKind::Bending => self.bent(geometry)?,
+            TestKind::Expansion => along_z(Vec::new()),
+        })
+    }
+
+    /// Finds out whether a specimen can have the test, before it is packed.
+    ///
+    /// # Errors
+    /// A specimen without the notch, the room or the sides that the test needs, with a remedy.
+    pub fn suits(&self, specimen: &Specimen) -> Result<(), SolveError> {
+        let geometry = Geometry::of(specimen);
+        self.plan(&geometry)?;
+        let has_mouth = self.gauges().iter().any(|gauge| matches!(gauge, Gauge::CrackMouth { .. }));
+        if has_mouth && geometry.notch_mm <= 0.0 {
+            let why = "the specimen has no notch, whose mouth opens; take a notched-prism, or gauges of your own";
+            return Err(TEST.error("kind", "bending", why).into());
+        }
+        let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
+        if self.kind == TestKind::Biaxial && is_round {
+            let why = "the specimen has no plane sides for the second pair of plates; take a cube, box or prism";
+            return Err(TEST.error("kind", "biaxial", why).into());
+        }
+        Ok(())
+    }
+
+    /// The axis of the sides whose supports follow the path.
+    fn moving_axis(&self) -> Result<usize, SolveError> {
+        if !self.has_path() {
+            return Ok(2);
+        }
+        let moving = self.supports.iter().find(|support| support.moves != 0.0);
+        let bit = moving.and_then(|support| support.on.bit());
+        let why = "no support moves; give one of them moves = 0.5 or -0.5";
+        bit.map(|bit| bit / 2).ok_or_else(|| TEST.error("supports", self.supports.len(), why).into())
+    }
+
+    /// The lower and the upper support across z; `moves` is the upper one's.
+    fn pair(&self, rule: Rule, moves: f64, pressure_mpa: f64) -> [SupportSpec; 2] {
+        let friction = if rule == Rule::Plate { self.friction } else { 0.0 };
+        [("bottom", Side::ZMin, -moves), ("top", Side::ZMax, moves)].map(|(name, on, moves)| SupportSpec {
+            rule,
+            friction,
+            moves,
+            pressure_mpa,
+            ..SupportSpec::new(name, on)
+        })
+    }
+
+    fn plates(&self, pressure_mpa: f64) -> [SupportSpec; 2] {
+        self.pair(Rule::Plate, -0.5, pressure_mpa)
+    }
+
+    /// All sides under pressure, then plates.
+    fn confined(&self) -> Vec<SupportSpec> {
+        let pressure_mpa = self.pressure_mpa();
+        let mantle = SupportSpec { rule: Rule::Pressure, pressure_mpa, ..SupportSpec::new("mantle", Side::Mantle) };
+        self.plates(pressure_mpa).into_iter().chain([mantle]).collect()
+    }
+
+    /// Plates across z, and plates across x whose stress follows.
+    fn pressed_twice(&self) -> Vec<SupportSpec> {
+        let (friction, stress_ratio) = (self.friction, Some(self.stress_ratio()));
+        let side = |name, on| SupportSpec { friction, stress_ratio, ..SupportSpec::new(name, on) };
+        self.plates(0.0).into_iter().chain([side("left", Side::XMin), side("right", Side::XMax)]).collect()
+    }
+
+    /// Strips along y on the sides across x: 2 F / (pi l d) is the stress.
+    fn split(&self, geometry: &Geometry) -> Plan {
+        let [x, _, z] = geometry.size_mm;
+        // A cylinder lies on its mantle, and its axis is z. A cube has a strip along z, too.
+        let strip = Some(Strip { axis: Along::Y, at_mm: 0.0, width_mm: self.strip_mm.unwrap_or(STRIP * x) });
+        let friction = self.friction;
+        let pressed = |name, on, moves| SupportSpec { strip, friction, moves, ..SupportSpec::new(name, on) };
+        Plan {
+            supports: vec![pressed("left", Side::XMin, 0.5), pressed("right", Side::XMax, -0.5)],
+            axis: 0,
+            length_mm: x,
+            section_mm2: 0.5 * PI * x * z,
+        }
+    }
+
+    /// A beam on two rollers, pressed by a third one: 3 F l / (2 b h^2) is the stress, and 6 h w / l^2 the strain, h being
+    /// the depth above the notch.
+    fn bent(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+        let [x, y, z] = geometry.size_mm;
+        let span = self.span_mm(geometry);
+        let fits = span > 0.0 && span < x;
+        let accepted = format!("the rollers must stand on the beam, which is {x} mm long; take 0.9 of it");
+        TEST.require("span_mm", span, fits, accepted)?;
+        let width_mm = self.strip_mm.unwrap_or(ROLLER * z);
+        let roller = |name, on, at_mm, moves| SupportSpec {
+            strip: Some(Strip { axis: Along::X, at_mm, width_mm }),
+            moves,
+            ..SupportSpec::new(name, on)
+        };
+        let height = z - geometry.notch_mm;
+        Ok(Plan {
+            supports: vec![
+                roller("left", Side::ZMin, -0.5 * span, 0.0),
+                roller("right", Side::ZMin, 0.5 * span, 0.0),
+                roller("load", Side::ZMax, 0.0, -1.0),
+            ],
+            axis: 2,
+            length_mm: span * span / (6.0 * height),
+            section_mm2: 2.0 * y * height * height / (3.0 * span),
+        })
+    }
+
+    /// Distance of a beam's rollers, mm.
+    pub(crate) fn span_mm(&self, geometry: &Geometry) -> f64 {
+        let [x, _, z] = geometry.size_mm;
+        self.span_mm.unwrap_or((SPAN * z).min(0.9 * x))
+    }
+
+    /// Lateral pressure, MPa.
+    pub fn pressure_mpa(&self) -> f64 {
+        self.pressure_mpa.unwrap_or(5.0)
+    }
+
+    /// Lateral over axial stress.
+    pub fn stress_ratio(&self) -> f64 {
+        self.stress_ratio.unwrap_or(1.0)
+    }
+}
+
+impl SupportSpec {
+    /// A smooth plate at rest.
+    pub(crate) fn new(name: &str, on: Side) -> Self {
+        Self {
+            name: name.to_owned(),
+            on,
+            strip: None,
+            rule: Rule::Plate,
+            friction: 0.0,
+            moves: 0.0,
+            pressure_mpa: 0.0,
+            stress_ratio: None,
+        }
+    }
+}
+
+/// Gauges of a named test.
+pub(crate) fn gauges(kind: TestKind) -> Vec<Gauge> {
+    match kind {
+        TestKind::Compression | TestKind::Tension | TestKind::Splitting => Vec::new(),
+        TestKind::Expansion => [("strain_x", Along::X), ("strain_y", Along::Y), ("strain_z", Along::Z)]
+            .map(|(name, axis)| Gauge::Sides { name: name.to_owned(), axis })
+            .to_vec(),
+        TestKind::Bending => vec![Gauge::CrackMouth { name: "crack_mouth_mm".to_owned() }],
+        TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic => {
+            vec![Gauge::LateralStrain { name: "lateral_strain".to_owned() }]
+        }
+    }
+}
+
+/// Parts of the last strain at which a cyclic test turns.
+const CYCLES: [f64; 4] = [0.2, 0.35, 0.5, 0.7];
+
+/// Turns of a cyclic test that ends at `strain`; it turns back at 1 MPa.
+pub(crate) fn cycles(strain: f64) -> Vec<Turn> {
+    // The plates stay on: a plate that returns strikes the specimen.
+    let back = Turn { at: 1.0, of: TurnOf::Stress };
+    let there = |share: f64| Turn { at: share * strain, of: TurnOf::Strain };
+    CYCLES.into_iter().flat_map(|share| [there(share), back]).chain([there(1.0)]).collect()
+}

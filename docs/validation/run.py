@@ -1,0 +1,370 @@
+#!/usr/bin/env python3
+"""Runs the tests of docs/validation.md with one set of parameters, one folder a case, and judges them.
+
+    cargo build --release && python3 docs/validation/run.py OUT             everything: a night on two cores
+    python3 docs/validation/run.py OUT --jobs 4 --seconds 300               what five minutes give, the most important first
+    python3 docs/validation/run.py OUT --side-mm 72                         a quarter of the time
+    python3 docs/validation/run.py OUT --judge                              run nothing; judge what is there
+
+A case whose result is there is skipped, so the same command finishes what was begun. Cases run in the order of their
+importance. It needs the standard library alone. OUT/cases.csv has the figures of every case, OUT/rows.csv those of every
+row; `pictures.py OUT` draws them.
+"""
+
+import argparse
+import csv
+import itertools
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+MINI_MM, SMALL_MM, LARGE_MM = 36.0, 100.0, 150.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """One specimen, tested once."""
+
+    group: str
+    label: str
+    seed: int
+    size: tuple[float, ...]
+    flags: dict[str, str] = field(default_factory=dict, hash=False)
+    fraction: float = 0.4
+    element_mm: float = 3.0
+    cylinder: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return f"{self.group}-{self.label}-{self.seed}"
+
+    @property
+    def height(self) -> float:
+        """Height along the plates' way, mm."""
+        return self.size[-1]
+
+    @property
+    def strain(self) -> float:
+        """Strain at the end of the test."""
+        return float(self.flags["strain"])
+
+    @property
+    def cost(self) -> float:
+        """Cost over that of a cube of 100 mm in elements of 3 mm that is pressed by 1 %."""
+        area = self.size[0] ** 2 * 0.785 if self.cylinder else self.size[0] * self.size[1]
+        tension = 160 / 24 if self.group == "tension" else 1.0
+        return area * self.height**2 / 1e8 * (3 / self.element_mm) ** 4 * self.strain / 0.01 * tension
+
+    def spec(self) -> dict:
+        """Fuller from 5 to 16 mm, with gaps of 1 mm."""
+        if self.cylinder:
+            specimen = {"kind": "cylinder", "diameter_mm": self.size[0], "height_mm": self.height}
+        else:
+            specimen = {"kind": "box", "size_mm": list(self.size)}
+        return {
+            "seed": self.seed,
+            "fraction": self.fraction,
+            "specimen": specimen,
+            "grading": {"d_min_mm": 5.0, "d_max_mm": 16.0},
+            "placement": {"min_gap_mm": 1.0},
+        }
+
+
+def cases(side: float = SMALL_MM) -> list[Case]:
+    """Name every case, the most important first."""
+    return [case for seed in (1, 2, 3) for case in of_seed(seed, side)]
+
+
+def of_seed(seed: int, side: float) -> list[Case]:
+    """Cases of one seed in the order of importance, with specimens of this width."""
+    cube, press = (side, side, side), {"friction": "0.1", "strain": "0.012"}
+    found = [
+        Case("cube", "0.1", seed, cube, press),
+        Case("cube", "0.6", seed, cube, {"friction": "0.6", "strain": "0.012"}),
+    ]
+    shapes = itertools.product(("0.6", "0.005"), (2, 1))
+    found += [
+        Case("slenderness", f"{mu}-h{n}", seed, (side, n * side), {"friction": mu, "strain": "0.008"}, cylinder=True)
+        for mu, n in shapes
+    ]
+    for percent in (50, 200, 100):
+        height = side * percent / 100
+        # The same displacement beyond the peak, about 0.8 mm, whatever the height.
+        strain = f"{0.003 + 0.8 / height:.4g}"
+        found.append(Case("height", f"{percent}", seed, (side, side, height), {"friction": "0.005", "strain": strain}))
+    pull = {"test": "tension", "strain": "0.001"}
+    found.append(Case("tension", "72", seed, (72.0, 72.0, 72.0), pull))
+    for size in (2.4, 2.0, 1.6):
+        found.append(Case("elements", f"{size}", seed, (50.0,) * 3, press, element_mm=size))
+    for fraction in (0.0, 0.2, 0.6):
+        # A fraction of 0.6 has no gaps of 1 mm.
+        found.append(Case("fraction", f"{fraction}", seed, (72.0,) * 3, press, fraction=fraction))
+    found.append(Case("fraction", "0.4", seed, (72.0,) * 3, press))
+    for mu in ("0.1", "0.6"):
+        found.append(Case("mini", mu, seed, (MINI_MM,) * 3, {"friction": mu, "strain": "0.012"}))
+    found.append(Case("vonk", "150", seed, (LARGE_MM,) * 3, {"friction": "0.1", "strain": "0.006"}))
+    found.append(Case("kupfer", "200", seed, (200.0, 50.0, 200.0), {"friction": "0.005", "strain": "0.007"}))
+    return found
+
+
+def main() -> None:
+    """Run cases that have no result, then judge all there are."""
+    args = parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    chosen = [case for case in cases(args.side_mm) if case.seed <= args.seeds and (not args.only or case.group in args.only)]
+    if args.list:
+        for case in chosen:
+            print(f"{case.name:28} cost {case.cost:6.2f}  element {case.element_mm} mm")
+        return
+    if not args.judge:
+        end = time.monotonic() + args.seconds
+        with ThreadPoolExecutor(args.jobs) as pool:
+            for line in pool.map(lambda case: run(case, args, end), chosen):
+                print(line, flush=True)
+    judge(chosen, args.out)
+
+
+def parse_args() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path, help="folder of the results")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="cases at a time (default 1)")
+    parser.add_argument("--threads", type=int, metavar="N", help="threads of a case (default: cores over jobs)")
+    parser.add_argument("--device", help="device of the solver, as `solve --device` takes it")
+    parser.add_argument("--seconds", type=float, default=float("inf"), metavar="S", help="stop all cases after this time")
+    parser.add_argument("--only", action="append", default=[], metavar="GROUP", help="one group of cases; repeatable")
+    parser.add_argument("--seeds", type=int, default=3, metavar="N", help="at most so many seeds (default 3)")
+    parser.add_argument("--side-mm", type=float, default=SMALL_MM, metavar="MM", help="width of most specimens (default 100)")
+    parser.add_argument("--law", help="another law than the default")
+    parser.add_argument("--materials", type=Path, help="other materials than the defaults")
+    parser.add_argument("--element-size-mm", type=float, metavar="H", help="coarser or finer elements than a case's")
+    parser.add_argument("--judge", action="store_true", help="run nothing; judge what is there")
+    parser.add_argument("--list", action="store_true", help="list the cases and their costs")
+    program = HERE.parent.parent / "target/release/mesocrete"
+    parser.add_argument("--program", default=str(program), help="the mesocrete to run")
+    return parser.parse_args()
+
+
+def run(case: Case, args: argparse.Namespace, end: float) -> str:
+    """Run a case unless its result is there; a case that did not end in time leaves none."""
+    folder = args.out / case.name
+    if (folder / "result.json").exists():
+        return f"{case.name}: kept"
+    left = end - time.monotonic()
+    if left <= 0:
+        return f"{case.name}: no time left"
+    folder.mkdir(parents=True, exist_ok=True)
+    spec = folder / "spec.toml"
+    spec.write_text(toml(case.spec()))
+    element = case.element_mm if args.element_size_mm is None else args.element_size_mm
+    threads = args.threads or max(1, (os.cpu_count() or 1) // args.jobs)
+    command = [args.program, "solve", str(spec), "-o", str(folder / "test"), "--element-size-mm", f"{element}"]
+    command += ["--threads", str(threads), "--frames", "0", "--quiet", "--force", "--accept-phase-error"]
+    command += [word for key, value in case.flags.items() for word in (f"--{key}", value)]
+    for flag, value in (("--device", args.device), ("--law", args.law), ("--materials", args.materials)):
+        command += [flag, str(value)] if value else []
+    began = time.monotonic()
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=None if left == float("inf") else left)
+    except subprocess.TimeoutExpired:
+        return f"{case.name}: stopped after {time.monotonic() - began:.0f} s"
+    (folder / "log.txt").write_text(done.stderr)
+    if not (folder / "test" / "result.json").exists():
+        return f"{case.name}: {done.stderr.strip().splitlines()[-1:]}"
+    (folder / "test" / "result.json").rename(folder / "result.json")
+    (folder / "test" / "curve.csv").rename(folder / "curve.csv")
+    return f"{case.name}: {time.monotonic() - began:.0f} s"
+
+
+def toml(table: dict) -> str:
+    """A table of plain values and tables of them."""
+    plain = [f"{key} = {json.dumps(value)}" for key, value in table.items() if not isinstance(value, dict)]
+    for name, inner in table.items():
+        if isinstance(inner, dict):
+            plain += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in inner.items())]
+    return "\n".join(plain) + "\n"
+
+
+@dataclass
+class Curve:
+    """A curve and the figures that rows ask for."""
+
+    strain: list[float]
+    stress: list[float]
+    height: float
+    result: dict
+
+    @property
+    def top(self) -> int:
+        """Row of the peak."""
+        return max(range(len(self.stress)), key=self.stress.__getitem__)
+
+    @property
+    def peak(self) -> float:
+        """Largest stress, MPa."""
+        return self.stress[self.top]
+
+    def left_at(self, strain: float) -> float | None:
+        """Stress at a strain over the peak."""
+        rows = [i for i in range(self.top, len(self.strain)) if self.strain[i] >= strain]
+        return self.stress[rows[0]] / self.peak if rows else None
+
+    def beyond_to(self, share: float) -> float | None:
+        """Displacement from the peak to a share of it, mm."""
+        rows = [i for i in range(self.top, len(self.stress)) if self.stress[i] <= share * self.peak]
+        return (self.strain[rows[0]] - self.strain[self.top]) * self.height if rows else None
+
+    def energy(self, share: float) -> float:
+        """Energy beyond the peak to a share of it, or to the end, N/mm."""
+        total = 0.0
+        for i in range(self.top + 1, len(self.stress)):
+            total += (self.stress[i] + self.stress[i - 1]) / 2 * (self.strain[i] - self.strain[i - 1]) * self.height
+            if self.stress[i] <= share * self.peak:
+                break
+        return total
+
+    def work(self) -> float:
+        """Work of the whole test over its cross-section, N/mm."""
+        pieces = zip(itertools.pairwise(self.stress), itertools.pairwise(self.strain))
+        return sum((a + b) / 2 * (f - e) for (a, b), (e, f) in pieces) * self.height
+
+
+def read(case: Case, out: Path) -> Curve | None:
+    """Curve of a case that is done."""
+    folder = out / case.name
+    if not (folder / "result.json").exists():
+        return None
+    with (folder / "curve.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    strain, stress = ([float(row[key]) for row in rows] for key in ("strain", "stress_mpa"))
+    return Curve(strain, stress, case.height, json.loads((folder / "result.json").read_text()))
+
+
+def judge(chosen: list[Case], out: Path) -> None:
+    """Write the figures of all cases and of all rows."""
+    done = {case: curve for case in chosen if (curve := read(case, out))}
+    with (out / "cases.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        names = "case modulus_gpa peak_mpa peak_strain left_0.3 left_0.4 left_0.5 end half_mm energy_n_per_mm kinetic balance"
+        table.writerow(names.split())
+        table.writerows([case.name, *figures(curve)] for case, curve in done.items())
+    with (out / "rows.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["row", "quantity", "bar", "mean", "scatter", "seeds", "verdict"])
+        for row in ROWS:
+            line = verdict(row, done)
+            table.writerow(line)
+            print("  ".join(line))
+
+
+def figures(curve: Curve) -> list[str]:
+    """Cells of a case in cases.csv."""
+    result, left = curve.result, [curve.left_at(strain) for strain in (0.003, 0.004, 0.005)]
+    values = [result["modulus_mpa"] / 1000, curve.peak, curve.strain[curve.top] * 1000, *left]
+    values += [curve.stress[-1] / curve.peak, curve.beyond_to(0.5), curve.energy(0.2)]
+    values += [result["kinetic_over_internal_max"], result["energy_balance_error"]]
+    return ["" if value is None else f"{value:.4g}" for value in values]
+
+
+# A row's figure from the curves of one seed by group and label; none where a curve is missing or does not reach it.
+Curves = dict[str, Curve]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table of issue and page."""
+
+    number: str
+    quantity: str
+    low: float
+    high: float
+    of: Callable[[Curves], float | None]
+
+
+def ratio(above: str, below: str) -> Callable[[Curves], float | None]:
+    """Ratio of two peaks."""
+    return lambda curves: curves[above].peak / curves[below].peak
+
+
+def apart(*names: str, of: Callable[[Curve], float | None]) -> Callable[[Curves], float | None]:
+    """Largest over smallest figure of several cases, less 1."""
+
+    def spread(curves: Curves) -> float | None:
+        values = [of(curves[name]) for name in names]
+        return None if any(value is None for value in values) else max(values) / min(values) - 1
+
+    return spread
+
+
+def heights_apart(curves: Curves) -> float:
+    """Largest distance between three heights' stresses over peak at equal displacements from 0.1 to 0.6 mm beyond it."""
+    worst = 0.0
+    for at in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6):
+        found = [curve.left_at(curve.strain[curve.top] + at / curve.height) for curve in
+                 (curves[f"height-{h}"] for h in (50, 100, 200))]  # fmt: skip
+        if None not in found:
+            worst = max(worst, max(found) - min(found))
+    return worst
+
+
+ROWS = [
+    Row("1", "modulus, GPa", 29, 35, lambda c: c["cube-0.1"].result["modulus_mpa"] / 1000),
+    Row("2", "strain at the peak, friction 0.1, per mille", 1.8, 2.4, lambda c: 1000 * c["cube-0.1"].strain[c["cube-0.1"].top]),
+    Row("2", "strain at the peak, friction 0.005, per mille", 1.8, 2.4,
+        lambda c: 1000 * c["height-100"].strain[c["height-100"].top]),
+    Row("3", "peak of 150 mm, friction 0.1, MPa", 33.8, 37.4, lambda c: c["vonk-150"].peak),
+    Row("3", "peak of 100 mm, friction 0.1, MPa", 33.8, 37.4, lambda c: c["cube-0.1"].peak),
+    Row("4", "from peak to half, friction 0.1, mm", 0.25, 0.7, lambda c: c["cube-0.1"].beyond_to(0.5)),
+    Row("4", "from peak to half, friction 0.005, mm", 0.25, 0.7, lambda c: c["height-100"].beyond_to(0.5)),
+    Row("5", "energy beyond the peak to 20 %, friction 0.1, N/mm", 10, 25, lambda c: c["cube-0.1"].energy(0.2)),
+    Row("5", "energy beyond the peak to 20 %, friction 0.005, N/mm", 10, 25, lambda c: c["height-100"].energy(0.2)),
+    Row("6", "prisms of h = d / 2, d, 2 d: shares of the peak apart", 0, 0.25, heights_apart),
+    Row("7", "friction 0.6 over 0.1", 1.15, 1.3, ratio("cube-0.6", "cube-0.1")),
+    Row("8", "teflon, h = d over h = 2 d", 0.9, 1.1, ratio("slenderness-0.005-h1", "slenderness-0.005-h2")),
+    Row("8", "steel, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.6-h2", "slenderness-0.6-h1")),
+    Row("8", "steel over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.6-h1", "slenderness-0.005-h1")),
+    Row("9", "f_t / f_c", 0.06, 0.10, ratio("tension-72", "cube-0.1")),
+    Row("9", "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
+    Row("13", "strength at a fraction of 0.2 over mortar's", 0, 1, ratio("fraction-0.2", "fraction-0.0")),
+    Row("13", "strength at a fraction of 0.4 over mortar's", 0, 1, ratio("fraction-0.4", "fraction-0.0")),
+    Row("13", "strength at a fraction of 0.6 over mortar's", 0, 1.2, ratio("fraction-0.6", "fraction-0.0")),
+    Row("14", "peaks of 2.4, 2.0, 1.6 mm apart", 0, 0.03,
+        apart("elements-2.4", "elements-2.0", "elements-1.6", of=lambda curve: curve.peak)),
+    Row("14", "displacements to half of 2.4, 2.0, 1.6 mm apart", 0, 0.2,
+        apart("elements-2.4", "elements-2.0", "elements-1.6", of=lambda curve: curve.beyond_to(0.5))),
+    Row("7 of Kupfer", "left at 0.3 % of 200 x 200 x 50 mm", 0.79, 1.0, lambda c: c["kupfer-200"].left_at(0.003)),
+    Row("7 of Kupfer", "left at 0.4 %", 0.61, 0.91, lambda c: c["kupfer-200"].left_at(0.004)),
+    Row("7 of Kupfer", "left at 0.5 %", 0.44, 0.74, lambda c: c["kupfer-200"].left_at(0.005)),
+]  # fmt: skip
+
+
+def verdict(row: Row, done: dict[Case, Curve]) -> list[str]:
+    """Cells of a row: mean and scatter over the seeds that have it."""
+    found = []
+    for seed in sorted({case.seed for case in done}):
+        curves = {f"{case.group}-{case.label}": curve for case, curve in done.items() if case.seed == seed}
+        try:
+            value = row.of(curves)
+        except KeyError:
+            continue
+        found += [] if value is None else [value]
+    bar = f"{row.low:g} to {row.high:g}"
+    if not found:
+        return [row.number, row.quantity, bar, "-", "-", "0", "not run, or not reached"]
+    mean = statistics.fmean(found)
+    scatter = statistics.stdev(found) if len(found) > 1 else 0.0
+    word = "inside" if row.low <= mean <= row.high else "outside"
+    return [row.number, row.quantity, bar, f"{mean:.3g}", f"{scatter:.2g}", str(len(found)), word]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

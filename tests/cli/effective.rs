@@ -1,0 +1,54 @@
+//! `mesocrete effective`: files of a result, and what cannot be asked.
+
+use crate::command::Folder;
+
+#[test]
+fn a_property_is_written_as_figures_page_and_fields() {
+    let folder = Folder::with_model();
+    let run = folder.run(&["effective", "small.json", "--voxel-size-mm", "4", "--axes", "xz", "-o", "out"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("diffusivity: x 0."), "{}", run.stderr);
+    let figures: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
+    assert_eq!(figures["voxels"], serde_json::json!([10, 10, 10]));
+    assert!(figures["tensor"][1][1].is_null() && figures["tensor"][2][2].as_f64().unwrap() > 0.0);
+    let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
+    assert_eq!(page.matches("<img").count(), 2);
+    assert!(folder.read("out/diffusivity_z.vti").starts_with(b"<?xml"));
+    assert!(!folder.path("out/diffusivity_y.vti").exists());
+    let again = folder.run(&["effective", "small.json", "-o", "out"]);
+    assert_eq!(again.code, 1, "{}", again.stderr);
+    assert!(again.stderr.contains("effective.json exists; --force replaces it"), "{}", again.stderr);
+}
+
+#[test]
+fn phases_come_from_a_file_and_all_properties_into_one_list() {
+    let folder = Folder::with_model();
+    folder.write("phases.toml", "[diffusivity]\nmortar = 2\naggregate = 2\n");
+    let flags =
+        ["--what", "all", "--phases", "phases.toml", "--voxel-size-mm", "5", "--axes", "x", "--no-fields", "-q"];
+    let run = folder.run(&[&["effective", "small.json"][..], &flags].concat());
+    // Eight voxels along a side leave the conductivity of contrast 2 to 3 uncertain.
+    assert_eq!((run.code, run.stderr.as_str()), (0, "warning: the error along x is above 2 %; halve the voxel size\n"));
+    let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
+    assert!((found[0]["tensor"][0][0].as_f64().unwrap() - 2.0).abs() < 1e-6);
+    assert_eq!(found[1]["what"], "conductivity");
+}
+
+#[test]
+fn refusals_name_the_flag_and_the_range() {
+    let folder = Folder::with_model();
+    folder.write("bad.toml", "[diffusivity]\nmortar = 0\n");
+    folder.write("unknown.toml", "[diffusivity]\nstone = 0\n");
+    for (flags, said) in [
+        (&["--voxel-size-mm", "0"][..], "--voxel-size-mm is 0; it must be a positive number"),
+        (&["--voxel-size-mm", "30"], "--voxel-size-mm is 30; it must be at most 10 mm"),
+        (&["--what", "stiffness"], "stiffness is not computed yet"),
+        (&["--axes", "xx"], "it must be some of x, y, z, each once"),
+        (&["--phases", "bad.toml"], "diffusivity.mortar is 0; it must be a positive number"),
+        (&["--phases", "unknown.toml"], "stone"),
+    ] {
+        let run = folder.run(&[&["effective", "small.json"][..], flags].concat());
+        assert_eq!(run.code, 2, "{flags:?}: {}", run.stderr);
+        assert!(run.stderr.contains(said), "{flags:?}: {}", run.stderr);
+    }
+}

@@ -1,0 +1,6 @@
+//! Effective properties against closed forms.
+
+mod bodies;
+mod laminates;
+mod packings;
+mod spheres;

@@ -1,0 +1,160 @@
+//! The law `meso` against an oracle of other arithmetic, and the properties that it promises.
+
+use crate::subject::{Number, along, close, peak};
+use meso_core::materials::{Materials, Mesoscale, Strength};
+use meso_solve::law::point::{HeldStress, ramp, work};
+use meso_solve::law::{Law, Meso, Tensor};
+use meso_solve::real::Real;
+use std::path::Path;
+
+/// Crack band of the oracle, mm.
+const WIDTH: f64 = 4.0;
+
+/// Values of `tests/oracles/meso.py`.
+fn values() -> Materials {
+    let mut materials = Materials::default();
+    materials.mortar.youngs_modulus_mpa = 20_000.0;
+    materials.mortar_strength = Strength {
+        compressive_mpa: 40.0,
+        peak_strain: 0.003,
+        tensile_mpa: 3.5,
+        fracture_energy_n_per_mm: 0.08,
+        crushing_energy_n_per_mm: 1.5,
+    };
+    materials.meso = Mesoscale {
+        meridian_ratio: 2.0 / 3.0,
+        dilation_angle_deg: 30.0,
+        confined_ductility: 10.0,
+        crushing_length_mm: 5.0,
+    };
+    materials
+}
+
+pub(crate) fn meso<R: Real>() -> Meso<R> {
+    law(&values())
+}
+
+fn law<R: Real>(of: &Materials) -> Meso<R> {
+    Meso::new(&of.mortar, &of.mortar_strength, of.plasticity.biaxial_ratio, &of.meso)
+}
+
+/// Strain, then stress, xx yy zz xy yz zx.
+type Row = [f64; 12];
+
+fn rows(name: &str) -> Vec<Row> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracles/meso");
+    let text = std::fs::read_to_string(folder.join(format!("{name}.csv"))).unwrap();
+    let row = |line: &str| -> Row {
+        line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>().try_into().unwrap()
+    };
+    text.lines().skip(2).map(row).collect()
+}
+
+/// Steps of the oracle from one row to the next.
+const STEPS: usize = 50;
+
+/// Largest distance of a stress from the oracle's along its own strains, over the largest stress of the path.
+fn error<R: Number>(name: &str) -> f64 {
+    let law = meso::<R>();
+    let (mut history, mut from) = (Meso::<R>::virgin(), [0.0; 6]);
+    let (mut apart, mut size) = (0.0_f64, 0.0_f64);
+    for row in rows(name) {
+        let to: Tensor<f64> = row[..6].try_into().unwrap();
+        let mut stress = [R::splat(0.0); 6];
+        for share in ramp(0.0, 1.0, STEPS) {
+            let strain = std::array::from_fn(|i| R::splat(from[i] + (to[i] - from[i]) * share));
+            stress = law.stress(&strain, &mut history, R::splat(WIDTH)).stress;
+        }
+        for (own, theirs) in stress.into_iter().zip(&row[6..]) {
+            apart = apart.max((own.into() - theirs).abs());
+            size = size.max(theirs.abs());
+        }
+        from = to;
+    }
+    apart / size
+}
+
+#[test]
+fn stress_follows_an_oracle_of_other_arithmetic() {
+    for (names, within) in [
+        (&["tension", "wander", "crush"][..], 5e-5),
+        (&["compression", "biaxial", "crushed_unloaded_crushed", "cracked_crushed_cracked"][..], 1e-3),
+        // While the held stress is raised, the sides bend between rows.
+        (&["confined_5", "confined_10"][..], 1e-3),
+    ] {
+        for name in names {
+            let (fine, coarse) = (error::<f64>(name), error::<f32>(name));
+            assert!(fine < within && coarse < within, "{name}: {fine} in f64, {coarse} in f32");
+        }
+    }
+}
+
+/// Largest stress along x with these stresses held, MPa, and the strain there.
+fn strength(held: HeldStress, to: f64) -> [f64; 2] {
+    let top = peak(&along(&meso::<f64>(), held, &[to], 5e-6));
+    [top.stress.abs(), top.strain.abs()]
+}
+
+#[test]
+fn strengths_are_those_of_tests() {
+    close(strength(HeldStress::Lateral(0.0), -0.006)[0], 40.0, 1e-3);
+    close(strength(HeldStress::Lateral(0.0), 0.0005)[0], 3.5, 1e-3);
+    close(strength(HeldStress::Third(0.0), -0.006)[0], 1.16 * 40.0, 1e-3);
+    // Richart et al. 1928: f + 4.1 p.
+    for pressure in [5.0, 10.0] {
+        close(strength(HeldStress::Lateral(-pressure), -0.02)[0], 40.0 + 4.1 * pressure, 0.04);
+    }
+}
+
+#[test]
+fn confinement_makes_crushing_cost_more() {
+    let work = |pressure: f64| {
+        let curve = along(&meso::<f64>(), HeldStress::Lateral(-pressure), &[-0.04], 2e-5);
+        let free = curve.iter().find(|sample| sample.damage[1] > 0.5).unwrap();
+        free.strain.abs()
+    };
+    assert!(work(5.0) > 1.8 * work(0.0) && work(10.0) > 2.6 * work(0.0), "{} {} {}", work(0.0), work(5.0), work(10.0));
+}
+
+#[test]
+fn crushed_mortar_keeps_friction_and_stops_dilating() {
+    let pressure = 5.0;
+    let curve = along(&meso::<f64>(), HeldStress::Lateral(-pressure), &[-0.3], 5e-5);
+    let end = curve[curve.len() - 1];
+    // The cone of K_c = 2/3 has 4.83 p at low pressure and bends with it.
+    close(end.stress.abs(), 4.45 * pressure, 0.02);
+    let volume = |at: usize| curve[at].strain + 2.0 * curve[at].lateral_strain;
+    let (last, before) = (curve.len() - 1, curve.len() - 1001);
+    assert!((volume(last) - volume(before)).abs() < 0.02 * (curve[before].strain - end.strain).abs());
+}
+
+#[test]
+fn an_open_crack_carries_no_tension_under_compression_along_it() {
+    let law = meso::<f64>();
+    let (mut history, mut stress) = (Meso::<f64>::virgin(), [0.0; 6]);
+    for share in ramp(0.0, 1.0, 4000) {
+        // It opens further while z is pressed.
+        let strain =
+            [0.02 * share + 0.02 * (2.0 * share - 1.0).max(0.0), 0.0, -0.0024 * (share - 0.5).max(0.0), 0.0, 0.0, 0.0];
+        stress = law.stress(&strain, &mut history, WIDTH).stress;
+    }
+    assert!(stress[0].abs() < 0.02 && stress[2] < -20.0, "{stress:?}");
+}
+
+#[test]
+fn energies_are_those_asked_for_on_every_width() {
+    let materials = values();
+    let Strength { fracture_energy_n_per_mm: gf, crushing_energy_n_per_mm: gc, .. } = materials.mortar_strength;
+    for width in [2.0, 4.0, 8.0] {
+        let strains: Vec<f64> = ramp(0.0, 0.5 / width, 40_000).collect();
+        let cracked = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
+        close(width * work(&cracked), gf, 0.04);
+        let strains: Vec<f64> = ramp(0.0, -0.035, 14_000).collect();
+        let crushed = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
+        let top = crushed.iter().position(|sample| *sample == peak(&crushed)).unwrap();
+        // Elastic energy of the peak is given back.
+        let elastic = 0.5 * 40.0 * 40.0 / 20_000.0;
+        // Elements below the crushing length share its curve.
+        close(width.max(5.0) * (work(&crushed[top..]).abs() + elastic), gc, 0.04);
+    }
+}
