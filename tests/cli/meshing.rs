@@ -246,7 +246,10 @@ fn flags_of_other_methods_and_analyses_are_refused() {
         ),
         (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is true; only voxels take it"),
         (&["--strain", "0.002"], "--strain is 0.002; only an analysis takes it"),
-        (&["--friction", "0.6", "--analysis", "tension"], "--friction is 0.6; only the analyses compression and impact take it"),
+        (
+            &["--friction", "0.6", "--analysis", "tension"],
+            "--friction is 0.6; only the analyses compression and impact take it",
+        ),
         (
             &["--frames", "9", "--analysis", "elastic"],
             "--frames is 9; only the analyses compression and tension take it",

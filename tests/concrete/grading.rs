@@ -260,7 +260,7 @@ fn a_spec_says_how_it_read_a_sieve_table_and_which_share_of_the_curve_it_models(
     for (keys, part) in [
         ("", "can be the grading; name one beside file"),
         (", blend = { Sand = 0.4, Gravel = 0.5 }", "line 2: grading.curve.blend sums to 0.9"),
-        (", column = true", "grading.curve.column is a boolean"),
+        (", column = true", "grading.curve.column is true; it must be a heading in quotes"),
         (", column = 2, means = 'passed'", "grading.curve.means is \"passed\"; it must be one of \"passing\""),
         (", column = 2, sheet = 'a'", "only Python reads sheets"),
     ] {

@@ -59,16 +59,13 @@ fn a_thin_conductive_shell_is_exact_at_ten_voxels_a_radius() {
     }
 }
 
+/// Seven voxels a radius: a simple cubic array is within 0.02 % of the bound.
 #[test]
 fn the_bounds_are_kept() {
     for value in [0.0, 0.1, 2.0, 10.0] {
-        for h in [1.25, 0.625] {
-            let found = array(4.2, value, h);
-            let (bounds, d) = (found.bounds, entry(&found, 0, 0));
-            let (low, high) = (bounds.hashin_shtrikman_lower, bounds.hashin_shtrikman_upper);
-            // A simple cubic array is within 0.02 % of the bound, so three voxels a radius keep it to the stated error only.
-            let slack = if h > 1.0 { found.error[0][0].unwrap() } else { 0.0 };
-            assert!(d > low - slack && d < high + slack, "{d} is outside {low} to {high} for {value} at {h}");
-        }
+        let found = array(4.2, value, 0.625);
+        let (bounds, d) = (found.bounds, entry(&found, 0, 0));
+        let (low, high) = (bounds.hashin_shtrikman_lower, bounds.hashin_shtrikman_upper);
+        assert!(d > low && d < high, "{d} is outside {low} to {high} for {value}");
     }
 }

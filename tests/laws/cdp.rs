@@ -12,7 +12,8 @@ fn strengths<R: Number>() {
     let of = cdp::<R>(&mortar());
     let crushed = peak(&along(&of, UNIAXIAL, &[-0.004], 2e-6));
     close(crushed.stress, -40.0, 1e-3);
-    close(crushed.strain, -0.0022, 1e-3);
+    // Beyond its peak the curve falls by 0.01 % in 1e-5 of strain.
+    close(crushed.strain, -0.0022, 5e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
     close(peak(&along(&of, HeldStress::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
     // Both stresses s, the third 0: s (alpha + (1 - alpha) c / f_t) = (1 - alpha) c where hardening begins, c = 0.4 f_c.

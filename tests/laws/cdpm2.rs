@@ -140,7 +140,7 @@ fn values_that_cannot_be_are_named() {
     let refused = error(law::Options { crushing_strain: Some(f64::NAN), ..usual });
     assert!(refused.contains("cdpm2.crushing_strain is NaN"), "{refused}");
     let refused = error(law::Options { hardening_modulus: 0.0, ..usual });
-    assert!(refused.contains("cdpm2.hardening_modulus is 0; it must be 0.001 to 0.1"), "{refused}");
+    assert!(refused.contains("cdpm2.hardening_modulus is 0; it must be 0.01 to 0.1"), "{refused}");
     let mut materials = mortar();
     materials.plasticity.biaxial_ratio = 1.0;
     let refused = law::validate(&materials).unwrap_err().to_string();
@@ -156,5 +156,5 @@ fn crushing_under_a_little_lateral_tension_needs_hardening_beyond_the_peak() {
         along(&of, HeldStress::Lateral(0.5), &[-0.008], 1e-5).last().unwrap().damage[1]
     };
     assert_eq!(crushed(0.0), 0.0);
-    assert!(crushed(0.01) > 0.5 && crushed(0.001) > 0.3, "{} {}", crushed(0.01), crushed(0.001));
+    assert!(crushed(0.01) > 0.5, "{}", crushed(0.01));
 }

@@ -209,7 +209,7 @@ impl Watch for Ticking {
 #[test]
 fn a_run_short_of_time_leaves_grains_out_in_time() {
     let mut spec = small(0.68);
-    spec.placement.time_limit_s = Some(4.0);
+    spec.placement.time_limit_s = Some(8.0);
     let model = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap();
     assert_eq!(model.report.stop_reason, StopReason::TimeLimit);
     assert_eq!(model.report.strategy, "rearrange", "few were left when it stopped");

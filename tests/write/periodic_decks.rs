@@ -188,6 +188,13 @@ pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
     solve_for(text, "TOTALS=ONLY\nELSE\n")
 }
 
+/// A deck without its own tables of element results, which would count energies twice.
+fn without_prints(text: &str) -> String {
+    let mut pieces = text.split("*EL PRINT");
+    let before = pieces.next().unwrap_or_default().to_owned();
+    pieces.fold(before, |deck, piece| deck + piece.splitn(3, '\n').nth(2).unwrap_or_default())
+}
+
 /// Results of such a deck, with the output that is `asked` for by element set.
 fn solve_for(text: &str, asked: &str) -> Option<Solved> {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +205,7 @@ fn solve_for(text: &str, asked: &str) -> Option<Solved> {
         .filter(|set| text.contains(&format!("*SOLID SECTION, ELSET={set},")));
     let prints: String = sets.map(|set| asked.replace("TOTALS", &format!("*EL PRINT, ELSET={set}, TOTALS"))).collect();
     let asked = format!("*NODE PRINT, NSET=ALLNODES\nU\n{prints}*END STEP");
-    std::fs::write(folder.path().join("job.inp"), text.replace("*END STEP", &asked)).unwrap();
+    std::fs::write(folder.path().join("job.inp"), without_prints(text).replace("*END STEP", &asked)).unwrap();
     let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
         eprintln!("skipped: no `ccx` here (Debian: calculix-ccx)");
         return None;

@@ -66,4 +66,4 @@ impl Materials {
 /// Range of H_p. Compressive damage begins where the equivalent strain, of which each step counts the share of compression
 /// among the principal stresses, exceeds that of the surface at the peak. Without hardening beyond the peak a point with
 /// some lateral tension stays below it and never softens.
-const HARDENING: ((f64, f64), &str) = ((0.001, 0.1), "0.001 to 0.1; 0.01 is usual, and without it nothing is crushed");
+const HARDENING: ((f64, f64), &str) = ((0.01, 0.1), "0.01 to 0.1; 0.01 is usual, and with less nothing is crushed");

@@ -546,6 +546,10 @@ class TestResult(CurveFigures, BeyondPeak):
     """Cells of these aggregates that became mortar, in the mesh and in the test."""
     phases: list[PhaseResult]
     """Phases of the test."""
+    columns: NotRequired[list[str]]
+    """Columns of the curve after those of every test: gauges, and forces of supports in N."""
+    broken_stone: float | None
+    """Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break."""
     phase_error: float | None
     """Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known."""
     phase_error_of: str | None

@@ -388,6 +388,23 @@ class MeshOptions(TypedDict, total=False):
     """Volume of the aggregates in a mesh that follows their surfaces; not with a solid ITZ."""
 
 
+class DeckCdpm2Parameters(TypedDict, total=False):
+    """Parameters of Grassl et al. 2013, which decks do not have."""
+
+    crushing_strain: float | None
+    """Strain of the softening in compression on any width, e_fc; absent, it follows from the crushing energy."""
+    dilation: float
+    """Lateral over axial plastic strain in uniaxial compression, D_f."""
+    hardening_ductility: _Numbers
+    """Plastic strain at the peak, over confinement: A_h, B_h, C_h, D_h."""
+    hardening_modulus: float
+    """Slope of q2 beyond the peak, H_p."""
+    initial_hardening: float
+    """Start of hardening over the strength, q_h0."""
+    softening_ductility: float
+    """Ductility of damage in uniaxial compression, A_s."""
+
+
 class DeckElastic(TypedDict, total=False):
     """Isotropic linear elasticity."""
 
@@ -418,7 +435,11 @@ class DeckMaterials(TypedDict, total=False):
     """Values of the phases."""
 
     aggregate: DeckElastic
-    """Aggregate cores, which stay elastic."""
+    """Aggregate cores."""
+    aggregate_strength: DeckStone | None
+    """Strength of the aggregates in a test; absent, they stay elastic, as they do in decks."""
+    cdpm2: DeckCdpm2Parameters
+    """Parameters of the solver's law CDPM2 beside the strengths."""
     cohesive_mode_power: float
     """Exponent of Benzeggagh and Kenane's mixed-mode fracture energy of a cohesive ITZ."""
     cohesive_shear_energy_ratio: float
@@ -467,6 +488,36 @@ class DeckPlasticity(TypedDict, total=False):
     """Ratio of the second invariants on the tensile and the compressive meridian, K_c."""
     viscosity_s: float
     """Viscosity parameter, s (without effect in Abaqus/Explicit)."""
+
+
+class DeckStone(TypedDict, total=False):
+    """Strength of the aggregates' rock. A grain's kind and its place in the scatter follow from the seed and its number, and from nothing else."""
+
+    compressive_mpa: float
+    """Compressive strength, MPa."""
+    crushing_energy_n_per_mm: float
+    """Energy of crushing beyond the peak, N/mm."""
+    fracture_energy_n_per_mm: float
+    """Fracture energy in tension, N/mm."""
+    kinds: Sequence[DeckStoneKind]
+    """Kinds of stone; none are one kind of the strength above."""
+    peak_strain: float
+    """Strain at the compressive strength."""
+    seed: int
+    """Seed of the draw."""
+    tensile_mpa: float
+    """Tensile strength, MPa."""
+    weibull_modulus: float | None
+    """Weibull modulus of the grains' strengths about their mean; absent, grains of a kind are alike."""
+
+
+class DeckStoneKind(TypedDict, total=False):
+    """A kind of stone."""
+
+    share: float
+    """Share of the grains, by number; shares sum to 1."""
+    strength_ratio: float
+    """Strengths, peak strain and energies over those above."""
 
 
 class DeckStrength(TypedDict, total=False):

@@ -63,7 +63,7 @@ pub(super) fn compute<'py>(
     guard(|| {
         let options = asked.options(model)?;
         let phases = asked.phases(options.what)?;
-        accept_in_memory("it", options.bytes(&model.spec.specimen))?;
+        accept_in_memory("it", options.bytes(&model.spec.specimen).map_err(|error| raised(&error))?)?;
         let (model, progress) = (Arc::clone(model), listener(py, progress)?);
         let plan = Plan::new(&[(Stage::Solve, 1.0)], Some(1.0));
         let found = in_stages(py, progress.as_ref(), plan, move |watch| {

@@ -108,7 +108,11 @@ impl Meshing {
     pub(crate) fn settings(&self, spec: &Spec, writes_deck: bool) -> Result<Settings, Failure> {
         let mesh = self.mesh.settings(self.purpose(), spec)?;
         let options = &mesh.footing.options;
-        room::accept_in_memory("the mesh", options.bytes(&spec.specimen), ("--element-size-mm", options.element_size_mm))?;
+        room::accept_in_memory(
+            "the mesh",
+            options.bytes(&spec.specimen),
+            ("--element-size-mm", options.element_size_mm),
+        )?;
         let deck = self.deck(spec, options)?;
         self.validate_deck(&deck, options, writes_deck)?;
         Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })

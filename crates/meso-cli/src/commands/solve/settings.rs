@@ -129,7 +129,11 @@ impl Args {
         let settings = self.mesh.settings(self.purpose(), spec)?;
         let (test, options) = (self.test()?, &settings.footing.options);
         test.suits(&spec.specimen).map_err(|error| wrong(&error))?;
-        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), ("--element-size-mm", options.element_size_mm))?;
+        room::accept_in_memory(
+            "the test",
+            options.bytes_of_test(&spec.specimen),
+            ("--element-size-mm", options.element_size_mm),
+        )?;
         let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
         let steps = test.steps(&measures, options.element_size_mm, is_cohesive);
         steps.map(|_| settings).map_err(|error| wrong(&error))

@@ -216,7 +216,10 @@ impl<'a> Run<'a> {
         since.forces.iter_mut().zip(&sums.supports).for_each(|(sum, force)| *sum += force);
         since.travel += state.travel;
         since.count += 1.0;
-        state.forces = sums.supports;
+        // A path with turns alone asks for the last forces, and a device does not give them.
+        if !self.path.turns.is_empty() {
+            state.forces = sums.supports;
+        }
         self.supports.follow(dt, &moment, &sums.supports, &mut state.held);
         state.external += sums.external;
         state.internal += sums.internal;

@@ -2,7 +2,8 @@
 //!
 //! Part numbers are 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, and 11, 12 for the plates; node and segment sets 1 to 6 are
 //! XMIN to ZMAX, part set 1 is the specimen. Node and element numbers are the mesh's indices plus 1; cohesive elements
-//! follow the cells. Units are tonne, mm, s, N, MPa. Cards and columns are those of the LS-DYNA Keyword User's Manual.
+//! follow the cells. Units are tonne, mm, s, N, MPa. Columns are those of
+//! PyDyna's definitions of the cards; element formulations and the order of a wedge's nodes were not checked in a manual.
 
 mod loading;
 mod materials;
