@@ -119,7 +119,7 @@ def test_the_commands_of_a_page_run_in_their_order(run, tmp_path, page):
             commands += 1
             if words[1] == "init" and (toml := re.search(r"```toml\n\[grading\]\n(.*?)```", text, re.DOTALL)):
                 spec = tmp_path / words[-1]
-                new = re.sub(r"\[grading\]\n.*?(?=\n\[)", "[grading]\n" + toml[1], spec.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
+                new = re.sub(r"\[grading\]\n.*?(?=\n\[|\Z)", "[grading]\n" + toml[1], spec.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
                 assert "sieves.csv" in new
                 spec.write_text(new, encoding="utf-8")
     assert commands >= 3
