@@ -243,7 +243,7 @@ def test_a_mesh_is_pickled_with_its_packing_and_meshes_on():
     for options in ({"method": "voxel", "element_size": 4.0}, {"method": "lattice", "element_size": 4.0, "itz": "cohesive"}):
         mesh = packing.mesh(**options)
         again = pickle.loads(pickle.dumps(mesh))
-        assert again == mesh and again.notes() == mesh.notes()
+        assert again == mesh and again.notes == mesh.notes
         assert again.quality() == mesh.quality()
     _, (state, model, options) = mesh.__reduce__()
     broken = (*state[:2], state[2] + np.uint32(1_000_000), *state[3:])

@@ -202,7 +202,9 @@ def test_bodies_of_the_package_collide():
 def test_shells_know_every_command_and_flag(run, shell):
     script = run("completions", shell)
     assert script.returncode == 0
-    for word in ("pack", "study", "element-size-mm", "retry-failed", "take-and-place"):
+    # clap completes values in three of the shells.
+    values = ["take-and-place"] if shell in ("bash", "zsh", "fish") else []
+    for word in ("pack", "study", "element-size-mm", "retry-failed", *values):
         assert word in script.stdout, word
 
 
