@@ -14,7 +14,7 @@ work=$(mktemp -d)
 mkdir -p "$out"
 rows="$out/gpu.csv"
 card=$(nvidia-smi --query-gpu=name --format=csv,noheader 2>/dev/null | head -1)
-echo "case,device,elements,steps,loop_seconds,whole_seconds,ns_per_tetrahedron_step,peak_mpa,curve_sha256,machine,commit" >"$rows"
+echo "case,device,elements,steps,loop_seconds,whole_seconds,ns_per_tetrahedron_step,peak_mpa,curve_sha256,machine,date,commit" >"$rows"
 
 say() { echo "[$SECONDS s] $*"; }
 
@@ -29,7 +29,7 @@ run() {
     timeout -s INT -k 20 "$limit" "$mesocrete" solve "$model" -o "$work/$name" --device "$on" --force "$@" 2>&1 >/dev/null |
         while IFS= read -r line; do echo "$(date +%s.%N) $line"; done >"$out/$name.log"
     python3 - "$work/$name" "$out/$name.log" "$name" "$on" "$rows" "${card:-no card}" "${COMMIT:-unknown}" <<'PY'
-import hashlib, json, pathlib, sys
+import datetime, hashlib, json, pathlib, sys
 folder, log, name, on, rows, card, commit = sys.argv[1:]
 stamps = [line.split(" ", 1) for line in pathlib.Path(log).read_text().splitlines()]
 at = lambda word: next((float(s) for s, text in stamps if word in text and not text.startswith("warning")), None)
@@ -43,7 +43,7 @@ except OSError as error:
 begun, ended = at(f"on {on.split(':')[0]}:") or at("to a strain of"), at("peak ")
 loop = ended - begun if begun and ended else float("nan")
 ns = loop * 1e9 / result["elements"] / max(result["steps"], 1)
-row = [name, on, result["elements"], result["steps"], f"{loop:.3f}", f"{result['seconds']['total']:.2f}", f"{ns:.4f}", result["peak_mpa"], curve, card, commit]
+row = [name, on, result["elements"], result["steps"], f"{loop:.3f}", f"{result['seconds']['total']:.2f}", f"{ns:.4f}", result["peak_mpa"], curve, card, datetime.date.today().isoformat(), commit]
 with open(rows, "a") as file:
     file.write(",".join(map(str, row)) + "\n")
 print(f"  {name} on {on}: {result['elements']} tetrahedra, {result['steps']} steps, {loop:.2f} s in the loop, {ns:.4f} ns a tetrahedron and step, curve {curve}")

@@ -9,9 +9,9 @@ PACKAGE = Path(__file__).resolve().parents[1] / "crates" / "meso-py" / "python" 
 PAGES = {
     "pack": ("Pack and load", "Functions that make or read a packing.", ["pack", "load", "recipes"]),
     "packing": ("Packings", "`pack` and `load` return a packing.", ["Packing"]),
-    "spec": ("Specs", "A spec determines a packing.", ["Spec", "Specimen", "Grading"]),
+    "spec": ("Specs", "A spec determines a packing.", ["Spec", "Specimen", "Grading", "Materials"]),
     "mesh": ("Meshes", "`Packing.mesh` makes a mesh.", ["Mesh"]),
-    "response": ("Tests", "`Mesh.solve` returns a response.", ["Response", "Frame"]),
+    "response": ("Tests", "`Mesh.solve` returns a response.", ["Response", "Frame", "Test"]),
     "bodies": ("Aggregates and polyhedra", "Bodies of a packing.", ["Aggregate", "Aggregates", "Polyhedron", "convex_hull"]),
     "study": ("Studies", "Many cases in one call.", ["study", "Study"]),
 }

@@ -114,16 +114,18 @@ def struct(text: str, name: str) -> tuple[str, list[Field]]:
     if body is None:
         message = f"there is no struct {name}"
         raise ValueError(message)
-    fields, docs, optional, renamed = [], [], False, None
+    fields, docs, optional, renamed, hidden = [], [], False, None, False
     for line in map(str.strip, body[2].splitlines()):
         if line.startswith("///"):
             docs.append(line[3:].strip())
         elif line.startswith("#[serde"):
             optional |= "skip_serializing_if" in line
+            hidden |= line == "#[serde(skip)]"
             renamed = (re.search(r'rename = "(\w+)"', line) or [None, renamed])[1]
         elif field := re.match(r"pub (\w+): (.*),$", line):
-            fields.append((renamed or field[1], field[2], " ".join(docs), optional))
-            docs, optional, renamed = [], False, None
+            if not hidden:
+                fields.append((renamed or field[1], field[2], " ".join(docs), optional))
+            docs, optional, renamed, hidden = [], False, None, False
     return " ".join(line[3:].strip() for line in body[1].splitlines()), fields
 
 

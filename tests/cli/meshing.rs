@@ -252,7 +252,7 @@ fn flags_of_other_methods_and_analyses_are_refused() {
         ),
         (
             &["--frames", "9", "--analysis", "elastic"],
-            "--frames is 9; only the analyses compression and tension take it",
+            "--frames is 9; only the analyses compression, tension and impact take it",
         ),
     ] {
         let run = folder.run(&[&mesh[..], flags].concat());

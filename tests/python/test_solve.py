@@ -223,7 +223,8 @@ def test_strains_of_tetrahedra_are_smoothed_which_takes_strength_that_the_elemen
     [
         ({"friction": -1.0}, "friction is -1; it must be 0 to 10"),
         ({"strain": 0.0}, "strain is 0; it must be 1e-12 to 0.1"),
-        ({"test": "bending"}, "test is .bending.; .*compression"),
+        ({"test": "pulling"}, "test is .pulling.; .*compression"),
+        ({"test": "bending"}, "the specimen has no notch"),
         ({"law": "steel"}, "law is .steel.; .*elastic"),
         ({"smoothing": "nodes"}, "smoothing is .nodes.; .*edges"),
         ({"frictoin": 0.1}, "frictoin is not a known key; did you mean friction"),
@@ -334,7 +335,24 @@ def test_materials_of_a_concrete_solve(mesh):
     response = mesh.solve(strain=0.002, materials=mc.Materials.for_concrete(38))
     assert response.result["peak_mpa"] > 10
     assert response.result["broken_stone"] is None
-    weak = {"tensile_mpa": 2.0, "compressive_mpa": 30.0, "peak_strain": 0.003}
-    broken = mesh.solve(strain=0.003, materials={"aggregate_strength": weak}).result
+    weak = {"tensile_mpa": 0.4, "compressive_mpa": 5.0, "peak_strain": 0.003, "crushing_energy_n_per_mm": 0.5}
+    broken = mesh.solve(strain=0.006, materials={"aggregate_strength": weak}).result
     assert broken["broken_stone"] > 0
     assert broken["energy_beyond_peak_until"] >= 0.2
+
+
+def test_named_tests_are_keywords_of_solve(mesh):
+    made = [
+        mc.Test.compression(0.005),
+        mc.Test.tension(),
+        mc.Test.triaxial(5.0),
+        mc.Test.biaxial(0.5),
+        mc.Test.cyclic([(0.001, "strain"), (0.0005, "strain")]),
+        mc.Test.splitting(),
+        mc.Test.bending(),
+        mc.Test.expansion(mortar=-1e-4),
+    ]
+    names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "expansion"]
+    assert [test["test"] for test in made] == names
+    pressed = mesh.solve(**mc.Test.triaxial(5.0, strain=0.001))
+    assert pressed.result["test"] == "triaxial" and pressed.result["peak_mpa"] > 5.0

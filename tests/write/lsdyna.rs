@@ -82,7 +82,7 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
             missing.is_empty() && text.starts_with("*KEYWORD\n") && text.ends_with("*END\n"),
             "{analysis:?}: {missing:?}"
         );
-        let long = text.lines().find(|line| line.len() > 80 || !line.is_ascii());
+        let long = text.lines().find(|line| line.len() > 80 && !line.starts_with('$') || !line.is_ascii());
         assert_eq!(long, None, "{analysis:?}");
     }
     let geometry = DeckOptions { geometry_only: true, ..DeckOptions::default() };

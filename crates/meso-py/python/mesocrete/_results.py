@@ -560,8 +560,6 @@ class TestResult(CurveFigures, BeyondPeak):
     """How the test ended."""
     warnings: list[str]
     """Warnings, in sentences; those of the mesh come first."""
-    mesh_warnings: int
-    """Number of the warnings that were known before the first step."""
     errors: list[str]
     """Why the curve is not to be trusted, in sentences."""
 
