@@ -71,7 +71,10 @@ fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
 
 /// Displacements and gauges at every frame.
 #[derive(Default)]
-struct Seen(RefCell<Vec<(Vec<[f32; 3]>, Vec<f64>)>>);
+struct Seen(RefCell<Vec<Shot>>);
+
+/// Displacements of a frame, and the gauges beside them.
+type Shot = (Vec<[f32; 3]>, Vec<f64>);
 
 impl Observer for Seen {
     fn frame(&self, frame: &Frame) {
@@ -288,10 +291,6 @@ fn two_pairs_of_plates_press_in_their_ratio_of_stresses() {
         let figures = response.result.figures;
         let peak = response.curve.iter().position(|row| row.stress_mpa == figures.peak_mpa).unwrap();
         let side = column(&response, "left_n")[peak] / 144.0;
-        println!(
-            "biaxial {ratio}: {figures:?} side {side} ke {} balance {}",
-            response.result.kinetic_over_internal_to_half_peak, response.result.energy_balance_error
-        );
         assert!((side / figures.peak_mpa / ratio - 1.0).abs() < 0.02, "{side}");
         if factor > 0.0 {
             assert!((figures.peak_mpa / brittle().mortar_strength.compressive_mpa / factor - 1.0).abs() < 0.02);

@@ -21,13 +21,16 @@ pub struct Mix {
     pub fraction: f64,
 }
 
+/// A key, its value, and where the value is from.
+type Entry = (&'static str, f64, String);
+
 /// Material values, with the source of each that is not a default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sourced {
     /// The values.
     pub materials: Materials,
     /// Tables of `[materials]`: their name, and key, value and source of each value.
-    tables: Vec<(&'static str, Vec<(&'static str, f64, String)>)>,
+    tables: Vec<(&'static str, Vec<Entry>)>,
 }
 
 /// Difference of mean and characteristic strength, MPa: EN 1992-1-1, Table 3.1; fib Model Code 2010, eq. 5.1-1.
@@ -120,14 +123,14 @@ impl Mix {
         let (default, fcm, reference) = (usual.mortar_strength, self.fcm_mpa, Self::DEFAULT_PEAK_MPA);
         let ratio = fcm / reference;
         let compressive_mpa = ratio * default.compressive_mpa;
-        let scaled = ratio.powf(0.31) * default.peak_strain;
+        let scaled = libm::pow(ratio, 0.31) * default.peak_strain;
         let least = LEAST_BEND * compressive_mpa / sourced.materials.mortar.youngs_modulus_mpa;
         let tensile = mean_tensile(fcm) / mean_tensile(reference);
         let strength = Strength {
             compressive_mpa,
             peak_strain: scaled.max(least),
             tensile_mpa: tensile * default.tensile_mpa,
-            fracture_energy_n_per_mm: ratio.powf(0.18) * default.fracture_energy_n_per_mm,
+            fracture_energy_n_per_mm: libm::pow(ratio, 0.18) * default.fracture_energy_n_per_mm,
             crushing_energy_n_per_mm: default.crushing_energy_n_per_mm,
         };
         let per =
@@ -175,20 +178,20 @@ impl Sourced {
 
 /// Four digits, which is more than any of the sources has.
 fn rounded(value: f64) -> String {
-    let exponent = 3 - value.abs().log10().floor() as i32;
+    let exponent = 3 - libm::log10(value.abs()).floor() as i32;
     let text = format!("{:.*}", usize::try_from(exponent).unwrap_or(0), value);
     if value < 1e-3 { format!("{value:.3e}") } else { text }
 }
 
 /// Secant modulus of a concrete of quartzite, MPa: EN 1992-1-1, Table 3.1.
 fn secant_modulus(fcm: f64) -> f64 {
-    22_000.0 * (fcm / 10.0).powf(0.3)
+    22_000.0 * libm::pow(fcm / 10.0, 0.3)
 }
 
 /// Mean tensile strength, MPa: fib Model Code 2010, eq. 5.1-3.
 fn mean_tensile(fcm: f64) -> f64 {
     let fck = fcm - MARGIN_MPA;
-    if fck <= 50.0 { 0.3 * fck.powf(2.0 / 3.0) } else { 2.12 * (0.1 * fcm).ln_1p() }
+    if fck <= 50.0 { 0.3 * libm::pow(fck, 2.0 / 3.0) } else { 2.12 * libm::log1p(0.1 * fcm) }
 }
 
 /// Modulus of the mortar that makes, with a share `c` of `stone`, a concrete of the modulus `target`.

@@ -110,11 +110,8 @@ fn validate_stone(materials: &Materials, name: LawName) -> Result<(), OutOfRange
             aggregate_strength: None,
             ..materials.clone()
         };
-        let renamed = |error: OutOfRange| OutOfRange {
-            key: of_stone(&error.key),
-            accepted: of_stone(&error.accepted).into(),
-            ..error
-        };
+        let renamed =
+            |error: OutOfRange| OutOfRange { key: of_stone(&error.key), accepted: of_stone(&error.accepted), ..error };
         validate(&as_mortar, name).map_err(renamed)
     })
 }

@@ -224,6 +224,7 @@ impl<R: Real> Meso<R> {
         let [x, y, z] = principal;
         let mises = (R::splat(1.5) * x.mul_add(x, y.mul_add(y, z * z))).sqrt();
         let mut deviator = split(above - m, &trial.deviator, &trial.principal, zero, R::splat(1.0));
+        #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
         for i in 0..6 {
             let own = if i < 3 { deviator[i] - sum } else { deviator[i] };
             deviator[i] = R::select(opens, own, trial.deviator[i]);

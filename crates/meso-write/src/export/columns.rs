@@ -123,7 +123,7 @@ mod tests {
             -99.123_456_789_012_3,
             999.9,
             -1e-14,
-            12345.678_901_234,
+            12_345.678_901_234,
         ] {
             let mut columns = Columns::new(Vec::new());
             columns.coordinate(x);

@@ -190,7 +190,7 @@ fn periodic(mesh: &Mesh, sides: &Sides, blocks: &[Block], out: &mut impl Write) 
         // An affine transformation, row by row: the identity and a translation.
         size(out, 16)?;
         let affine = |i: usize| {
-            if i % 5 == 0 {
+            if i.is_multiple_of(5) {
                 1.0
             } else if i == 4 * axis + 3 {
                 lengths[axis]

@@ -89,9 +89,9 @@ impl Settings {
     pub(crate) fn print(&self, mesh: &Mesh, model: &Model, verbose: bool) {
         let report = self.report(mesh, model);
         if verbose {
-            report.print()
+            report.print();
         } else {
-            report.brief()
+            report.brief();
         }
         self.hint.iter().for_each(stderr::line);
     }

@@ -39,6 +39,9 @@ pub(super) struct Analysis<'a> {
     pub(super) choices: &'a Choices,
 }
 
+/// A column and its share of the blend.
+type Share<'a> = (&'a Values, f64);
+
 impl Analysis<'_> {
     /// The one curve of the sheet.
     pub(super) fn read(&self) -> Result<SieveTable, String> {
@@ -86,7 +89,7 @@ impl Analysis<'_> {
     }
 
     /// Columns to read with their shares, and how the shares are known.
-    fn columns(&self) -> Result<(Vec<(&Values, f64)>, String), String> {
+    fn columns(&self) -> Result<(Vec<Share<'_>>, String), String> {
         if !self.choices.columns.is_empty() {
             let named = self.choices.columns.iter().map(|(column, share)| Ok((self.column(column)?, *share)));
             return Ok((named.collect::<Result<_, String>>()?, String::new()));

@@ -49,14 +49,14 @@ impl Sheet {
         let best = named.min_by_key(|body| (!body.is_metric(), body.column)).or_else(|| sole(&bodies));
         let Some(best) = best else { return Err(no_sieves(&bodies)) };
         let sheet = grid.sheet(best)?;
-        let others = bodies.iter().filter(|body| body.said.is_sieve && body.column != best.column);
-        others.map(|body| grid.agrees(best, body)).collect::<Result<(), String>>()?;
+        let mut others = bodies.iter().filter(|body| body.said.is_sieve && body.column != best.column);
+        others.try_for_each(|body| grid.agrees(best, body))?;
         Ok(sheet)
     }
 }
 
 /// The first column that can be sieves where no heading says so: bare numbers are proved later.
-fn sole<'a>(bodies: &'a [Body]) -> Option<&'a Body> {
+fn sole(bodies: &[Body]) -> Option<&Body> {
     bodies
         .iter()
         .find(|body| !body.said.has_meaning && body.said.unit.is_none() && !body.said.is_foreign && !body.is_index)
