@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from . import _types
-    from ._types import SolveOptions
+
+    _Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
 
@@ -213,57 +214,54 @@ class Test:
     __test__ = False  # No case for pytest, in spite of its name.
 
     @staticmethod
-    def compression(friction: float = 0.1, **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def compression(friction: float = 0.1, **options: object) -> dict[str, object]:
         """Return plates that press along z, and rub with Coulomb's `friction`; brushes and teflon have 0.005."""
         return {"test": "compression", "friction": friction, **options}
 
     @staticmethod
-    def tension(**options: Unpack[SolveOptions]) -> dict[str, object]:
+    def tension(**options: object) -> dict[str, object]:
         """Return plates that are glued on and pull along z."""
         return {"test": "tension", **options}
 
     @staticmethod
-    def triaxial(pressure_mpa: float = 5.0, **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def triaxial(pressure_mpa: float = 5.0, **options: object) -> dict[str, object]:
         """Return a pressure on all sides, MPa, and then plates that press along z."""
         return {"test": "triaxial", "pressure_mpa": pressure_mpa, **options}
 
     @staticmethod
-    def biaxial(stress_ratio: float = 1.0, **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def biaxial(stress_ratio: float = 1.0, **options: object) -> dict[str, object]:
         """Return plates along z, and plates along x that have `stress_ratio` times their stress."""
         return {"test": "biaxial", "stress_ratio": stress_ratio, **options}
 
     @staticmethod
-    def cyclic(turns: Sequence[tuple[float, str]], **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def cyclic(turns: Sequence[tuple[float, str]], **options: object) -> dict[str, object]:
         """Return plates that turn: each turn is a value and what it is of, "strain", "stress" (MPa) or "opening" (mm)."""
         return {"test": "cyclic", "turns": [{"at": at, "of": of} for at, of in turns], **options}
 
     @staticmethod
-    def splitting(strip_mm: float | None = None, **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def splitting(strip_mm: float | None = None, **options: object) -> dict[str, object]:
         """Return strips that press the mantle along x; they are a tenth of the diameter wide when `strip_mm` is absent."""
         return {"test": "splitting", "strip_mm": strip_mm, **options}
 
     @staticmethod
-    def bending(span_mm: float | None = None, **options: Unpack[SolveOptions]) -> dict[str, object]:
+    def bending(span_mm: float | None = None, **options: object) -> dict[str, object]:
         """Return a notched beam on two rollers, `span_mm` apart, that a third one presses."""
         return {"test": "bending", "span_mm": span_mm, **options}
 
     @staticmethod
     def expansion(
-        mortar: float = 0.0, aggregate: float = 0.0, fibre: float = 0.0, **options: Unpack[SolveOptions]
+        mortar: float = 0.0, aggregate: float = 0.0, fibre: float = 0.0, **options: object
     ) -> dict[str, object]:
         """Return linear strains of the phases without supports; shrinkage is negative."""
         strains = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre}
         return {"test": "expansion", "expansion": strains, **options}
 
 
-Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
-
-
 class Materials:
     """Material values, for the keyword `materials` of `Mesh.solve`; `mesocrete init --materials` gives the source of each."""
 
     @staticmethod
-    def for_concrete(fcm: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+    def for_concrete(fcm: float, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
         """Return the values of a concrete by its mean cylinder strength, MPa: 38 for C30.
 
         `rock` is the aggregates' kind, and `fraction` the packing's share of aggregates, which the mortar's modulus
@@ -272,6 +270,6 @@ class Materials:
         return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction)
 
     @staticmethod
-    def for_mortar(strength: float, *, rock: Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+    def for_mortar(strength: float, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
         """Return the values of the concrete that a mortar of this mean strength, MPa, makes; the others as in `for_concrete`."""
         return _concrete_materials(mortar=strength, rock=rock, fraction=fraction)

@@ -11,7 +11,7 @@ def text(path: str | PathLike[str], sheet: str | None) -> str:
     Raises ValueError where openpyxl is missing, the sheet cannot be chosen, or a formula has no value.
     """
     try:
-        from openpyxl import load_workbook
+        from openpyxl import load_workbook  # type: ignore[import-untyped]
     except ImportError:
         message = "reading an .xlsx takes openpyxl: pip install openpyxl, or save the sheet as CSV"
         raise ValueError(message) from None
