@@ -1,7 +1,7 @@
 //! Eight elements at a time: registers of f32, chosen at run time, the same bits on every instruction set.
 //!
-//! The width is eight everywhere, so that forces are summed in one order. AVX-512 gains by its 32 registers alone;
-//! other machines take the portable lanes, which compilers turn into NEON on arm64.
+//! The width is eight everywhere, so that forces are summed in one order. AVX-512 would bring 32 registers alone, which
+//! gain nothing. Other machines take the portable lanes, which compilers turn into NEON on arm64.
 //!
 //! All functions are inlined into one that was compiled for the instruction set; a call left standing would be correct
 //! and slow.
@@ -76,14 +76,12 @@ pub enum InstructionSet {
     Portable,
     /// AVX2 and FMA.
     Avx2,
-    /// AVX-512 F, VL, DQ and BW.
-    Avx512,
 }
 
 impl InstructionSet {
     /// Instruction sets of this machine, slowest first.
     pub fn available() -> Vec<Self> {
-        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2), (Self::Avx512, Isa::Avx512)];
+        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2)];
         let best = Isa::best();
         all.into_iter().filter(|(_, isa)| *isa <= best).map(|(set, _)| set).collect()
     }
@@ -105,10 +103,8 @@ impl InstructionSet {
             Self::Portable => task.run::<Portable>(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => x86::on_avx2(task),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => x86::on_avx512(task),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => task.run::<Portable>(),
+            Self::Avx2 => task.run::<Portable>(),
         }
     }
 }
