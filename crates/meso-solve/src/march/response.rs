@@ -1,11 +1,12 @@
 //! Response of a specimen to a test.
 
-use crate::element::tet::{Shape, corners};
+use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
 use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::run::Run;
-use crate::test::{Control, LawName, Smoothing, TestKind};
+use crate::test::{Control, Smoothing, TestKind};
+use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::Serialize;
 
