@@ -13,11 +13,7 @@ pub use checkpoint::checkpoint_note;
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
-use crate::block::matter::{self, Matter};
-use crate::block::{Block, Common, Free, PHASES, Pass, Scratch};
-use crate::element::face::CohesionValues;
 use crate::error::SolveError;
-use crate::lanes::InstructionSet;
 use crate::march::curve::{Extra, Row};
 use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::Nodes;
@@ -26,7 +22,12 @@ use crate::march::servo::{Follower, Servo};
 use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
 use crate::test::load::TurnOf;
-use crate::test::{Control, LawName, Smoothing, Test};
+use crate::test::{Control, Smoothing, Test};
+use meso_element::LawName;
+use meso_element::block::matter::{self, Matter};
+use meso_element::block::{Block, Common, FreeStrain, PHASES, Pass, Scratch};
+use meso_element::face::CohesionValues;
+use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
@@ -143,7 +144,7 @@ impl<'a> Run<'a> {
         let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
-        common.free = test.expansion.map(|_| Free::new(places()));
+        common.free = test.expansion.map(|_| FreeStrain::new(places()));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
@@ -327,7 +328,7 @@ impl<'a> Run<'a> {
             rest = more;
         }
         blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
-            SCRATCH.with_borrow_mut(|scratch| *spent = set.run(Pass { block, common, displacement, out, scratch }));
+            SCRATCH.with_borrow_mut(|scratch| *spent = set.step(Pass { block, common, displacement, out, scratch }));
         });
     }
 
