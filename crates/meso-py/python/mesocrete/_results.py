@@ -464,11 +464,11 @@ class BeyondPeak(TypedDict):
 class Lateral(TypedDict):
     """Lateral figures of a specimen that is pressed."""
 
-    poisson_ratio: float | None
+    poisson_ratio: NotRequired[float | None]
     """Lateral over axial strain from the first row to 30 % of the peak."""
-    lateral_strain_at_peak: float | None
+    lateral_strain_at_peak: NotRequired[float | None]
     """Lateral strain at the peak, positive where the specimen widens."""
-    least_volume_over_peak: float | None
+    least_volume_over_peak: NotRequired[float | None]
     """Stress at which the volume is least, over the peak; beyond it the specimen dilates."""
 
 

@@ -7,10 +7,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lateral {
     /// Lateral over axial strain from the first row to 30 % of the peak.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub poisson_ratio: Option<f64>,
     /// Lateral strain at the peak, positive where the specimen widens.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub lateral_strain_at_peak: Option<f64>,
     /// Stress at which the volume is least, over the peak; beyond it the specimen dilates.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub least_volume_over_peak: Option<f64>,
 }
 
