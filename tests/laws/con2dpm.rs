@@ -1,8 +1,8 @@
 //! CDPM2 against OOFEM's own implementation, from the curves that `tests/oracles/con2dpm.py` keeps.
 
 use crate::subject::{Number, WIDTH, cdpm2, mortar};
-use meso_solve::law::point::{HeldStress, curve};
-use meso_solve::law::{Cdpm2, Law, cdpm2 as law};
+use meso_element::law::point::{HeldStress, curve};
+use meso_element::law::{Cdpm2, Law, cdpm2 as law};
 use std::path::Path;
 
 /// Strain, then stress, xx yy zz xy yz zx.
@@ -31,7 +31,7 @@ fn error_with_free_sides<R: Number>(name: &str, held: HeldStress) -> [f64; 2] {
     let mut strains = Vec::new();
     let mut from = 0.0;
     for row in &rows {
-        strains.extend(meso_solve::law::point::ramp(from, row[0], STEPS));
+        strains.extend(meso_element::law::point::ramp(from, row[0], STEPS));
         from = row[0];
     }
     let found = curve(&subject::<R>(), WIDTH, held, &strains);

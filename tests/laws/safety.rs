@@ -2,8 +2,8 @@
 
 use crate::meso::meso;
 use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
-use meso_solve::law::point::ramp;
-use meso_solve::law::{Law, Tensor, cdpm2 as options};
+use meso_element::law::point::ramp;
+use meso_element::law::{Law, Tensor, cdpm2 as options};
 
 /// Numbers from -1 to 1, the same every time.
 pub(crate) struct Dice(pub(crate) u64);

@@ -15,8 +15,9 @@ mod supports;
 
 pub use beyond_peak::BeyondPeak;
 pub use curve::{Extra, Figures, Row};
-pub use frame::{Frame, Mean, Point};
+pub use frame::{Frame, Mean};
 pub use lateral::Lateral;
+pub use meso_element::block::probe::Point;
 pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::{Run, checkpoint_note, device};

@@ -1,12 +1,13 @@
 //! Response of a specimen to a test.
 
-use crate::element::tet::{Shape, corners};
+use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
 use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, Gauge, LawName, Smoothing, TestKind};
+use crate::test::{Control, Gauge, Smoothing, TestKind};
+use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -286,13 +287,13 @@ impl Summary {
         self.warn_of_speed();
         if self.hourglass_over_internal > HOURGLASS {
             let share = 100.0 * self.hourglass_over_internal;
-            let way_out = "take smaller elements or a smaller test.hourglass";
+            let way_out = "take smaller elements or less hourglass stiffness";
             self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
         }
         if self.energy_balance_error > BALANCE {
             let share = 100.0 * self.energy_balance_error;
             self.errors
-                .push(format!("the energy balance is off by {share:.2} % of the work; shorten test.time_step_s"));
+                .push(format!("the energy balance is off by {share:.2} % of the work; take a smaller time step"));
         }
     }
 
@@ -303,7 +304,7 @@ impl Summary {
             let share = 100.0 * share;
             format!(
                 "the test was not quasi-static before its peak: its kinetic energy was {share:.1} % of the internal energy, so \
-                 its strength is that of a fast test; lengthen test.duration_s"
+                 its strength is that of a fast test; take a longer duration"
             )
         })
     }
@@ -318,12 +319,12 @@ impl Summary {
         let reached = format!("the kinetic energy reached {share:.1} % of the internal energy");
         // No row to half the peak: it broke within the ramp.
         let text = if before > SLOW || before == 0.0 {
-            format!("{reached}; lengthen test.duration_s")
+            format!("{reached}; take a longer duration")
         } else {
             let before = 100.0 * before;
             format!(
                 "{reached}, {before:.1} % until the stress had fallen to half its peak; to calm the collapse beyond, \
-                 lengthen test.duration_s"
+                 take a longer duration"
             )
         };
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }

@@ -7,9 +7,9 @@ mod recipes;
 pub use load::{Along, Expansion, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 
 use crate::error::{SolveError, TEST};
-use crate::lanes::InstructionSet;
 use crate::sample::Geometry;
 use meso_concrete::OutOfRange;
+use meso_element::{InstructionSet, LawName};
 use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -97,21 +97,6 @@ pub enum Control {
     Servo,
     /// Whatever happens, as in a deck.
     Steady,
-}
-
-/// The law of mortar and ITZ; aggregates and fibres are elastic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum LawName {
-    /// Linear elasticity.
-    Elastic,
-    /// Concrete damaged plasticity, as in the decks.
-    Cdp,
-    /// CDPM2, with the parameters of its paper beside those of `[materials]`.
-    Cdpm2,
-    /// Mortar between grains: cracks by the signs of stress, and crushing that leaves friction.
-    Meso,
 }
 
 /// Where strains belong to.

@@ -200,7 +200,7 @@ fn flag(result: &Summary) {
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
     if let Some(text) = result.dynamic_before_the_peak() {
-        stderr::line(format!("warning: {}", with_flags(&text)));
+        stderr::line(format!("warning: {text}"));
     }
     if !quiet && result.test != TestKind::Expansion {
         stderr::line(format!(
@@ -217,19 +217,10 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     }
     // Warnings of the mesh were printed before the first step.
     let late = result.warnings.iter().skip(result.mesh_warnings);
-    late.for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
-    result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
+    late.for_each(|warning| stderr::line(format!("warning: {warning}")));
+    result.errors.iter().for_each(|error| stderr::line(format!("error: {error}")));
     if result.ended == Ended::Stopped {
         let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;
         stderr::line(format!("stopped after {share:.0} % of the strain; the curve is valid until there"));
     }
-}
-
-/// The engine speaks of `test.time_step_s`, the user typed `--time-step`.
-fn with_flags(text: &str) -> String {
-    let flags = ["duration_s", "time_step_s", "friction", "strain", "frames"];
-    flags.iter().fold(text.to_owned(), |text, key| {
-        let flag = key.trim_end_matches("_s").replace('_', "-");
-        text.replace(&format!("test.{key}"), &format!("--{flag}"))
-    })
 }

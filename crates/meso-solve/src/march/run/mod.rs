@@ -13,11 +13,7 @@ pub use checkpoint::checkpoint_note;
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
-use crate::block::matter::{self, Matter};
-use crate::block::{Block, Common, PHASES, Pass, Scratch};
-use crate::element::face::CohesionValues;
 use crate::error::SolveError;
-use crate::lanes::InstructionSet;
 use crate::march::curve::{Extra, Row};
 use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::Nodes;
@@ -26,7 +22,12 @@ use crate::march::servo::Servo;
 use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
 use crate::test::load::TurnOf;
-use crate::test::{Control, LawName, Smoothing, Test};
+use crate::test::{Control, Smoothing, Test};
+use meso_element::LawName;
+use meso_element::block::matter::{self, Matter};
+use meso_element::block::{Block, Common, PHASES, Pass, Scratch};
+use meso_element::face::CohesionValues;
+use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
@@ -310,7 +311,7 @@ impl<'a> Run<'a> {
             rest = more;
         }
         blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
-            SCRATCH.with_borrow_mut(|scratch| *spent = set.run(Pass { block, common, displacement, out, scratch }));
+            SCRATCH.with_borrow_mut(|scratch| *spent = set.step(Pass { block, common, displacement, out, scratch }));
         });
     }
 
