@@ -117,7 +117,9 @@ def of_seed(seed: int, side: float) -> list[Case]:
         found.append(Case("elements", f"{size}", seed, (50.0,) * 3, press, element_mm=size))
     short = {"friction": "0.1", "strain": "0.004"}
     for fraction in (0.0, 0.2, 0.4, 0.6):
-        found.append(Case("fraction", f"{fraction}", seed, (min(side, 72.0),) * 3, short, fraction=fraction))
+        # No packing is empty: mortar has a few grains.
+        packed = max(fraction, 0.002)
+        found.append(Case("fraction", f"{fraction}", seed, (min(side, 72.0),) * 3, short, fraction=packed))
     for mu in ("0.1", "0.6"):
         found.append(Case("mini", mu, seed, (MINI_MM,) * 3, {"friction": mu, "strain": "0.012"}))
     found.append(Case("vonk", "150", seed, (LARGE_MM,) * 3, {"friction": "0.1", "strain": "0.006"}))

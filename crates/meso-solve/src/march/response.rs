@@ -222,10 +222,11 @@ fn balance_error(rows: &[Row]) -> f64 {
     if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
 }
 
-/// Figures of the first gauge of lateral strain, if the specimen is pressed.
+/// Figures of the first gauge of lateral strain, if the specimen is pressed along one axis.
 fn lateral(run: &Run) -> Lateral {
     let is_lateral = |gauge: &Gauge| matches!(gauge, Gauge::LateralStrain { .. });
-    let gauge = run.test.gauges().into_iter().find(is_lateral).filter(|_| run.supports.sign < 0.0);
+    let is_free = run.supports.sign < 0.0 && run.test.kind != TestKind::Biaxial;
+    let gauge = run.test.gauges().into_iter().find(is_lateral).filter(|_| is_free);
     let (rows, extra) = (&run.state.rows, run.extra());
     let column = gauge.and_then(|gauge| extra.names.iter().position(|name| name == gauge.name()));
     let all = |column: usize| (0..rows.len()).map(|row| extra.row(row)[column]).collect::<Vec<f64>>();
