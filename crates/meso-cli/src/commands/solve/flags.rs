@@ -31,7 +31,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) strain: Option<f64>,
     #[arg(long, value_parser = names::parser::<LawName>())]
-    #[arg(help = format!("The law of mortar and ITZ [default: {}]", names::of(&Test::default().law)))]
+    #[arg(help = format!(
+        "The law of mortar and ITZ: cdp is the twin of a deck, meso suits curves beyond the peak and specimens under \
+         pressure [default: {}]",
+        names::of(&Test::default().law)
+    ))]
     pub(super) law: Option<LawName>,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
