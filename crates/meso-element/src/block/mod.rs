@@ -126,12 +126,18 @@ impl Scratch {
         Self { u: vectors(), forces: vectors() }
     }
 
-    /// Takes in the displacements of `block`'s nodes.
-    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]]) {
-        let origin = displacement[block.nodes[0] as usize];
+    /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
+    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
+        let first = block.nodes[0] as usize;
+        let origin = displacement[first];
         for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
-            let u = displacement[node as usize];
-            *own = [(u[0] - origin[0]) as f32, (u[1] - origin[1]) as f32, (u[2] - origin[2]) as f32, 0.0];
+            let node = node as usize;
+            let u = displacement[node];
+            let mut relative = [u[0] - origin[0], u[1] - origin[1], u[2] - origin[2]];
+            if let Some(Free { ground, places, .. }) = free {
+                (0..3).for_each(|k| relative[k] -= ground * (places[node][k] - places[first][k]));
+            }
+            *own = [relative[0] as f32, relative[1] as f32, relative[2] as f32, 0.0];
         }
         self.forces[..block.nodes.len()].fill([0.0; 4]);
     }
@@ -152,8 +158,35 @@ pub struct Common {
     pub hourglass: f64,
     /// Width of crack bands in hexahedra, mm.
     pub band_mm: f64,
-    /// Linear strain that each phase has now without stress; none in tests without expansion.
-    pub free: Option<[f64; 5]>,
+    /// Strains that phases have now without stress; none in tests without expansion.
+    pub free: Option<Free>,
+}
+
+/// Linear strains that phases have without stress.
+///
+/// The mortar's strain is subtracted from displacements in f64, before they become f32. A body that expands evenly then has
+/// no stress, where differences of rounded strains left 1e-5 of Young's modulus times the strain.
+#[derive(Clone, Debug)]
+pub struct Free {
+    /// Strain of the mortar.
+    ground: f64,
+    /// Strain of each phase less the mortar's.
+    over: [f64; 5],
+    /// Places of the nodes by the engine's numbers, mm.
+    places: Vec<[f64; 3]>,
+}
+
+impl Free {
+    /// No strain yet.
+    pub fn new(places: Vec<[f64; 3]>) -> Self {
+        Self { ground: 0.0, over: [0.0; 5], places }
+    }
+
+    /// Sets the strains of all phases.
+    pub fn set(&mut self, strains: [f64; 5]) {
+        self.ground = strains[Phase::Mortar as usize];
+        self.over = strains.map(|strain| strain - self.ground);
+    }
 }
 
 /// Materials of phases, before those of stones that break.
@@ -164,6 +197,12 @@ impl Common {
     pub fn place(&self, phase: Phase, owner: u32) -> u16 {
         let stone = if phase == Phase::Aggregate { self.stones.get(owner as usize) } else { None };
         stone.copied().unwrap_or(phase as u16)
+    }
+
+    /// Strain of a phase without stress, less the one that [`Scratch::take_in`] subtracts.
+    #[inline(always)]
+    pub(crate) fn over<R: Real>(&self, phase: Phase) -> Option<R> {
+        self.free.as_ref().map(|free| R::splat(free.over[phase as usize]))
     }
 
     /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
@@ -195,13 +234,13 @@ impl Task for Pass<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
         let Self { block, common, displacement, out, scratch } = self;
-        scratch.take_in(block, displacement);
+        scratch.take_in(block, displacement, common.free.as_ref());
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
             let Group { phase, matter, cells, memory, dissipated, hourglass, .. } = group;
             let matter = &common.matter[usize::from(*matter)];
-            let free = common.free.map(|free| L::splat(free[*phase as usize]));
+            let free = common.over(*phase);
             let spent = match cells {
                 Batch::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),
                 Batch::Patches8(cells) => uniform::<L, 7>(cells, matter, (memory, free), u, forces),

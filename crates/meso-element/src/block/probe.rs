@@ -49,7 +49,7 @@ impl Task for Probe<'_> {
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { block, common, displacement } = self;
         let mut scratch = Scratch::new();
-        scratch.take_in(block, displacement);
+        scratch.take_in(block, displacement, common.free.as_ref());
         let mut points = Vec::new();
         for group in &block.groups {
             let matter = &common.matter[usize::from(group.matter)];
@@ -82,7 +82,7 @@ impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
             Batch::Triangles(_) | Batch::Quads(_) => Vec::new(),
         };
         let remembered = group.memory.len() / strains.len().max(1);
-        let free = common.free.map(|free| L::splat(free[group.phase as usize]));
+        let free = common.over(group.phase);
         let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
         let mut points = Vec::with_capacity(strains.len() * LANES);
         for (i, (strain, width)) in strains.iter().enumerate() {

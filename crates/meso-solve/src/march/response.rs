@@ -165,7 +165,7 @@ impl Response {
         let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
-            friction: run.test.friction,
+            friction: run.test.friction(),
             control: run.test.control,
             law: run.test.law,
             smoothing: run.test.smoothing(run.sample.mesh.kind),
@@ -278,6 +278,7 @@ impl Summary {
     fn warn(&mut self, run: &Run) {
         self.mesh_warnings = self.warnings.len();
         self.warn_of_the_laws(run);
+        self.warn_of_strips(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -329,6 +330,22 @@ impl Summary {
             )
         };
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
+    }
+
+    /// Warns of splitting strips that are narrower than two elements: one row of nodes cuts into the specimen like a wedge.
+    fn warn_of_strips(&mut self, run: &Run) {
+        let size = run.sample.element_size_mm;
+        let Some(width) = run.test.splitting_strip_mm(&run.sample.geometry()).filter(|width| *width < 2.0 * size)
+        else {
+            return;
+        };
+        let rounded = |mm: f64| (1e3 * mm).round() / 1e3;
+        self.warnings.push(format!(
+            "the strips are {} mm wide and the elements {size} mm, so that fewer than three rows of nodes lie under a strip \
+             and cut into the specimen; take elements of {} mm",
+            rounded(width),
+            rounded(0.5 * width)
+        ));
     }
 
     /// Warns of bands that are too wide for the energy of cracking or crushing.

@@ -7,7 +7,7 @@ use super::{Run, Since, State};
 use crate::error::SolveError;
 use crate::march::curve::Row;
 use crate::march::path::Leg;
-use crate::march::servo::Servo;
+use crate::march::servo::{Follower, Servo};
 use crate::march::supports::{Held, MOST};
 use meso_element::block::{Block, Common, Group};
 use meso_element::lanes::LANES;
@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 9;
+const VERSION: u64 = 10;
 /// Bytes of a SHA-256.
 const SEAL: usize = 32;
 const DAMAGED: &str = "the file is cut off or damaged";
@@ -58,6 +58,7 @@ impl Run<'_> {
         let State { external, internal, friction, kinetic, spent, .. } = *state;
         numbers(out, &[external, internal, friction, kinetic, spent])?;
         numbers(out, &state.servo.values())?;
+        numbers(out, &state.follower.values())?;
         numbers(out, &state.leg.values())?;
         numbers(out, state.held.as_flattened())?;
         numbers(out, &state.forces)?;
@@ -105,7 +106,8 @@ impl Run<'_> {
         let (step, rows) = (word(from)?, word(from)?);
         let [time, progress, added, speed, travel] = some(from)?;
         let [external, internal, friction, kinetic, spent] = some(from)?;
-        let (servo, leg) = (Servo::from_values(some(from)?), Leg::from_values(some(from)?));
+        let (servo, follower) = (Servo::from_values(some(from)?), Follower::from_values(some(from)?));
+        let leg = Leg::from_values(some(from)?);
         let mut held = [Held::default(); MOST];
         fill(from, held.as_flattened_mut())?;
         let (forces, since) = (some(from)?, some(from)?);
@@ -120,6 +122,7 @@ impl Run<'_> {
             added,
             speed,
             servo,
+            follower,
             travel,
             leg,
             held,
