@@ -1,6 +1,7 @@
 //! `mesocrete study`: every combination of some options, one folder each, and one table of all.
 
 mod file;
+mod flag_files;
 mod steps;
 
 use super::values;
