@@ -94,6 +94,12 @@ pub(crate) fn cases(
     drive(file, &plan, out, &Working { given, jobs, again: Again::Failed }, &shown)
 }
 
+/// Refuses a study that another command made, where a flag of a case is wrong.
+pub(crate) fn check(file: &StudyFile, out: &Path) -> Result<(), Failure> {
+    let given = Given { threads: None, gmsh: None };
+    checked_plan(file, out, &given, &Shown::new(true)).map(drop)
+}
+
 /// How cases are worked on.
 struct Working {
     given: Given,
