@@ -411,6 +411,29 @@ fn a_changed_file_of_materials_changes_the_cases_that_use_it() {
     assert_ne!(before[1], after[1]);
 }
 
+/// The audit of new features: a study kept the results of an old TEST.toml, and of materials in a list of one.
+#[test]
+fn a_changed_test_file_beside_a_study_changes_the_cases_that_use_it() {
+    let study = "[solve]\nelement-size-mm = 5\ntest = 'T.TOML'\nmaterials = ['a.toml']\n[over]\nsolve.test = ['T.TOML', 'tension']\n";
+    let folder = folder("");
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    folder.write("sub/STUDY.toml", tiny_then(study));
+    folder.write("sub/T.TOML", "kind = 'compression'\n");
+    folder.write("sub/a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 25000\n");
+    let names = || -> Vec<String> {
+        let listed = folder.run(&["study", "sub/STUDY.toml", "--dry-run"]);
+        assert_eq!(listed.code, 0, "{}", listed.stderr);
+        String::from_utf8(listed.stdout).unwrap().lines().map(str::to_owned).collect()
+    };
+    let before = names();
+    folder.write("sub/T.TOML", "kind = 'compression'\nramp = 0.2\n");
+    let after = names();
+    assert!(before[0] != after[0] && before[1] == after[1], "{before:?} {after:?}");
+    folder.write("sub/a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 26000\n");
+    let last = names();
+    assert!(after[0] != last[0] && after[1] != last[1], "{after:?} {last:?}");
+}
+
 #[test]
 fn a_study_on_standard_output_is_refused_and_makes_no_folder() {
     let folder = Folder::new();

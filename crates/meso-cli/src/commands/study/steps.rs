@@ -1,6 +1,6 @@
 //! The steps of each case: pack, write, mesh, solve. Flags in a study are the commands' own.
 
-use super::beside;
+use super::{beside, flag_files};
 use crate::commands::{mesh, solve};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{Target, Unit};
@@ -212,7 +212,7 @@ fn words(
         {
             return Err(Failure::Usage(format!("[{section}] {key} is set by the study; remove it")));
         }
-        if flag == "materials-sha256" {
+        if flag_files::is_hash(&flag) {
             continue;
         }
         // Its content would not belong to the case.
@@ -228,8 +228,8 @@ fn words(
                     Names::default().claim("[mesh] output", name).map_err(|error| Failure::Usage(error.to_string()))?;
                     line.push(format!("--output={}", folder.join(name).display()));
                 }
-                (Value::String(file), _) if flag == "materials" => {
-                    line.push(format!("--materials={}", beside(study, file).display()));
+                (Value::String(file), _) if flag_files::is_file(&flag, file) => {
+                    line.push(format!("--{flag}={}", beside(study, file).display()));
                 }
                 (Value::String(text), _) => line.push(format!("--{flag}={text}")),
                 (value, _) => line.push(format!("--{flag}={value}")),
