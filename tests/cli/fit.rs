@@ -13,7 +13,7 @@ fn measured() -> Folder {
     folder.write("SPEC.toml", SPEC);
     folder.write(
         "known.toml",
-        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.003\ntensile_mpa = 4.25\n",
+        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.0035\ntensile_mpa = 4.25\n",
     );
     let flags =
         ["solve", "SPEC.toml", "-o", "known", "--materials", "known.toml", "--strain", "0.006", "--frames", "0"];
@@ -44,7 +44,7 @@ fn a_fit_finds_the_mortar_of_a_curve_of_our_own_and_resumes() {
     assert_eq!(last["points"].as_array().unwrap()[..5], first["points"].as_array().unwrap()[..]);
     let of = |key: &str| last["parameters"][key]["value"].as_f64().unwrap();
     let [strength, strain] = [of("compressive_mpa"), of("peak_strain")];
-    assert!((strength / 50.0 - 1.0).abs() < 0.03 && (strain / 0.003 - 1.0).abs() < 0.2, "{last:#}");
+    assert!((strength / 50.0 - 1.0).abs() < 0.03 && (strain / 0.0035 - 1.0).abs() < 0.05, "{last:#}");
     assert!(last["misfit"].as_f64() < first["misfit"].as_f64(), "{last:#}");
     let text = String::from_utf8(folder.read("fit/materials.toml")).unwrap();
     assert!(text.contains("# compressive_mpa ") && text.contains("[materials.mortar_strength]"), "{text}");

@@ -25,7 +25,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     pub(super) materials: Option<PathBuf>,
     /// Friction between plates and specimen
-    #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
+    #[arg(long, value_name = "MU", default_value_t = Test::default().friction(), value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
     pub(super) friction: f64,
     /// Mean axial strain at the end [default: 1.15 times the last one of the curve]

@@ -8,3 +8,4 @@ mod watch;
 
 pub(crate) use flags::{Args, is_toml};
 pub(crate) use run::run;
+pub(crate) use settings::take_history;

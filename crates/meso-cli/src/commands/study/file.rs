@@ -2,6 +2,7 @@
 
 use super::steps::{Given, Steps};
 use super::{beside, flag_files};
+use crate::commands::solve;
 use crate::failure::Failure;
 use crate::inputs;
 use meso_core::SpecError;
@@ -28,6 +29,7 @@ struct Content {
     over: Map<String, Value>,
     mesh: Option<Map<String, Value>>,
     solve: Option<Map<String, Value>>,
+    test: Option<Value>,
 }
 
 /// A STUDY.toml and its place.
@@ -61,9 +63,15 @@ impl StudyFile {
         for (name, flags) in [("mesh", content.mesh), ("solve", content.solve)] {
             task.extend(flags.map(|flags| (name.to_owned(), Value::Object(flags))));
         }
+        if let Some(test) = content.test {
+            let is_clear = task.get("solve").is_some_and(|solve| solve.get("test").is_none());
+            let why = "test is the test of [solve], which must be there, without a test of its own";
+            is_clear.then_some(()).ok_or_else(|| wrong(why.to_owned()))?;
+            task.insert("test".to_owned(), test_tree(test, path)?);
+        }
         for axis in &axes {
             let section = axis.key.split('.').next().unwrap_or_default();
-            if ["mesh", "solve"].contains(&section) && !task.contains_key(section) {
+            if ["mesh", "solve", "test"].contains(&section) && !task.contains_key(section) {
                 return Err(wrong(format!("over.{} changes [{section}], which is not there; add it", axis.key)));
             }
         }
@@ -74,7 +82,7 @@ impl StudyFile {
     pub(super) fn alone(text: &str) -> Result<Option<Self>, Failure> {
         let wrong = |error: SpecError| Failure::Usage(error.to_string());
         let content: Content = options_from_toml(text).map_err(wrong)?;
-        if content.spec.as_ref().is_some_and(Value::is_string) {
+        if [&content.spec, &content.test].into_iter().flatten().any(Value::is_string) {
             return Ok(None);
         }
         let study = Self::of(content, Path::new("STUDY.toml"))?;
@@ -162,6 +170,23 @@ impl Planning for Completing<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The tree of a test: a table, or the content of a TEST.toml.
+fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
+    match test {
+        Value::String(name) => {
+            let file = beside(path, &name);
+            let mut tree: Value = inputs::toml(&file, options_from_toml)?;
+            solve::take_history(&mut tree, &file)?;
+            Ok(tree)
+        }
+        Value::Object(_) => Ok(test),
+        other => {
+            let why = format!("test is {other}; it must be a [test] table or the name of a TEST.toml");
+            Err(Failure::Usage(format!("{}: {why}", path.display())))
+        }
     }
 }
 

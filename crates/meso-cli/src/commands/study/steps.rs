@@ -75,7 +75,8 @@ impl Steps {
             line.args.validate().map(|()| line.args)
         });
         let solve = solve_line.map(|line| -> Result<_, Failure> {
-            let line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            let mut line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            case.task.get("test").map_or(Ok(()), |test| line.args.set_test(test))?;
             line.args.validate_alone().map(|()| line.args)
         });
         let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
@@ -213,6 +214,11 @@ fn words(
         }
         if flag_files::is_hash(&flag) {
             continue;
+        }
+        // Its content would not belong to the case.
+        if flag == "test" && value.as_str().is_some_and(|name| name.ends_with(".toml")) {
+            let message = format!("[{section}] test is {value}; write test = {value} above the tables of the study");
+            return Err(Failure::Usage(message));
         }
         let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
         for value in values {

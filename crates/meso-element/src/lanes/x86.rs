@@ -1,14 +1,14 @@
 //! Lanes in one AVX register.
 #![allow(unsafe_code)]
 
-use super::{Eight, LANES, Lanes, Task, Vectors};
+use super::{LANES, Lanes, Octet, Task, Vectors};
 use crate::real::Real;
 use meso_collision::simd::Isa;
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Eight f32. Values exist only within [`on_avx2`] and [`on_avx512`], which have found their instruction set: that is
-/// the safety of every intrinsic below.
+/// Eight f32. Values exist only within [`on_avx2`], which has found the instruction set: that is the safety of every
+/// intrinsic below.
 #[derive(Clone, Copy)]
 pub(super) struct Avx(__m256);
 
@@ -26,20 +26,6 @@ pub(super) fn on_avx2<T: Task>(task: T) -> T::Output {
         task.run::<Avx>()
     }
     assert!(Isa::best() >= Isa::Avx2);
-    // SAFETY: the features are there.
-    unsafe { run(task) }
-}
-
-/// Runs `task` with AVX-512's 32 registers and its masks.
-///
-/// # Panics
-/// On a machine without it.
-pub(super) fn on_avx512<T: Task>(task: T) -> T::Output {
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")]
-    fn run<T: Task>(task: T) -> T::Output {
-        task.run::<Avx>()
-    }
-    assert!(Isa::best() >= Isa::Avx512);
     // SAFETY: the features are there.
     unsafe { run(task) }
 }
@@ -177,12 +163,12 @@ impl Real for Avx {
 
 impl Lanes for Avx {
     #[inline(always)]
-    fn load(from: &Eight) -> Self {
+    fn load(from: &Octet) -> Self {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
         unsafe { Self(_mm256_load_ps(from.0.as_ptr())) }
     }
     #[inline(always)]
-    fn store(self, to: &mut Eight) {
+    fn store(self, to: &mut Octet) {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
         unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
     }

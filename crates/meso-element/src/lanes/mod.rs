@@ -1,7 +1,7 @@
 //! Eight elements at a time: registers of f32, chosen at run time, the same bits on every instruction set.
 //!
-//! The width is eight everywhere, so that forces are summed in one order. AVX-512 gains by its 32 registers alone;
-//! other machines take the portable lanes, which compilers turn into NEON on arm64.
+//! The width is eight everywhere, so that forces are summed in one order. AVX-512 would bring 32 registers alone, which
+//! gain nothing. Other machines take the portable lanes, which compilers turn into NEON on arm64.
 //!
 //! All functions are inlined into one that was compiled for the instruction set; a call left standing would be correct
 //! and slow.
@@ -16,35 +16,35 @@ use portable::Portable;
 use serde::{Deserialize, Serialize};
 
 /// Elements side by side.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// Eight numbers in memory, aligned for one load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
-pub(crate) struct Eight(pub(crate) [f32; LANES]);
+pub struct Octet(pub [f32; LANES]);
 
-impl Eight {
+impl Octet {
     /// Their sum, in f64 and in their order.
-    pub(crate) fn sum(&self) -> f64 {
+    pub fn sum(&self) -> f64 {
         self.0.iter().map(|&x| f64::from(x)).sum()
     }
 }
 
 /// Vectors of a block's nodes; the fourth number is padding. As many as a u16 can name: no index needs a check.
-pub(crate) type Vectors = [[f32; 4]; 1 << 16];
+pub type Vectors = [[f32; 4]; 1 << 16];
 
 /// Zeros; pages that no block reaches never become resident.
-pub(crate) fn vectors() -> Box<Vectors> {
+pub fn vectors() -> Box<Vectors> {
     let zeros = vec![[0.0f32; 4]; 1 << 16].into_boxed_slice();
     zeros.try_into().expect("a vector of that length")
 }
 
 /// A register of eight f32.
-pub(crate) trait Lanes: Real + 'static {
+pub trait Lanes: Real + 'static {
     /// From memory.
-    fn load(from: &Eight) -> Self;
+    fn load(from: &Octet) -> Self;
     /// To memory.
-    fn store(self, to: &mut Eight);
+    fn store(self, to: &mut Octet);
     /// x, y and z of eight nodes.
     fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3];
     /// Adds x, y and z to eight nodes, one after the other.
@@ -52,15 +52,15 @@ pub(crate) trait Lanes: Real + 'static {
 
     /// To memory, as a value.
     #[inline(always)]
-    fn eight(self) -> Eight {
-        let mut eight = Eight::default();
+    fn eight(self) -> Octet {
+        let mut eight = Octet::default();
         self.store(&mut eight);
         eight
     }
 }
 
 /// Work on lanes. Give `run` and all that it calls `#[inline(always)]`.
-pub(crate) trait Task {
+pub trait Task {
     /// The answer.
     type Output;
     /// Does the work with registers `L`.
@@ -76,14 +76,12 @@ pub enum InstructionSet {
     Portable,
     /// AVX2 and FMA.
     Avx2,
-    /// AVX-512 F, VL, DQ and BW.
-    Avx512,
 }
 
 impl InstructionSet {
     /// Instruction sets of this machine, slowest first.
     pub fn available() -> Vec<Self> {
-        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2), (Self::Avx512, Isa::Avx512)];
+        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2)];
         let best = Isa::best();
         all.into_iter().filter(|(_, isa)| *isa <= best).map(|(set, _)| set).collect()
     }
@@ -94,21 +92,19 @@ impl InstructionSet {
     }
 
     /// This one where the machine has it, else the best.
-    pub(crate) fn or_best(self) -> Self {
+    pub fn or_best(self) -> Self {
         if Self::available().contains(&self) { self } else { Self::best() }
     }
 
     /// Runs `task`, compiled for this set, which must come from [`available`](Self::available).
     #[inline]
-    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+    pub fn run<T: Task>(self, task: T) -> T::Output {
         match self {
             Self::Portable => task.run::<Portable>(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => x86::on_avx2(task),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => x86::on_avx512(task),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => task.run::<Portable>(),
+            Self::Avx2 => task.run::<Portable>(),
         }
     }
 }
