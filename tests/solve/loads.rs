@@ -117,6 +117,9 @@ fn gauges_read_what_the_frames_show() {
     let row = response.curve.iter().position(|row| row.stress_mpa > 10.0).unwrap();
     let (axial, lateral) = (column(&response, "lvdt")[row], column(&response, "lateral")[row]);
     assert!((lateral / axial - 0.2).abs() < 0.02, "{axial} {lateral}");
+    let figures = response.result.lateral;
+    assert!((figures.poisson_ratio.unwrap() - 0.2).abs() < 0.02, "{figures:?}");
+    assert!((0.3..=1.0).contains(&figures.least_volume_over_peak.unwrap()), "{figures:?}");
     for name in ["bottom_n", "top_n"] {
         let stress = column(&response, name)[row] / (12.0 * 15.0);
         assert!((stress / response.curve[row].stress_mpa - 1.0).abs() < 0.02, "{name} {stress}");

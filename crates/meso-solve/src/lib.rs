@@ -17,8 +17,8 @@ mod test;
 
 pub use error::SolveError;
 pub use march::{
-    BeyondPeak, Ended, Energies, Extra, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run,
-    Summary, checkpoint_note, device,
+    BeyondPeak, Ended, Energies, Extra, Figures, Frame, Lateral, Mean, Observer, PhaseResult, Point, Response, Row,
+    Run, Summary, checkpoint_note, device,
 };
 pub use meso_element::{InstructionSet, LawName, law, real};
 pub use sample::{Geometry, Sample, gross_section_mm2};

@@ -127,14 +127,14 @@ impl Scratch {
     }
 
     /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
-    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&FreeStrain>) {
+    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
         let first = block.nodes[0] as usize;
         let origin = displacement[first];
         for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
             let node = node as usize;
             let u = displacement[node];
             let mut relative = [u[0] - origin[0], u[1] - origin[1], u[2] - origin[2]];
-            if let Some(FreeStrain { ground, places, .. }) = free {
+            if let Some(Free { ground, places, .. }) = free {
                 (0..3).for_each(|k| relative[k] -= ground * (places[node][k] - places[first][k]));
             }
             *own = [relative[0] as f32, relative[1] as f32, relative[2] as f32, 0.0];
@@ -159,7 +159,7 @@ pub struct Common {
     /// Width of crack bands in hexahedra, mm.
     pub band_mm: f64,
     /// Strains that phases have now without stress; none in tests without expansion.
-    pub free: Option<FreeStrain>,
+    pub free: Option<Free>,
 }
 
 /// Linear strains that phases have without stress.
@@ -167,7 +167,7 @@ pub struct Common {
 /// The mortar's strain is subtracted from displacements in f64, before they become f32. A body that expands evenly then has
 /// no stress, where differences of rounded strains left 1e-5 of Young's modulus times the strain.
 #[derive(Clone, Debug)]
-pub struct FreeStrain {
+pub struct Free {
     /// Strain of the mortar.
     ground: f64,
     /// Strain of each phase less the mortar's.
@@ -176,7 +176,7 @@ pub struct FreeStrain {
     places: Vec<[f64; 3]>,
 }
 
-impl FreeStrain {
+impl Free {
     /// No strain yet.
     pub fn new(places: Vec<[f64; 3]>) -> Self {
         Self { ground: 0.0, over: [0.0; 5], places }
@@ -201,7 +201,7 @@ impl Common {
 
     /// Strain of a phase without stress, less the one that [`Scratch::take_in`] subtracts.
     #[inline(always)]
-    pub fn over<R: Real>(&self, phase: Phase) -> Option<R> {
+    pub(crate) fn over<R: Real>(&self, phase: Phase) -> Option<R> {
         self.free.as_ref().map(|free| R::splat(free.over[phase as usize]))
     }
 

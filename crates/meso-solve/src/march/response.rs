@@ -4,8 +4,9 @@ use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
 use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
+use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, Smoothing, TestKind};
+use crate::test::{Control, Gauge, Smoothing, TestKind};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::Serialize;
@@ -71,6 +72,9 @@ pub struct Summary {
     /// Figures of the curve beyond its peak.
     #[serde(flatten)]
     pub beyond_peak: BeyondPeak,
+    /// Figures of a gauge of lateral strain on a specimen that is pressed.
+    #[serde(flatten)]
+    pub lateral: Lateral,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
     /// Largest kinetic over internal energy until the stress has fallen to half its peak.
@@ -174,6 +178,7 @@ impl Response {
             added_mass_percent: run.added_mass_percent(),
             figures: Figures::of(rows),
             beyond_peak: BeyondPeak::of(rows, run.supports.length_mm),
+            lateral: lateral(run),
             kinetic_over_internal_max: largest(rows, kinetic),
             kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
             energy_balance_error: balance_error(rows),
@@ -215,6 +220,17 @@ fn balance_error(rows: &[Row]) -> f64 {
     let work = rows.iter().map(|row| row.external.abs()).fold(0.0, f64::max);
     let off = |row: &Row| (row.external - row.internal - row.kinetic - row.friction_work).abs();
     if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
+}
+
+/// Figures of the first gauge of lateral strain, if the specimen is pressed along one axis.
+fn lateral(run: &Run) -> Lateral {
+    let is_lateral = |gauge: &Gauge| matches!(gauge, Gauge::LateralStrain { .. });
+    let is_free = run.supports.sign < 0.0 && run.test.kind != TestKind::Biaxial;
+    let gauge = run.test.gauges().into_iter().find(is_lateral).filter(|_| is_free);
+    let (rows, extra) = (&run.state.rows, run.extra());
+    let column = gauge.and_then(|gauge| extra.names.iter().position(|name| name == gauge.name()));
+    let all = |column: usize| (0..rows.len()).map(|row| extra.row(row)[column]).collect::<Vec<f64>>();
+    column.map_or_else(Lateral::default, |column| Lateral::of(rows, &all(column)))
 }
 
 /// Damage beyond which a cell of stone is broken.

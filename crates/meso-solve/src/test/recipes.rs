@@ -6,7 +6,7 @@ use crate::test::TestKind;
 const COMMON: &str = "\
 # strain = 0.005            # at the end
 # friction = 0.1            # between plates and specimen
-# law = \"cdp\"               # elastic, cdp or cdpm2
+# law = \"cdp\"               # elastic, cdp, cdpm2 or meso
 # control = \"servo\"         # or steady, crack-mouth, lateral-strain
 # history = \"turns.csv\"     # turns of the path: a column strain, stress_mpa or opening_mm
 

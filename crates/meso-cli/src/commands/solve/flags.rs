@@ -5,7 +5,7 @@ use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
 use meso_gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -31,7 +31,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) strain: Option<f64>,
     #[arg(long, value_parser = names::parser::<LawName>())]
-    #[arg(help = format!("The law of mortar and ITZ [default: {}]", names::of(&Test::default().law)))]
+    #[arg(help = format!(
+        "The law of mortar and ITZ: cdp is the twin of a deck, meso suits curves beyond the peak and specimens under \
+         pressure [default: {}]",
+        names::of(&Test::default().law)
+    ))]
     pub(super) law: Option<LawName>,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
@@ -98,10 +102,14 @@ pub(super) enum TestText {
 impl TestText {
     fn read(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        if is_file {
+        if is_toml(&path) {
             return Ok(Self::File(path));
         }
         names::read(text).map(Self::Named).map_err(|why| format!("{why}, or a TEST.toml"))
     }
+}
+
+/// Whether a file is described by its ending: a spec, or a test.
+pub(crate) fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }

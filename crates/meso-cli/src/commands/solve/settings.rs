@@ -1,6 +1,6 @@
 //! The test, the mesh and the spec that the flags of `mesocrete solve` ask for.
 
-use super::flags::{Args, TestText};
+use super::flags::{Args, TestText, is_toml};
 use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
 use crate::failure::Failure;
@@ -126,7 +126,7 @@ impl Args {
 
     /// Whether there is no saved model yet.
     pub(super) fn packs(&self) -> bool {
-        self.model.as_deref().is_none_or(is_spec)
+        self.model.as_deref().is_none_or(is_toml)
     }
 
     /// Use of the mesh: a user who names no specimen makes a first test.
@@ -180,10 +180,6 @@ impl Args {
     }
 }
 
-fn is_spec(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
-}
-
 /// The test of a TEST.toml, with the table of its history, which lies beside it.
 fn of_file(path: &Path) -> Result<Test, Failure> {
     let mut test: Test = inputs::toml(path, options_from_toml)?;
@@ -211,8 +207,19 @@ pub(crate) fn take_history(tree: &mut Value, path: &Path) -> Result<(), Failure>
 }
 
 /// Keys of a TEST.toml that have no flag.
-const OF_FILES: [&str; 10] =
-    ["ramp", "rows", "hourglass", "stress_ratio", "strip_mm", "span_mm", "expansion", "supports", "turns", "history"];
+const OF_FILES: [&str; 11] = [
+    "ramp",
+    "rows",
+    "hourglass",
+    "stress_ratio",
+    "strip_mm",
+    "span_mm",
+    "expansion",
+    "supports",
+    "turns",
+    "history",
+    "gauges",
+];
 
 /// Turns an error of the engine into wrong usage; a value of the test has a flag.
 pub(super) fn wrong(error: &SolveError) -> Failure {

@@ -1,7 +1,7 @@
 //! STUDY.toml: the options that vary, and the steps after each packing.
 
-use super::beside;
 use super::steps::{Given, Steps};
+use super::{beside, flag_files};
 use crate::commands::solve;
 use crate::failure::Failure;
 use crate::inputs;
@@ -15,9 +15,6 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// A flag whose value is a file that determines the result.
-const FILE_FLAG: &str = "materials";
 
 /// Most cases of a study that is read for its own sake.
 const MOST_ALONE: usize = 50;
@@ -90,8 +87,9 @@ impl StudyFile {
         }
         let study = Self::of(content, Path::new("STUDY.toml"))?;
         let cases = study.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul);
-        let names_files =
-            study.task.to_string().contains(FILE_FLAG) || study.axes.iter().any(|axis| axis.key.ends_with(FILE_FLAG));
+        let mut values = study.task.to_string();
+        study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.key, axis.values));
+        let names_files = values.contains("materials") || values.to_lowercase().contains(".toml");
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 
@@ -163,14 +161,13 @@ impl Planning for Completing<'_> {
 
     fn complete(&mut self, task: &mut Value) -> Result<(), String> {
         for section in ["mesh", "solve"] {
-            let Some(file) = task[section][FILE_FLAG].as_str() else { continue };
-            let path = beside(self.study, file);
-            if !self.digests.contains_key(&path) {
-                // A pipe or a device would be read without end.
-                let bytes = Beside(Path::new("")).read(&path.to_string_lossy()).map_err(|error| error.to_string())?;
-                self.digests.insert(path.clone(), digest(&bytes));
+            for flag in flag_files::FLAGS {
+                let files = flag_files::of(flag, &task[section][flag]);
+                let hashes = files.map(|file| self.hash(file)).collect::<Result<Vec<_>, _>>()?;
+                if !hashes.is_empty() {
+                    task[section][flag_files::hash_key(flag)] = hashes.join(" ").into();
+                }
             }
-            task[section]["materials-sha256"] = self.digests[&path].clone().into();
         }
         Ok(())
     }
@@ -190,6 +187,18 @@ fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
             let why = format!("test is {other}; it must be a [test] table or the name of a TEST.toml");
             Err(Failure::Usage(format!("{}: {why}", path.display())))
         }
+    }
+}
+
+impl Completing<'_> {
+    fn hash(&mut self, file: &str) -> Result<String, String> {
+        let path = beside(self.study, file);
+        if let Some(known) = self.digests.get(&path) {
+            return Ok(known.clone());
+        }
+        // A pipe or a device would be read without end.
+        let bytes = Beside(Path::new("")).read(&path.to_string_lossy()).map_err(|error| error.to_string())?;
+        Ok(self.digests.entry(path).or_insert(digest(&bytes)).clone())
     }
 }
 

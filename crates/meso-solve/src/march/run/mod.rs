@@ -25,7 +25,7 @@ use crate::test::load::TurnOf;
 use crate::test::{Control, Smoothing, Test};
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
-use meso_element::block::{Block, Common, FreeStrain, PHASES, Pass, Scratch};
+use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
 use meso_element::face::CohesionValues;
 use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
         let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
-        common.free = test.expansion.map(|_| FreeStrain::new(places()));
+        common.free = test.expansion.map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
