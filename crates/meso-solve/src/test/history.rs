@@ -28,10 +28,13 @@ impl Test {
 fn turns(text: &str) -> Result<Vec<Turn>, String> {
     let is_row = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
     let mut rows = (1..).zip(text.lines()).filter(is_row);
+    let first = rows.next().map(|(_, line)| line).unwrap_or_default();
+    // A decimal comma is no comma between cells.
+    let between = [';', '\t'].into_iter().find(|sign| first.contains(*sign)).unwrap_or(',');
     let cells = |line: &str| -> Vec<String> {
-        line.split([',', ';', '\t']).map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
+        line.split(between).map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
     };
-    let header = rows.next().map(|(_, line)| cells(line)).unwrap_or_default();
+    let header = cells(first);
     let place = |name: &str| header.iter().position(|cell| cell.eq_ignore_ascii_case(name));
     let found = COLUMNS.into_iter().find_map(|(name, of)| place(name).map(|place| (place, of)));
     let (place, of) = found.ok_or("it has no column strain, stress_mpa or opening_mm in its first line")?;

@@ -102,14 +102,31 @@ pub struct SupportSpec {
     pub stress_ratio: Option<f64>,
 }
 
+/// Widest strip and longest span, mm.
+pub(super) const WIDEST_MM: f64 = 1e4;
+
+/// Checks a name that a column of `curve.csv` has.
+fn column(key: &str, name: &str) -> Result<(), OutOfRange> {
+    let met = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    TEST.require(key, name, met, "it must be letters, digits and _: a column has it")
+}
+
 impl SupportSpec {
     /// Checks every value against its range.
     pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
         let named = |key: &str| format!("supports.{}.{key}", self.name);
-        let is_name = !self.name.is_empty() && self.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        TEST.require("supports.name", &self.name, is_name, "it must be letters, digits and _: a column has it")?;
+        column("supports.name", &self.name)?;
         TEST.require(named("friction"), self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
-        TEST.require(named("moves"), self.moves, self.moves.abs() <= 1.0, "it must be -1 to 1")?;
+        let (moves, is_seen) = (self.moves.abs(), self.moves == 0.0 || self.moves.abs() >= 1e-6);
+        TEST.require(named("moves"), self.moves, moves <= 1.0 && is_seen, "it must be 0, or 1e-6 to 1 either way")?;
+        if let Some(ratio) = self.stress_ratio {
+            TEST.require(named("stress_ratio"), ratio, (0.0..=10.0).contains(&ratio), "it must be 0 to 10")?;
+        }
+        if let Some(Strip { at_mm, width_mm, .. }) = self.strip {
+            TEST.require(named("strip.at_mm"), at_mm, at_mm.abs() <= WIDEST_MM, "it must be -1e4 to 1e4")?;
+            let met = (1e-3..=WIDEST_MM).contains(&width_mm);
+            TEST.require(named("strip.width_mm"), width_mm, met, "it must be 1e-3 to 1e4")?;
+        }
         let pressure = self.pressure_mpa;
         TEST.require(named("pressure_mpa"), pressure, pressure.abs() <= 1000.0, "it must be -1000 to 1000")?;
         let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;
@@ -182,6 +199,13 @@ impl Gauge {
     /// Whether another gauge is of its kind.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
+    /// Checks its name.
+    pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
+        column("gauges.name", self.name())?;
+        let met = !self.name().ends_with("_n");
+        TEST.require("gauges.name", self.name(), met, "it must not end in _n, as columns of supports' forces do")
     }
 
     /// Name of its column.

@@ -347,11 +347,18 @@ impl Test {
         within("pressure_mpa", self.pressure_mpa, 0.0, 1000.0)?;
         within("stress_ratio", self.stress_ratio, 0.0, 10.0)?;
         for (key, value) in [("strip_mm", self.strip_mm), ("span_mm", self.span_mm)] {
-            value.map_or(Ok(()), |value| TEST.positive(key, value))?;
+            within(key, value, 1e-3, load::WIDEST_MM)?;
         }
         let expansion = self.expansion.unwrap_or_default();
         for strain in expansion.at(1.0) {
             within("expansion", Some(strain), -0.02, 0.02)?;
+            let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
+            TEST.require(
+                "expansion",
+                strain,
+                is_seen,
+                "it must be 0, or 1e-12 at least: single precision carries no less",
+            )?;
         }
         if self.kind == TestKind::Expansion && self.expansion.is_none() {
             let why =
@@ -363,8 +370,15 @@ impl Test {
             return Err(TEST.error("history", name, why));
         }
         self.supports.iter().try_for_each(SupportSpec::validate)?;
+        self.gauges.iter().try_for_each(Gauge::validate)?;
         for turn in &self.turns {
-            TEST.require("turns.at", turn.at, turn.at.is_finite(), "it must be a number")?;
+            let is_seen = turn.of != TurnOf::Strain || turn.at == 0.0 || turn.at.abs() >= LEAST_STRAIN;
+            TEST.require(
+                "turns.at",
+                turn.at,
+                turn.at.is_finite() && is_seen,
+                "it must be a number, a strain 0 or 1e-12 at least",
+            )?;
         }
         let mut names: Vec<&str> = self.gauges.iter().map(Gauge::name).collect();
         names.extend(self.supports.iter().map(|support| support.name.as_str()));
