@@ -11,8 +11,38 @@ use std::path::Path;
 
 /// Name of the record in a case's folder.
 pub const RECORD: &str = "case.json";
-/// Name of the saved model in a case's folder.
-pub const MODEL: &str = "model.json";
+/// Names that the saved model of a case may have.
+pub const MODELS: [&str; 2] = ["model.json", "model.json.gz"];
+
+/// The packing that a finished case keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Keep {
+    /// As `model.json`, so that other work can start from it.
+    #[default]
+    #[serde(rename = "json")]
+    Json,
+    /// As `model.json.gz`, in less than half of the space.
+    #[serde(rename = "json.gz")]
+    JsonGz,
+    /// None: other work on the case packs anew.
+    #[serde(rename = "none")]
+    None,
+}
+
+impl Keep {
+    /// Name of the saved model while the case is at work.
+    pub fn model(self) -> &'static str {
+        MODELS[usize::from(self == Self::JsonGz)]
+    }
+
+    /// Removes the saved model of a finished case, unless it is kept.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    pub fn tidy(self, folder: &Path) -> io::Result<()> {
+        if self == Self::None { remove(&folder.join(self.model())) } else { Ok(()) }
+    }
+}
 
 /// The result of a case. It holds no times, so that a case has the same record wherever it ran.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,9 +142,7 @@ impl Record {
             model_sha256: None,
             sha256: String::new(),
         };
-        if record.files.contains_key(MODEL) {
-            record.model_sha256 = Some(model_digest(folder)?);
-        }
+        record.model_sha256 = record.model().map(|name| model_digest(folder, name)).transpose()?;
         record.sha256 = record.seal();
         Ok(record)
     }
@@ -143,14 +171,19 @@ impl Record {
         })
     }
 
+    /// Name of the saved model among the files.
+    pub fn model(&self) -> Option<&'static str> {
+        MODELS.into_iter().find(|name| self.files.contains_key(*name))
+    }
+
     /// Whether the saved model in `folder` is the recorded one, byte for byte.
     pub(crate) fn has_model(&self, folder: &Path) -> bool {
-        self.model_sha256.is_some() && model_digest(folder).ok() == self.model_sha256
+        self.model().is_some_and(|name| model_digest(folder, name).ok() == self.model_sha256)
     }
 }
 
-fn model_digest(folder: &Path) -> io::Result<String> {
-    Ok(digest(&std::fs::read(folder.join(MODEL))?))
+fn model_digest(folder: &Path, name: &str) -> io::Result<String> {
+    Ok(digest(&std::fs::read(folder.join(name))?))
 }
 
 impl CaseState {
@@ -174,10 +207,9 @@ impl CaseState {
     /// Errors of the file system.
     pub fn prepare(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        for name in [RECORD, MODEL] {
-            if name == RECORD || *self == Self::Open {
-                remove(&folder.join(name))?;
-            }
+        remove(&folder.join(RECORD))?;
+        if *self == Self::Open {
+            MODELS.iter().try_for_each(|name| remove(&folder.join(name)))?;
         }
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;
