@@ -5,8 +5,8 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::formats::MeshFormat;
 use meso_core::mesh::{ItzForm, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
-use meso_solve::law::point::{HeldStress, curve};
-use meso_solve::law::{Cdpm2, Law, cdpm2 as law};
+use meso_element::law::point::{HeldStress, curve};
+use meso_element::law::{Cdpm2, Law, cdpm2 as law};
 use std::path::Path;
 
 /// Strain, then stress, xx yy zz xy yz zx.
@@ -39,7 +39,7 @@ fn error_of<R: Number>(law: &Cdpm2<R>, width: f64, name: &str, held: HeldStress)
     let mut strains = Vec::new();
     let mut from = 0.0;
     for row in &rows {
-        strains.extend(meso_solve::law::point::ramp(from, row[0], STEPS));
+        strains.extend(meso_element::law::point::ramp(from, row[0], STEPS));
         from = row[0];
     }
     let found = curve(law, width, held, &strains);

@@ -34,7 +34,7 @@ fn concrete_softens_and_its_energies_balance() {
 
 #[test]
 fn hourglass_modes_hold_less_than_2_percent_of_the_internal_energy() {
-    let rough = Test { friction: 0.6, ..damaged_plasticity() };
+    let rough = Test { friction: Some(0.6), ..damaged_plasticity() };
     let pulled = Test { kind: TestKind::Tension, ..damaged_plasticity() };
     for (meshed, test) in [
         (voxels(24.0, 4, 1.5), damaged_plasticity()),

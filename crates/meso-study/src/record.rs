@@ -43,6 +43,8 @@ impl Keep {
         if self == Self::None { remove(&folder.join(self.model())) } else { Ok(()) }
     }
 }
+/// Name of a test's curve in a case's folder.
+pub const CURVE: &str = "curve.csv";
 
 /// The result of a case. It holds no times, so that a case has the same record wherever it ran.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,6 +74,9 @@ pub struct Record {
     /// SHA-256 of the saved model, which other work may start from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_sha256: Option<String>,
+    /// SHA-256 of the curve of a test, which a fit reads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_sha256: Option<String>,
     /// SHA-256 of this record as compact JSON with an empty `sha256`. A damaged record counts as absent.
     #[serde(default)]
     pub sha256: String,
@@ -140,9 +145,12 @@ impl Record {
             results: results.unwrap_or_default(),
             files: files(folder)?,
             model_sha256: None,
+            curve_sha256: None,
             sha256: String::new(),
         };
-        record.model_sha256 = record.model().map(|name| model_digest(folder, name)).transpose()?;
+        let has_curve = record.files.contains_key(CURVE);
+        record.model_sha256 = record.model().map(|name| digest_of(folder, name)).transpose()?;
+        record.curve_sha256 = has_curve.then(|| digest_of(folder, CURVE)).transpose()?;
         record.sha256 = record.seal();
         Ok(record)
     }
@@ -178,11 +186,16 @@ impl Record {
 
     /// Whether the saved model in `folder` is the recorded one, byte for byte.
     pub(crate) fn has_model(&self, folder: &Path) -> bool {
-        self.model().is_some_and(|name| model_digest(folder, name).ok() == self.model_sha256)
+        self.model().is_some_and(|name| digest_of(folder, name).ok() == self.model_sha256)
+    }
+
+    /// Whether the curve in `folder` is the recorded one, byte for byte.
+    pub fn has_curve(&self, folder: &Path) -> bool {
+        self.curve_sha256.is_some() && digest_of(folder, CURVE).ok() == self.curve_sha256
     }
 }
 
-fn model_digest(folder: &Path, name: &str) -> io::Result<String> {
+fn digest_of(folder: &Path, name: &str) -> io::Result<String> {
     Ok(digest(&std::fs::read(folder.join(name))?))
 }
 

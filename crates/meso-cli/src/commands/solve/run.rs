@@ -121,11 +121,11 @@ impl Args {
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         // A servo adds steps while the specimen breaks.
-        let at_least = if asked.control == Control::Servo { "at least " } else { "" };
+        let at_least = if asked.control != Control::Steady { "at least " } else { "" };
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         stderr::line(format!(
             "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
-            asked.friction,
+            asked.friction(),
             run.time_step_s(),
             run.added_mass_percent(),
             run.bytes() as f64 / 1e6

@@ -8,22 +8,22 @@
 //! which the decks do not have. Closing is resisted with the whole K and a damper: friction that follows an undamped pressure
 //! flutters at the ears of aggregates until it tears them off.
 
-use crate::lanes::{Eight, LANES, Lanes, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Vectors};
 use crate::real::Real;
 
 /// Registers that a pair of nodes remembers: damage, its slip along x, y and z, mm, and its separation along the normal, mm.
-pub(crate) const REMEMBERED: usize = 5;
+pub const REMEMBERED: usize = 5;
 
 /// Damping of closed faces: the last step's change of the closing counts so much more. It is nearly the share of critical
 /// damping of a pair whose nodes have just the mass that its step needs. `benches/results/cohesive_damping.csv` has runs with
 /// 0, 0.03, 0.05 and this: those with 0 diverge, and those with 0.05 and this have the same peaks within 0.1 %.
 const DAMPING: f64 = 0.1;
 /// Mass for a stable damped step over the mass for K alone: (w dt)^2 (1 + 2 b) <= 4 in u'' = -w^2 (u + b du).
-pub(crate) const DAMPED: f64 = 1.0 + 2.0 * DAMPING;
+pub const DAMPED: f64 = 1.0 + 2.0 * DAMPING;
 
 /// Parameters of a cohesive face, as registers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cohesion<R> {
+pub struct Cohesion<R> {
     stiffness: R,
     /// 1 / onset^2 in opening, and the amount that sliding adds to it, 1/mm2.
     per_square: [R; 2],
@@ -35,41 +35,41 @@ pub(crate) struct Cohesion<R> {
 
 /// Values of a cohesive face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CohesionValues {
+pub struct CohesionValues {
     /// Against opening, closing and sliding, N/mm3.
-    pub(crate) stiffness: f64,
+    pub stiffness: f64,
     /// Tensile strength, MPa.
-    pub(crate) tensile: f64,
+    pub tensile: f64,
     /// Shear strength without pressure, MPa.
-    pub(crate) shear: f64,
+    pub shear: f64,
     /// Fracture energies in opening and in sliding, N/mm.
-    pub(crate) energies: [f64; 2],
+    pub energies: [f64; 2],
     /// Exponent of Benzeggagh and Kenane's mixed-mode criterion.
-    pub(crate) exponent: f64,
+    pub exponent: f64,
     /// Coulomb's coefficient.
-    pub(crate) friction: f64,
+    pub friction: f64,
 }
 
 /// Eight faces of `N` pairs of nodes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Faces<const N: usize> {
+pub struct Faces<const N: usize> {
     /// The aggregate side's nodes, then those over them.
-    pub(crate) at: [[[u16; LANES]; N]; 2],
+    pub at: [[[u16; LANES]; N]; 2],
     /// Out of the aggregate.
-    pub(crate) normal: [Eight; 3],
+    pub normal: [Octet; 3],
     /// Area of a pair of nodes, mm2; 0 in lanes that are empty.
-    pub(crate) area: Eight,
+    pub area: Octet,
 }
 
 impl<const N: usize> Default for Faces<N> {
     fn default() -> Self {
-        Self { at: [[[0; LANES]; N]; 2], normal: [Eight::default(); 3], area: Eight::default() }
+        Self { at: [[[0; LANES]; N]; 2], normal: [Octet::default(); 3], area: Octet::default() }
     }
 }
 
 impl<R: Real> Cohesion<R> {
     /// As registers.
-    pub(crate) fn new(values: &CohesionValues) -> Self {
+    pub fn new(values: &CohesionValues) -> Self {
         let CohesionValues { stiffness: k, tensile, shear, energies, exponent, friction } = *values;
         let per_square = [tensile, shear].map(|strength| (k / strength).powi(2));
         // Onset times end: twice the energy over the stiffness.
@@ -131,7 +131,7 @@ impl<R: Real> Cohesion<R> {
 
 impl<const N: usize> Faces<N> {
     /// Puts a face into `lane`; `area` is that of a pair of nodes.
-    pub(crate) fn set(&mut self, lane: usize, at: [[u16; N]; 2], normal: [f64; 3], area: f64) {
+    pub fn set(&mut self, lane: usize, at: [[u16; N]; 2], normal: [f64; 3], area: f64) {
         for (side, nodes) in self.at.iter_mut().zip(at) {
             side.iter_mut().zip(nodes).for_each(|(place, node)| place[lane] = node);
         }
@@ -141,10 +141,10 @@ impl<const N: usize> Faces<N> {
 
     /// Adds the forces with which the faces resist; returns the energy spent in this step, mJ by lane.
     #[inline(always)]
-    pub(crate) fn resist<L: Lanes>(
+    pub fn resist<L: Lanes>(
         &self,
         cohesion: &Cohesion<L>,
-        memory: &mut [Eight],
+        memory: &mut [Octet],
         u: &Vectors,
         forces: &mut Vectors,
     ) -> L {

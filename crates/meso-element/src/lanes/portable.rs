@@ -1,6 +1,6 @@
 //! Lanes as an array, for compilers to turn into registers.
 
-use super::{Eight, LANES, Lanes, Vectors};
+use super::{LANES, Lanes, Octet, Vectors};
 use crate::real::Real;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -127,11 +127,11 @@ impl Real for Portable {
 
 impl Lanes for Portable {
     #[inline(always)]
-    fn load(from: &Eight) -> Self {
+    fn load(from: &Octet) -> Self {
         Self(from.0)
     }
     #[inline(always)]
-    fn store(self, to: &mut Eight) {
+    fn store(self, to: &mut Octet) {
         to.0 = self.0;
     }
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Lanes in one AVX register.
 #![allow(unsafe_code)]
 
-use super::{Eight, LANES, Lanes, Task, Vectors};
+use super::{LANES, Lanes, Octet, Task, Vectors};
 use crate::real::Real;
 use meso_collision::simd::Isa;
 use std::arch::x86_64::*;
@@ -163,12 +163,12 @@ impl Real for Avx {
 
 impl Lanes for Avx {
     #[inline(always)]
-    fn load(from: &Eight) -> Self {
+    fn load(from: &Octet) -> Self {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
         unsafe { Self(_mm256_load_ps(from.0.as_ptr())) }
     }
     #[inline(always)]
-    fn store(self, to: &mut Eight) {
+    fn store(self, to: &mut Octet) {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
         unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
     }

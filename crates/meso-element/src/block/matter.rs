@@ -1,9 +1,9 @@
 //! Material of a phase: its elasticity, its density, and its law.
 
-use crate::element::hex::{BoxShape, hourglass_stiffness};
+use crate::hex::{BoxShape, hourglass_stiffness};
+use crate::law::LawName;
 use crate::law::{self, Law, cdp, cdpm2, meso};
 use crate::real::Real;
-use crate::test::LawName;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
 use meso_mesh::materials::{Cdpm2Parameters, Elastic, MATERIALS, Materials, Mesoscale, Plasticity, Stone, Strength};
@@ -13,13 +13,13 @@ use std::sync::OnceLock;
 
 /// A phase's material.
 #[derive(Clone, Debug)]
-pub(crate) struct Matter {
+pub struct Matter {
     /// Stiffness and density.
-    pub(crate) elastic: Elastic,
+    pub elastic: Elastic,
     /// How it answers strain.
-    pub(crate) behaviour: Behaviour,
+    pub behaviour: Behaviour,
     /// Whether it is elastic under every law, so that its boxes bend.
-    pub(crate) is_unbreakable: bool,
+    pub is_unbreakable: bool,
     /// The law on the lanes of the run.
     prepared: Prepared,
 }
@@ -68,7 +68,7 @@ impl fmt::Debug for Prepared {
 
 /// The laws that a phase may follow.
 #[derive(Clone, Debug)]
-pub(crate) enum Behaviour {
+pub enum Behaviour {
     /// Linear elasticity.
     Elastic,
     /// Concrete damaged plasticity.
@@ -83,7 +83,7 @@ pub(crate) enum Behaviour {
 ///
 /// # Errors
 /// Names the first value that it cannot have.
-pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
+pub fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
     carried(materials)?;
     match name {
         LawName::Elastic => materials.validate_elastic(),
@@ -155,12 +155,12 @@ pub trait LawTask<R: Real> {
 
 impl Matter {
     /// Material of `phase`; mortar and ITZ follow the law `name`.
-    pub(crate) fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
+    pub fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
         Self::with(materials, *materials.elastic(phase), materials.strength(phase), name)
     }
 
     /// Materials of stone that breaks, in the order of [`Stone::strengths`].
-    pub(crate) fn stones(materials: &Materials, stone: &Stone, name: LawName) -> Vec<Self> {
+    pub fn stones(materials: &Materials, stone: &Stone, name: LawName) -> Vec<Self> {
         let of = |strength| Self::with(materials, materials.aggregate, Some(strength), name);
         stone.strengths().into_iter().map(of).collect()
     }
@@ -180,13 +180,13 @@ impl Matter {
     }
 
     /// An elasticity and a law.
-    pub(crate) fn of(elastic: Elastic, behaviour: Behaviour) -> Self {
+    pub fn of(elastic: Elastic, behaviour: Behaviour) -> Self {
         Self { elastic, behaviour, is_unbreakable: false, prepared: Prepared::default() }
     }
 
     /// Runs `task` with the phase's law.
     #[inline(always)]
-    pub(crate) fn law<R: Real + 'static, T: LawTask<R>>(&self, task: T) -> T::Output {
+    pub fn law<R: Real + 'static, T: LawTask<R>>(&self, task: T) -> T::Output {
         match &self.behaviour {
             Behaviour::Elastic => task.run(&law::Hooke::<R>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => {
@@ -214,7 +214,7 @@ impl Matter {
     }
 
     /// Registers that an element remembers: the law's history and the integrity.
-    pub(crate) fn remembered(&self) -> usize {
+    pub fn remembered(&self) -> usize {
         fn with_integrity<W: Law<f64>>() -> usize {
             W::virgin().as_ref().len() + 1
         }
@@ -227,7 +227,7 @@ impl Matter {
     }
 
     /// Widest bands of cracking and of crushing that dissipate their energy, mm.
-    pub(crate) fn widest_mm(&self) -> [f64; 2] {
+    pub fn widest_mm(&self) -> [f64; 2] {
         match &self.behaviour {
             Behaviour::Elastic => [f64::INFINITY; 2],
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
@@ -237,18 +237,18 @@ impl Matter {
     }
 
     /// Tensile over compressive strength, where CDPM2 has too little tension.
-    pub(crate) fn low_tension(&self) -> Option<f64> {
+    pub fn low_tension(&self) -> Option<f64> {
         let Behaviour::Cdpm2(strength, ..) = &self.behaviour else { return None };
         Some(strength.tensile_mpa / strength.compressive_mpa).filter(|ratio| *ratio < LOW_TENSION)
     }
 
     /// Stiffness of an hourglass mode, N/mm.
-    pub(crate) fn hourglass_stiffness(&self, factor: f64, shape: &BoxShape) -> f64 {
+    pub fn hourglass_stiffness(&self, factor: f64, shape: &BoxShape) -> f64 {
         hourglass_stiffness(factor, self.elastic.youngs_modulus_mpa, shape.edge())
     }
 
     /// Lame's constants lambda and G, MPa.
-    pub(crate) fn lame(&self) -> [f64; 2] {
+    pub fn lame(&self) -> [f64; 2] {
         let (e, nu) = (self.elastic.youngs_modulus_mpa, self.elastic.poisson_ratio);
         let shear = e / (2.0 * (1.0 + nu));
         [2.0 * shear * nu / (1.0 - 2.0 * nu), shear]

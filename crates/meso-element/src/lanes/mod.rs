@@ -16,35 +16,35 @@ use portable::Portable;
 use serde::{Deserialize, Serialize};
 
 /// Elements side by side.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// Eight numbers in memory, aligned for one load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
-pub(crate) struct Eight(pub(crate) [f32; LANES]);
+pub struct Octet(pub [f32; LANES]);
 
-impl Eight {
+impl Octet {
     /// Their sum, in f64 and in their order.
-    pub(crate) fn sum(&self) -> f64 {
+    pub fn sum(&self) -> f64 {
         self.0.iter().map(|&x| f64::from(x)).sum()
     }
 }
 
 /// Vectors of a block's nodes; the fourth number is padding. As many as a u16 can name: no index needs a check.
-pub(crate) type Vectors = [[f32; 4]; 1 << 16];
+pub type Vectors = [[f32; 4]; 1 << 16];
 
 /// Zeros; pages that no block reaches never become resident.
-pub(crate) fn vectors() -> Box<Vectors> {
+pub fn vectors() -> Box<Vectors> {
     let zeros = vec![[0.0f32; 4]; 1 << 16].into_boxed_slice();
     zeros.try_into().expect("a vector of that length")
 }
 
 /// A register of eight f32.
-pub(crate) trait Lanes: Real + 'static {
+pub trait Lanes: Real + 'static {
     /// From memory.
-    fn load(from: &Eight) -> Self;
+    fn load(from: &Octet) -> Self;
     /// To memory.
-    fn store(self, to: &mut Eight);
+    fn store(self, to: &mut Octet);
     /// x, y and z of eight nodes.
     fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3];
     /// Adds x, y and z to eight nodes, one after the other.
@@ -52,15 +52,15 @@ pub(crate) trait Lanes: Real + 'static {
 
     /// To memory, as a value.
     #[inline(always)]
-    fn eight(self) -> Eight {
-        let mut eight = Eight::default();
+    fn eight(self) -> Octet {
+        let mut eight = Octet::default();
         self.store(&mut eight);
         eight
     }
 }
 
 /// Work on lanes. Give `run` and all that it calls `#[inline(always)]`.
-pub(crate) trait Task {
+pub trait Task {
     /// The answer.
     type Output;
     /// Does the work with registers `L`.
@@ -92,13 +92,13 @@ impl InstructionSet {
     }
 
     /// This one where the machine has it, else the best.
-    pub(crate) fn or_best(self) -> Self {
+    pub fn or_best(self) -> Self {
         if Self::available().contains(&self) { self } else { Self::best() }
     }
 
     /// Runs `task`, compiled for this set, which must come from [`available`](Self::available).
     #[inline]
-    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+    pub fn run<T: Task>(self, task: T) -> T::Output {
         match self {
             Self::Portable => task.run::<Portable>(),
             #[cfg(target_arch = "x86_64")]

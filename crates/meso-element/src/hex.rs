@@ -11,7 +11,7 @@
 //! k b^2 (sqrt(1 + M^2 / b^2) - 1), and the force k m / sqrt(1 + M^2 / b^2). Without it, crushed boxes keep a strength that
 //! no law gave them.
 
-use crate::lanes::{Eight, LANES, Lanes, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Vectors};
 use crate::law::Tensor;
 
 /// Corners of `CellKind::Hexahedron` by their signs: bit 0 is set at the upper x, bit 1 at the upper y, bit 2 at the upper z.
@@ -23,34 +23,34 @@ const HOURGLASS: [usize; 4] = [0b011, 0b110, 0b101, 0b111];
 
 /// Eight boxes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Hexes {
+pub struct Hexes {
     /// Node numbers within the block, node by node.
-    pub(crate) at: [[u16; LANES]; 8],
+    pub at: [[u16; LANES]; 8],
     /// 1, or 0 in lanes that are empty.
-    pub(crate) used: Eight,
+    pub used: Octet,
 }
 
 /// Data that all boxes of a mesh share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoxShape {
+pub struct BoxShape {
     /// Edges, mm.
-    pub(crate) edges: [f64; 3],
+    pub edges: [f64; 3],
 }
 
 impl BoxShape {
     /// mm3.
-    pub(crate) fn volume(&self) -> f64 {
+    pub fn volume(&self) -> f64 {
         self.edges.iter().product()
     }
 
     /// Edge of the cube of equal volume, mm.
-    pub(crate) fn edge(&self) -> f64 {
+    pub fn edge(&self) -> f64 {
         libm::cbrt(self.volume())
     }
 }
 
 /// Hourglass amplitudes of the three displacements.
-pub(crate) type Hourglass<L> = [[L; 4]; 3];
+pub type Hourglass<L> = [[L; 4]; 3];
 
 /// Corners without and with every bit.
 const PAIRS: [[(usize, usize); 4]; 3] =
@@ -80,7 +80,7 @@ fn compose<L: Lanes>(v: &mut [L; 8]) {
 
 impl Hexes {
     /// Puts a box into `lane`.
-    pub(crate) fn set(&mut self, lane: usize, at: [u16; 8], used: bool) {
+    pub fn set(&mut self, lane: usize, at: [u16; 8], used: bool) {
         for (place, node) in self.at.iter_mut().zip(at) {
             place[lane] = node;
         }
@@ -89,7 +89,7 @@ impl Hexes {
 
     /// Strains at the centre, and the hourglass amplitudes, mm.
     #[inline(always)]
-    pub(crate) fn strain<L: Lanes>(&self, u: &Vectors, shape: &BoxShape) -> (Tensor<L>, Hourglass<L>) {
+    pub fn strain<L: Lanes>(&self, u: &Vectors, shape: &BoxShape) -> (Tensor<L>, Hourglass<L>) {
         let mut modes = [[L::splat(0.0); 8]; 3];
         for signs in 0..8 {
             let moved = L::gather(u, &self.at[BY_SIGNS[signs]]);
@@ -114,7 +114,7 @@ impl Hexes {
 
     /// Adds the forces with which the elements resist; `stiffness` is that of an hourglass mode, N/mm.
     #[inline(always)]
-    pub(crate) fn resist<L: Lanes>(
+    pub fn resist<L: Lanes>(
         &self,
         stress: &Tensor<L>,
         hourglass: &Hourglass<L>,
@@ -145,7 +145,7 @@ impl Hexes {
     /// Twice the energy of the hourglass modes over their stiffness, mm2, and the share of the stiffness that their bound
     /// leaves; 0 in lanes that are empty. `per_bound` is 1 / b^2, per mm2, and 0 without a bound.
     #[inline(always)]
-    pub(crate) fn bounded<L: Lanes>(&self, hourglass: &Hourglass<L>, per_bound: L) -> (L, L) {
+    pub fn bounded<L: Lanes>(&self, hourglass: &Hourglass<L>, per_bound: L) -> (L, L) {
         let mut sum = L::splat(0.0);
         for axis in hourglass {
             for mode in axis {
@@ -165,11 +165,11 @@ impl Hexes {
 const BOUND: f64 = 0.001;
 
 /// 1 / b^2 for boxes of this edge, per mm2.
-pub(crate) fn per_bound(edge: f64) -> f64 {
+pub fn per_bound(edge: f64) -> f64 {
     1.0 / (BOUND * edge).powi(2)
 }
 
 /// Stiffness of an hourglass mode, N/mm, of a box with this edge, Young's modulus and hourglass factor.
-pub(crate) fn hourglass_stiffness(factor: f64, youngs_modulus_mpa: f64, edge: f64) -> f64 {
+pub fn hourglass_stiffness(factor: f64, youngs_modulus_mpa: f64, edge: f64) -> f64 {
     factor * 4.0 / 3.0 * youngs_modulus_mpa * edge / 64.0
 }

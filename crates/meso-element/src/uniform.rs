@@ -3,36 +3,36 @@
 //! With the gradients g_a of the shape functions, strain = sym(sum u_a g_a) and the nodal forces are V stress g_a. The
 //! gradients add up to zero, so that of the first node is left out, and displacements are taken relative to it.
 
-use crate::lanes::{Eight, LANES, Lanes, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Vectors};
 use crate::law::Tensor;
 use meso_collision::math::Vec3;
 
 /// Eight elements of `N` nodes beside the first one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Uniform<const N: usize> {
+pub struct Uniform<const N: usize> {
     /// The first node's number within the block.
     first: [u16; LANES],
     /// The other nodes' numbers within the block, node by node.
     others: [[u16; LANES]; N],
     /// x, y, z of the others' gradients, 1/mm.
-    gradients: [[Eight; 3]; N],
+    gradients: [[Octet; 3]; N],
     /// mm3; 0 in lanes that are empty.
-    pub(crate) volume: Eight,
+    pub volume: Octet,
     /// Width of a crack band, mm.
-    pub(crate) width: Eight,
+    pub width: Octet,
 }
 
 /// Eight tetrahedra.
-pub(crate) type Tets = Uniform<3>;
+pub type Tets = Uniform<3>;
 
 impl<const N: usize> Default for Uniform<N> {
     fn default() -> Self {
         Self {
             first: [0; LANES],
             others: [[0; LANES]; N],
-            gradients: [[Eight::default(); 3]; N],
-            volume: Eight::default(),
-            width: Eight::default(),
+            gradients: [[Octet::default(); 3]; N],
+            volume: Octet::default(),
+            width: Octet::default(),
         }
     }
 }
@@ -40,7 +40,7 @@ impl<const N: usize> Default for Uniform<N> {
 impl<const N: usize> Uniform<N> {
     /// Puts an element into `lane`: its nodes, and the gradients of all but the first. Where it has fewer than `N + 1`,
     /// the first one fills the places without weight.
-    pub(crate) fn set(&mut self, lane: usize, nodes: &[u16], gradients: &[Vec3], volume: f64, width: f64) {
+    pub fn set(&mut self, lane: usize, nodes: &[u16], gradients: &[Vec3], volume: f64, width: f64) {
         self.first[lane] = nodes[0];
         for place in 0..N {
             self.others[place][lane] = *nodes.get(place + 1).unwrap_or(&nodes[0]);
@@ -53,7 +53,7 @@ impl<const N: usize> Uniform<N> {
 
     /// The eight elements as words: nodes of the others, two to a word, then of the first; x, y, z of the others' gradients;
     /// volumes; widths. Eight lanes each.
-    pub(crate) fn words(&self, out: &mut Vec<u32>) {
+    pub fn words(&self, out: &mut Vec<u32>) {
         for at in self.others.iter().chain([&self.first]) {
             out.extend(at.chunks_exact(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16));
         }
@@ -63,7 +63,7 @@ impl<const N: usize> Uniform<N> {
 
     /// Strains of the displacements `u`.
     #[inline(always)]
-    pub(crate) fn strain<L: Lanes>(&self, u: &Vectors) -> Tensor<L> {
+    pub fn strain<L: Lanes>(&self, u: &Vectors) -> Tensor<L> {
         let origin = L::gather(u, &self.first);
         let mut h = [[L::splat(0.0); 3]; 3];
         for node in 0..N {
@@ -82,7 +82,7 @@ impl<const N: usize> Uniform<N> {
 
     /// Adds the forces with which the elements resist.
     #[inline(always)]
-    pub(crate) fn resist<L: Lanes>(&self, stress: &Tensor<L>, forces: &mut Vectors) {
+    pub fn resist<L: Lanes>(&self, stress: &Tensor<L>, forces: &mut Vectors) {
         let volume = L::load(&self.volume);
         let mut weighted = *stress;
         for s in &mut weighted {

@@ -4,32 +4,33 @@
 //! cache and a connectivity fits u16. Displacements are taken relative to the block's first node, in f64, before they
 //! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
 
-pub(crate) mod matter;
+pub mod matter;
+pub mod probe;
 
+use crate::bending::Bending;
 use crate::block::matter::{LawTask, Matter};
-use crate::element::bending::Bending;
-use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
-use crate::element::hex::{BoxShape, Hexes, per_bound};
-use crate::element::uniform::{Tets, Uniform};
-use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
+use crate::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
+use crate::hex::{BoxShape, Hexes, per_bound};
+use crate::lanes::{LANES, Lanes, Octet, Task, Vectors, vectors};
 use crate::law::{Hooke, Law, PointResponse, Tensor};
 use crate::real::Real;
+use crate::uniform::{Tets, Uniform};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
 
 /// Elements of a block.
-pub(crate) const BLOCK: usize = 2048;
+pub const BLOCK: usize = 2048;
 
 /// Eights between the one at work and the one that is fetched. A mesh of 1.06 million tetrahedra, which no cache holds,
 /// then takes 0.83 of its time (`benches/results/fetching.csv`); 1 gains half of that, 3 to 6 no more.
 const AHEAD: usize = 2;
 
 /// A lane without an element.
-pub(crate) const EMPTY: u32 = u32::MAX;
+pub const EMPTY: u32 = u32::MAX;
 
 /// Elements of one kind and phase.
 #[derive(Clone, Debug)]
-pub(crate) enum Cells {
+pub enum Batch {
     /// C3D4.
     Tets(Vec<Tets>),
     /// Patches of 4 to 8 nodes.
@@ -46,9 +47,9 @@ pub(crate) enum Cells {
     Quads(Vec<Faces<4>>),
 }
 
-impl Cells {
+impl Batch {
     /// Registers of memory that eight elements have.
-    pub(crate) fn remembered(&self, matter: &Matter) -> usize {
+    pub fn remembered(&self, matter: &Matter) -> usize {
         match self {
             Self::Triangles(_) => 3 * REMEMBERED,
             Self::Quads(_) => 4 * REMEMBERED,
@@ -70,67 +71,73 @@ impl Cells {
     }
 
     /// Whether they are patches, not cells or faces of the mesh.
-    pub(crate) fn are_patches(&self) -> bool {
+    pub fn are_patches(&self) -> bool {
         matches!(self, Self::Patches8(_) | Self::Patches9(_) | Self::Patches12(_))
     }
 }
 
 /// Elements of one phase within a block.
 #[derive(Clone, Debug)]
-pub(crate) struct Group {
+pub struct Group {
     /// Their phase; that of cohesive faces is the ITZ.
-    pub(crate) phase: Phase,
+    pub phase: Phase,
     /// Place of their material in [`Common::matter`].
-    pub(crate) matter: u16,
+    pub matter: u16,
     /// In eights.
-    pub(crate) cells: Cells,
+    pub cells: Batch,
     /// State of their law, one run of registers per eight elements.
-    pub(crate) memory: Vec<Eight>,
+    pub memory: Vec<Octet>,
     /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces and patches have their own numbers.
-    pub(crate) numbers: Vec<u32>,
+    pub numbers: Vec<u32>,
     /// Energy spent so far, mJ.
-    pub(crate) dissipated: f64,
+    pub dissipated: f64,
     /// Stored in hourglass modes now, and lost from them so far, mJ.
-    pub(crate) hourglass: [f64; 2],
+    pub hourglass: [f64; 2],
 }
 
 /// Neighbours, and the nodes they have.
 #[derive(Clone, Debug)]
-pub(crate) struct Block {
+pub struct Block {
     /// Numbers of the nodes, ascending.
-    pub(crate) nodes: Vec<u32>,
+    pub nodes: Vec<u32>,
     /// One group per phase and kind.
-    pub(crate) groups: Vec<Group>,
+    pub groups: Vec<Group>,
 }
 
 impl Block {
     /// Bytes that it holds.
-    pub(crate) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         let of = |group: &Group| group.cells.bytes() + size_of_val(&*group.memory) + size_of_val(&*group.numbers);
         size_of_val(&*self.nodes) + self.groups.iter().map(of).sum::<usize>()
     }
 }
 
 /// Memory that a thread works in.
-pub(crate) struct Scratch {
+pub struct Scratch {
     /// Displacements relative to the block's first node, mm.
-    pub(crate) u: Box<Vectors>,
+    pub u: Box<Vectors>,
     /// N.
-    pub(crate) forces: Box<Vectors>,
+    pub forces: Box<Vectors>,
 }
 
 impl Scratch {
     /// Zeros.
-    pub(crate) fn new() -> Self {
+    pub fn new() -> Self {
         Self { u: vectors(), forces: vectors() }
     }
 
-    /// Takes in the displacements of `block`'s nodes.
-    pub(crate) fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]]) {
-        let origin = displacement[block.nodes[0] as usize];
+    /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
+    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
+        let first = block.nodes[0] as usize;
+        let origin = displacement[first];
         for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
-            let u = displacement[node as usize];
-            *own = [(u[0] - origin[0]) as f32, (u[1] - origin[1]) as f32, (u[2] - origin[2]) as f32, 0.0];
+            let node = node as usize;
+            let u = displacement[node];
+            let mut relative = [u[0] - origin[0], u[1] - origin[1], u[2] - origin[2]];
+            if let Some(Free { ground, places, .. }) = free {
+                (0..3).for_each(|k| relative[k] -= ground * (places[node][k] - places[first][k]));
+            }
+            *own = [relative[0] as f32, relative[1] as f32, relative[2] as f32, 0.0];
         }
         self.forces[..block.nodes.len()].fill([0.0; 4]);
     }
@@ -138,35 +145,68 @@ impl Scratch {
 
 /// Data that all elements share.
 #[derive(Clone, Debug)]
-pub(crate) struct Common {
+pub struct Common {
     /// By phase, as a number, and from [`PHASES`] on stones that break.
-    pub(crate) matter: Vec<Matter>,
+    pub matter: Vec<Matter>,
     /// Place of the stone of every body in `matter`; empty where no stone breaks.
-    pub(crate) stones: Vec<u16>,
+    pub stones: Vec<u16>,
     /// Shape of all hexahedra.
-    pub(crate) shape: BoxShape,
+    pub shape: BoxShape,
     /// Values of cohesive faces.
-    pub(crate) cohesion: Option<CohesionValues>,
+    pub cohesion: Option<CohesionValues>,
     /// Share of the stiffness that hourglass modes meet.
-    pub(crate) hourglass: f64,
+    pub hourglass: f64,
     /// Width of crack bands in hexahedra, mm.
-    pub(crate) band_mm: f64,
-    /// Linear strain that each phase has now without stress; none in tests without expansion.
-    pub(crate) free: Option<[f64; 5]>,
+    pub band_mm: f64,
+    /// Strains that phases have now without stress; none in tests without expansion.
+    pub free: Option<Free>,
+}
+
+/// Linear strains that phases have without stress.
+///
+/// The mortar's strain is subtracted from displacements in f64, before they become f32. A body that expands evenly then has
+/// no stress, where differences of rounded strains left 1e-5 of Young's modulus times the strain.
+#[derive(Clone, Debug)]
+pub struct Free {
+    /// Strain of the mortar.
+    ground: f64,
+    /// Strain of each phase less the mortar's.
+    over: [f64; 5],
+    /// Places of the nodes by the engine's numbers, mm.
+    places: Vec<[f64; 3]>,
+}
+
+impl Free {
+    /// No strain yet.
+    pub fn new(places: Vec<[f64; 3]>) -> Self {
+        Self { ground: 0.0, over: [0.0; 5], places }
+    }
+
+    /// Sets the strains of all phases.
+    pub fn set(&mut self, strains: [f64; 5]) {
+        self.ground = strains[Phase::Mortar as usize];
+        self.over = strains.map(|strain| strain - self.ground);
+    }
 }
 
 /// Materials of phases, before those of stones that break.
-pub(crate) const PHASES: usize = 5;
+pub const PHASES: usize = 5;
 
 impl Common {
     /// Place of the material of a cell with this phase and owner.
-    pub(crate) fn place(&self, phase: Phase, owner: u32) -> u16 {
+    pub fn place(&self, phase: Phase, owner: u32) -> u16 {
         let stone = if phase == Phase::Aggregate { self.stones.get(owner as usize) } else { None };
         stone.copied().unwrap_or(phase as u16)
     }
 
+    /// Strain of a phase without stress, less the one that [`Scratch::take_in`] subtracts.
+    #[inline(always)]
+    pub(crate) fn over<R: Real>(&self, phase: Phase) -> Option<R> {
+        self.free.as_ref().map(|free| R::splat(free.over[phase as usize]))
+    }
+
     /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
-    pub(crate) fn widest_mm(&self, phase: Phase) -> [f64; 2] {
+    pub fn widest_mm(&self, phase: Phase) -> [f64; 2] {
         let stones = if phase == Phase::Aggregate { &self.matter[PHASES..] } else { &[] };
         let all = std::iter::once(&self.matter[phase as usize]).chain(stones);
         all.map(Matter::widest_mm).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
@@ -174,13 +214,17 @@ impl Common {
 }
 
 /// A step of one block.
-pub(crate) struct Pass<'a> {
-    pub(crate) block: &'a mut Block,
-    pub(crate) common: &'a Common,
-    pub(crate) displacement: &'a [[f64; 3]],
+pub struct Pass<'a> {
+    /// Its elements.
+    pub block: &'a mut Block,
+    /// Materials and shapes.
+    pub common: &'a Common,
+    /// Of all nodes, mm.
+    pub displacement: &'a [[f64; 3]],
     /// Where the nodes' forces go, N.
-    pub(crate) out: &'a mut [[f32; 4]],
-    pub(crate) scratch: &'a mut Scratch,
+    pub out: &'a mut [[f32; 4]],
+    /// Memory to work in.
+    pub scratch: &'a mut Scratch,
 }
 
 impl Task for Pass<'_> {
@@ -190,23 +234,23 @@ impl Task for Pass<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
         let Self { block, common, displacement, out, scratch } = self;
-        scratch.take_in(block, displacement);
+        scratch.take_in(block, displacement, common.free.as_ref());
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
             let Group { phase, matter, cells, memory, dissipated, hourglass, .. } = group;
             let matter = &common.matter[usize::from(*matter)];
-            let free = common.free.map(|free| L::splat(free[*phase as usize]));
+            let free = common.over(*phase);
             let spent = match cells {
-                Cells::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),
-                Cells::Patches8(cells) => uniform::<L, 7>(cells, matter, (memory, free), u, forces),
-                Cells::Patches9(cells) => uniform::<L, 8>(cells, matter, (memory, free), u, forces),
-                Cells::Patches12(cells) => uniform::<L, 11>(cells, matter, (memory, free), u, forces),
-                Cells::Hexes(cells) if matter.is_unbreakable => {
+                Batch::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),
+                Batch::Patches8(cells) => uniform::<L, 7>(cells, matter, (memory, free), u, forces),
+                Batch::Patches9(cells) => uniform::<L, 8>(cells, matter, (memory, free), u, forces),
+                Batch::Patches12(cells) => uniform::<L, 11>(cells, matter, (memory, free), u, forces),
+                Batch::Hexes(cells) if matter.is_unbreakable => {
                     bend::<L>(cells, matter, (&common.shape, free), u, forces);
                     0.0
                 }
-                Cells::Hexes(cells) => {
+                Batch::Hexes(cells) => {
                     let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
                     let task = HexTask { cells, memory, u, forces, common, stiffness, free };
                     let [spent, stored, lost] = matter.law::<L, _>(task);
@@ -214,8 +258,8 @@ impl Task for Pass<'_> {
                     in_all += lost;
                     spent
                 }
-                Cells::Triangles(faces) => cohesive::<L, 3>(faces, common, memory, u, forces),
-                Cells::Quads(faces) => cohesive::<L, 4>(faces, common, memory, u, forces),
+                Batch::Triangles(faces) => cohesive::<L, 3>(faces, common, memory, u, forces),
+                Batch::Quads(faces) => cohesive::<L, 4>(faces, common, memory, u, forces),
             };
             *dissipated += spent;
             in_all += spent;
@@ -229,7 +273,7 @@ impl Task for Pass<'_> {
 fn cohesive<L: Lanes, const N: usize>(
     faces: &[Faces<N>],
     common: &Common,
-    memory: &mut [Eight],
+    memory: &mut [Octet],
     u: &Vectors,
     forces: &mut Vectors,
 ) -> f64 {
@@ -247,7 +291,7 @@ const PLASTIC: usize = 6;
 
 /// Loads the law's history from an element's memory.
 #[inline(always)]
-pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
+pub fn history<L: Lanes, W: Law<L>>(memory: &[Octet]) -> W::History {
     let mut history = W::virgin();
     let states = history.as_ref().len();
     let memory = &memory[..states];
@@ -261,7 +305,7 @@ pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
 /// Stress of a strain, and the energy per volume that it spends, N/mm2. The element's memory is updated: the law's history,
 /// then the integrity, less 1, so that zeros are a sound element.
 #[inline(always)]
-fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight], width: L) -> Answer<L> {
+fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Octet], width: L) -> Answer<L> {
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();
@@ -326,7 +370,7 @@ struct Answer<L> {
 fn uniform<L: Lanes, const N: usize>(
     cells: &[Uniform<N>],
     matter: &Matter,
-    (memory, free): (&mut [Eight], Option<L>),
+    (memory, free): (&mut [Octet], Option<L>),
     u: &Vectors,
     forces: &mut Vectors,
 ) -> f64 {
@@ -335,7 +379,7 @@ fn uniform<L: Lanes, const N: usize>(
 
 struct UniformTask<'a, L, const N: usize> {
     cells: &'a [Uniform<N>],
-    memory: &'a mut [Eight],
+    memory: &'a mut [Octet],
     u: &'a Vectors,
     forces: &'a mut Vectors,
     free: Option<L>,
@@ -364,7 +408,7 @@ impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, L, N> {
 
 /// The part of a strain that has stress.
 #[inline(always)]
-pub(crate) fn without<R: Real>(mut strain: Tensor<R>, free: Option<R>) -> Tensor<R> {
+pub fn without<R: Real>(mut strain: Tensor<R>, free: Option<R>) -> Tensor<R> {
     if let Some(free) = free {
         (0..3).for_each(|i| strain[i] = strain[i] - free);
     }
@@ -390,7 +434,7 @@ fn bend<L: Lanes>(
 
 struct HexTask<'a, L> {
     cells: &'a [Hexes],
-    memory: &'a mut [Eight],
+    memory: &'a mut [Octet],
     u: &'a Vectors,
     forces: &'a mut Vectors,
     common: &'a Common,
@@ -426,6 +470,6 @@ impl<L: Lanes> LawTask<L> for HexTask<'_, L> {
 }
 
 /// Eights of elements that `count` elements take.
-pub(crate) fn eights(count: usize) -> usize {
+pub fn eights(count: usize) -> usize {
     count.div_ceil(LANES)
 }

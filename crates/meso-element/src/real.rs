@@ -134,7 +134,7 @@ const LN_DOUBLE: [f64; 8] = [
 /// The polynomial with `coefficients` of rising powers at `x`, its even and its odd powers side by side, so that one need
 /// not wait for the other.
 #[inline(always)]
-pub(crate) fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
+pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     let square = x * x;
     let mut halves = [R::splat(coefficients[(N - 1) & !1]), R::splat(coefficients[(N - 2) | 1])];
     for power in (0..N - 2).rev() {

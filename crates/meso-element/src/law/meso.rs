@@ -25,15 +25,21 @@
 //! 6. f_s, 1.5 f_t, says how much strength lateral tension costs: a third at a twentieth of the compression, as Kupfer,
 //!    Hilsdorf and Ruesch (1969) found. Its surface lies outside the cracks' near tension.
 //!
-//! A step returns to the cracks first and then to the cone, whose flow only lowers s1. The cracks' return is closed: all
-//! principal stresses fall by m, those above t = f_t y_t y / g further to it, with
+//! The cracks' return is closed: all principal stresses fall by m, those above t = f_t y_t y / g further to it, with
 //!
 //! ```text
 //! m = b sum <s_i - t - m>,  b = nu / (1 - 2 nu),  so  m = max over n = 0..3 of b (s_1 + .. + s_n - n t) / (1 + n b)
 //! ```
 //!
-//! Closed loops never give energy back: g only falls, and each flow works against its stress, cracks against t, and the
-//! cone's since dilation fades faster than friction.
+//! A step has three parts:
+//!
+//! 1. The trial stress returns to the cracks.
+//! 2. The cone's flow begins there.
+//! 3. The trial stress less this flow returns to the cracks. The flow lowers s1, so this return is the shorter one.
+//!
+//! Closed loops never give energy back, in steps of any size: g only falls, and each flow works against the stress at the
+//! end of its step, cracks against t, and the cone's since dilation fades faster than friction. With the return of part 1,
+//! whose openings the dilation of part 2 closes again, cracks would work against a pressure that they make themselves.
 
 use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy};
@@ -84,8 +90,7 @@ const STEPS: usize = 2;
 const SHEARED: f64 = 1.5;
 /// Least share of the cohesion.
 const LEAST_COHESION: f64 = 1e-3;
-/// Least share of the stiffness. Crushed mortar that stayed as stiff as new gained energy from the time steps: cubes blew
-/// up beyond the peak.
+/// Least share of the stiffness: crushed mortar is loose.
 const LEAST_STIFFNESS: f64 = 0.1;
 
 /// Finds out whether the law can have these values.
@@ -142,6 +147,23 @@ struct Stress<R> {
     deviator: Tensor<R>,
     /// Principal deviators in falling order, MPa.
     principal: [R; 3],
+}
+
+impl<R: Real> Stress<R> {
+    /// This stress less `share` of the deviator of `of`, which has its axes, and less a mean stress; its Mises stress stays
+    /// the former one.
+    #[inline(always)]
+    fn less(&self, of: &Self, share: R, mean: R) -> Self {
+        let mut deviator = self.deviator;
+        for i in 0..6 {
+            deviator[i] = (-share).mul_add(of.deviator[i], deviator[i]);
+        }
+        let mut principal = self.principal;
+        for i in 0..3 {
+            principal[i] = (-share).mul_add(of.principal[i], principal[i]);
+        }
+        Self { mean: self.mean - mean, mises: self.mises, deviator, principal }
+    }
 }
 
 /// Start and direction of the cone's flow.
@@ -204,7 +226,7 @@ impl<R: Real> Meso<R> {
         zero.lt(bound) | self.tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
-    /// Return to the cracks: the stress after it, and the largest of the flows.
+    /// Return to the cracks: the stress after it, and the largest of the openings.
     #[inline(always)]
     fn open(&self, trial: Stress<R>, strength: R) -> (Stress<R>, R) {
         let (zero, third) = (R::splat(0.0), R::splat(1.0 / 3.0));
@@ -329,22 +351,22 @@ impl<R: Real> Law<R> for Meso<R> {
         let per_scale = self.per_scale(width);
         let left = self.cohesion(history[CRUSHED], per_scale);
         let strength = self.tensile * (left / Self::stiffness(left)) * self.bridged(history[CRACKED], width);
-        let (cracked, opened) = self.open(trial, strength);
+        let (cracked, _) = self.open(trial, strength);
         let flow = self.flow(&cracked, history[CRUSHED], left, per_scale);
         let length = self.back(&flow);
-        let kept = (one - length * self.three_shear / cracked.mises.max(R::splat(1e-8))).positive();
-        let end = (-flow.fall[1]).mul_add(length, cracked.mean);
+        let share = length * self.three_shear / cracked.mises.max(R::splat(1e-8));
+        let (end, opened) = self.open(trial.less(&cracked, share.min(one), flow.fall[1] * length), strength);
 
         history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
         history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
         let integrity = Self::stiffness(self.cohesion(history[CRUSHED], per_scale));
 
-        let volumetric = (mean - end) * self.per_volume;
+        let volumetric = (mean - end.mean) * self.per_volume;
         let mut nominal = stress;
         for i in 0..6 {
-            let own = kept * cracked.deviator[i];
+            let own = end.deviator[i];
             let lost = (deviator[i] - own) * self.per_shear;
-            let (flowed, whole) = if i < 3 { (lost + volumetric, own + end) } else { (lost + lost, own) };
+            let (flowed, whole) = if i < 3 { (lost + volumetric, own + end.mean) } else { (lost + lost, own) };
             // A point at rest has the same bits as where all of its register are.
             nominal[i] = R::select(active, integrity * whole, stress[i]);
             history[i] = history[i] + R::select(active, flowed, zero);
