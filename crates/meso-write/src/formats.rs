@@ -182,8 +182,7 @@ pub enum MeshFormat {
 
 impl MeshFormat {
     /// All formats, the deck first.
-    pub const ALL: [Self; 7] =
-        [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu, Self::K, Self::Cdb, Self::Xdmf];
+    pub const ALL: [Self; 7] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu, Self::K, Self::Cdb, Self::Xdmf];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
