@@ -21,6 +21,7 @@ pub(super) fn read(path: &Path, height_mm: f64) -> Result<Vec<[f64; 2]>, Failure
 }
 
 fn parse(text: &str, height_mm: f64) -> Result<Vec<[f64; 2]>, String> {
+    let text = text.replace("\r\n", "\n");
     let lines =
         || text.split(['\n', '\r']).zip(1..).filter(|(line, _)| !(line.trim().is_empty() || line.starts_with('#')));
     let Some((first, number)) = lines().next() else { return Ok(Vec::new()) };
@@ -92,6 +93,7 @@ mod tests {
     fn a_curve_without_numbers_or_columns_is_named() {
         assert_eq!(parse("strain,stress_mpa\n0,0\n0.1,x\n", 1.0), Err("line 3 has no number there".to_owned()));
         let short = "line 3 has 1 cells and line 1 has 2";
+        assert_eq!(parse("strain,stress_mpa\r\n0,0\r\n0.1\r\n", 1.0), Err(short.to_owned()));
         assert_eq!(parse("strain,stress_mpa\n0,0\n0.1\n", 1.0), Err(short.to_owned()));
         // Decimal commas between commas.
         assert!(parse("0,0\n0,001,30\n", 1.0).unwrap_err().contains("line 2 has 3 cells"));

@@ -218,11 +218,6 @@ fn words(
         if flag_files::is_hash(&flag) {
             continue;
         }
-        // Its content would not belong to the case.
-        if flag == "test" && value.as_str().is_some_and(|name| name.ends_with(".toml")) {
-            let message = format!("[{section}] test is {value}; write test = {value} above the tables of the study");
-            return Err(Failure::Usage(message));
-        }
         let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
         for value in values {
             match (value, folder) {
