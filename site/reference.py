@@ -13,7 +13,8 @@ PAGES = {
     "mesh": ("Meshes", "`Packing.mesh` makes a mesh.", ["Mesh"]),
     "response": ("Tests", "`Mesh.solve` returns a response.", ["Response", "Frame", "Test"]),
     "bodies": ("Aggregates and polyhedra", "Bodies of a packing.", ["Aggregate", "Aggregates", "Polyhedron", "convex_hull"]),
-    "study": ("Studies", "Many cases in one call.", ["study", "Study"]),
+    "study": ("Studies", "Many cases in one call.", ["study", "Study", "mean_curves", "Curves"]),
+    "dataset": ("Data sets", "Many volumes in one call.", ["dataset", "Dataset", "scan"]),
 }
 # Dicts, by the module that defines them.
 OPTIONS = "Every option is a key of a dict. Pass them to the function that takes them, or write them in a `SPEC.toml`."

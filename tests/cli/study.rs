@@ -156,7 +156,7 @@ fn wrong_studies_are_refused_before_the_work() {
         ("[over]\nseed = []\n", "STUDY.toml: over.seed has no values"),
         ("[over]\nfraction = [0.3, 1.5]\n", "STUDY.toml: case fraction = 1.5: fraction is 1.5"),
         ("recipe = 'rve-61'\n", "STUDY.toml: there is no recipe \"rve-61\""),
-        ("[over]\nmesh.itz = ['none']\n", "over.mesh.itz changes [mesh], which is not there"),
+        ("[over]\nmesh.itz = ['none']\n", ": mesh.itz changes [mesh], which is not there"),
         ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] the following required arguments were not provided"),
         ("[mesh]\noutput = 'a.inp'\nelements = 3\n", "STUDY.toml: [mesh] unexpected argument '--elements' found"),
         ("[mesh]\noutput = '../a.inp'\n", "[mesh] output has \"../a.inp\"; it must be the name of a file"),
@@ -458,4 +458,51 @@ fn a_study_in_a_pipe_says_how_many_cases_it_has() {
     assert!(run.stderr.starts_with("study of 2 cases, 0 done before\n"), "{}", run.stderr);
     let again = folder.run(&["study", "S.toml"]).stderr;
     assert!(!again.contains("study of"), "nothing is left to do: {again}");
+}
+
+#[test]
+fn drawn_and_zipped_options_of_listed_specs_are_cases() {
+    let study = "spec = ['small.toml', 'other.toml']\nmodel = 'json.gz'\n[zip]\nspecimen.side_mm = [30, 40]\n\
+        itz.thickness_mm = [[0.1, 0.2], [0.3, 0.4]]\n\
+        [draw]\ncases = 2\ndesign = 'latin-hypercube'\n[draw.over]\nfraction = { low = 0.1, high = 0.2 }\n";
+    let folder = folder(study);
+    folder.write("other.toml", "fraction = 0.1\n[specimen]\nkind = 'cube'\nside_mm = 35\n[grading]\nd_max_mm = 8\n");
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert!(run.stderr.contains("8 of 8 cases done"), "{}", run.stderr);
+    let table = String::from_utf8(folder.read("study/table.csv")).unwrap();
+    assert!(table.starts_with("case,spec,itz.thickness_mm,specimen.side_mm,fraction,seed,"), "{table}");
+    let cases = folder.names_in("study").into_iter().filter(|name| name.starts_with("spec-"));
+    for case in cases {
+        assert_eq!(folder.names_in(&format!("study/{case}")), ["case.json", "model.json.gz"]);
+    }
+    let again = folder.run(&["study", "STUDY.toml"]);
+    assert!(again.stderr.contains("8 of 8 cases done (8 before)"), "{}", again.stderr);
+}
+
+#[test]
+fn a_study_without_models_keeps_none() {
+    let folder = folder(&format!(
+        "model = 'none'\n{STUDY}[mesh]\noutput = 'mesh.vtu'\nelement-size-mm = 5\naccept-phase-error = true\n"
+    ));
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert!(run.stderr.contains("6 of 6 cases done"), "{}", run.stderr);
+    for case in cases(&folder) {
+        assert_eq!(folder.names_in(&format!("study/{case}")), ["case.json", "grains.csv", "mesh.json", "mesh.vtu"]);
+    }
+    assert!(folder.run(&["study", "STUDY.toml"]).stderr.contains("(6 before)"));
+}
+
+#[test]
+fn wrong_draws_and_lists_of_a_study_are_named() {
+    for (text, message) in [
+        ("[zip]\nseed = [1, 2]\nfraction = [0.1]\n", "zip.fraction has 1 values and zip.seed has 2"),
+        ("[draw]\ncases = 0\n", "draw.cases is 0; it must lie within 1 and 1000000"),
+        ("[draw]\ncases = 2\n[draw.over]\nfraction = 0.2\n", "draw.over.fraction is 0.2; give a range"),
+        ("spec = []\n", "spec lists no file"),
+        ("spec = ['a/s.toml', 'small.toml']\n", "a/s.toml"),
+        ("model = 'xml'\n", "json.gz"),
+    ] {
+        let run = folder(text).run(&["study", "STUDY.toml"]);
+        assert_eq!((run.code, run.stderr.contains(message)), (2, true), "{text}: {}", run.stderr);
+    }
 }

@@ -161,6 +161,30 @@ def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law
         assert (law.ft, law.fc, law.type, law.efc > 0) == (3.4, 40.0, 1.0, True)
 
 
+@pytest.mark.parametrize(("size", "options"), [(3, ["--method", "voxel"]), (4, ["--method", "lattice"])])
+@pytest.mark.parametrize("itz", ["none", "cohesive"])
+def test_xdmf_of_the_command_has_every_cell_and_every_cohesive_element(run, tmp_path, size, options, itz):
+    """meshio and VTK's reader of XDMF find points, cells and phases of the .vtu."""
+    meshio, pyvista = pytest.importorskip("meshio"), pytest.importorskip("pyvista")
+    pack(False).write(tmp_path / "model.json")
+    flags = [*options, "--element-size-mm", size, "--itz", itz, "--accept-phase-error"]
+    done = run("mesh", "model.json", "-o", "mesh.xdmf", "-o", "mesh.vtu", *flags)
+    assert done.returncode == 0, done.stderr
+    ours, theirs = meshio.read(tmp_path / "mesh.xdmf"), meshio.read(tmp_path / "mesh.vtu")
+    assert np.array_equal(ours.points, theirs.points)
+    for mine, other in zip(ours.cells, theirs.cells, strict=True):
+        assert mine.type == other.type and np.array_equal(mine.data, other.data)
+    for name in ("phase", "aggregate"):
+        mine, other = (np.concatenate([block.ravel() for block in read.cell_data[name]]) for read in (ours, theirs))
+        assert np.array_equal(mine, other)
+    reader = pytest.importorskip("vtkmodules.vtkIOXdmf2").vtkXdmfReader()
+    reader.SetFileName(str(tmp_path / "mesh.xdmf"))
+    reader.Update()
+    grid, expected = pyvista.wrap(reader.GetOutputDataObject(0)), pyvista.read(tmp_path / "mesh.vtu")
+    assert np.array_equal(grid.cell_connectivity, expected.cell_connectivity)
+    assert np.array_equal(grid.celltypes, expected.celltypes)
+
+
 def test_workbooks_are_sieve_tables(tmp_path, caplog):
     """A sheet of openpyxl is read as its CSV would be; per cent of a number format count."""
     openpyxl = pytest.importorskip("openpyxl", reason="needs openpyxl (pip install openpyxl)")

@@ -8,11 +8,19 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+PAGES = sorted((ROOT / "site" / "pages").glob("*.md"))
 
 MEAN_WORDS = 20
 NINETIETH_PERCENTILE = 35
 WIDEST_LINE = 120
 LONGEST_MANUAL = 150
+
+# Of all documents and pages together.
+MEAN_OF_ALL = 15
+# Verbs and phrases that are correct, and that no native writer takes: name a remedy, dissipate, carry, separate, resolve.
+TRANSLATED = re.compile(r"\b(lack(s|ed)?|in place of|the way out|(is|are|was) warned of|spen(d|ds|t)|bears?|bore|of before)\b", re.IGNORECASE)
+TEXTS = sorted((ROOT / "crates" / "meso-py" / "python" / "mesocrete").glob("_*.py*"))
+SOURCES = sorted((ROOT / "crates").glob("*/src/**/*.rs"))
 
 # A full stop after these ends no sentence.
 ABBREVIATION = re.compile(r"\b(Sec|Fig|Eq|eq|No|e\.g|i\.e|vs|Dr)\.$")
@@ -80,3 +88,28 @@ def test_lines_fit_a_screen(document):
 def test_the_manual_of_meshes_stays_short():
     manual = (ROOT / "docs" / "meshing.md").read_text(encoding="utf-8").splitlines()
     assert len(manual) <= LONGEST_MANUAL
+
+
+def test_the_mean_sentence_of_all_documents_and_pages_is_short():
+    counts = [count for path in [*DOCUMENTS, *PAGES] for count in lengths(path.read_text(encoding="utf-8"))]
+    assert len(counts) > 1000 and statistics.mean(counts) <= MEAN_OF_ALL
+
+
+def read_by_users(path: Path) -> str:
+    """The text of a document, or what a source says: its strings, and the docstrings of what Python sees."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".rs":
+        text = re.split(r"#\[cfg\(test\)\]", text)[0]
+        code = "\n".join(line for line in text.splitlines() if not line.lstrip().startswith("//"))
+        return "\n".join(re.findall(r'"((?:[^"\\]|\\.)*)"', code))
+    return text
+
+
+@pytest.mark.parametrize("path", [*DOCUMENTS, *PAGES, *TEXTS], ids=lambda path: path.name)
+def test_documents_and_hover_texts_use_the_verbs_of_the_field(path):
+    assert TRANSLATED.findall(read_by_users(path)) == []
+
+
+def test_messages_use_the_verbs_of_the_field():
+    found = {str(path.relative_to(ROOT)): match[0] for path in SOURCES for match in TRANSLATED.finditer(read_by_users(path))}
+    assert len(SOURCES) > 200 and found == {}

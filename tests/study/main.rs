@@ -15,9 +15,6 @@ use std::path::Path;
 /// A plan of cubes of 30 mm, with these axes.
 pub(crate) fn plan(axes: &[(&str, Value)]) -> Result<Plan, PlanError> {
     let base = json!({ "fraction": 0.2, "specimen": { "kind": "cube", "side_mm": 30 }, "grading": { "d_max_mm": 10 } });
-    let axis = |(key, values): &(&str, Value)| Axis {
-        key: (*key).to_owned(),
-        values: values.as_array().expect("a list").clone(),
-    };
+    let axis = |(key, values): &(&str, Value)| Axis::new(*key, values.as_array().expect("a list").clone());
     Plan::new(&base, &axes.iter().map(axis).collect::<Vec<_>>(), &json!({}), &mut Beside(Path::new("")))
 }

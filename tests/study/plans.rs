@@ -3,7 +3,7 @@
 use crate::plan;
 use meso_core::specimen::Specimen;
 use meso_files::Beside;
-use meso_study::{Axis, Plan, PlanError, digest};
+use meso_study::{Axis, Design, Plan, PlanError, Sampling, digest};
 use serde_json::json;
 use std::path::Path;
 
@@ -40,7 +40,7 @@ fn sections_are_axes_and_another_kind_replaces_them() {
 
 #[test]
 fn a_part_of_the_specimen_changes_the_usual_one_where_the_base_has_none() {
-    let axis = Axis { key: "specimen.side_mm".to_owned(), values: vec![json!(40)] };
+    let axis = Axis::new("specimen.side_mm", vec![json!(40)]);
     let plan = Plan::new(&json!({ "fraction": 0.2 }), &[axis], &json!({}), &mut Beside(Path::new(""))).unwrap();
     assert_eq!(plan.cases[0].spec.specimen, Specimen::cube(40.0));
 }
@@ -107,4 +107,64 @@ fn flags_of_a_task_change_the_hash_and_not_the_spec() {
     assert_eq!(plan.cases[0].spec, plan.cases[1].spec);
     assert_eq!(plan.cases[1].task, json!({ "mesh": { "element-size-mm": 4 } }));
     assert_ne!(plan.cases[0].hash, plan.cases[1].hash);
+}
+
+#[test]
+fn zipped_lists_change_together() {
+    let lists =
+        vec![("seed".to_owned(), vec![json!(1), json!(2)]), ("fraction".to_owned(), vec![json!(0.2), json!(0.3)])];
+    let plan = of_axes(&[
+        Axis::zipped(lists.clone()).unwrap(),
+        Axis::new("placement.min_gap_mm", vec![json!(0.0), json!(1.0)]),
+    ]);
+    let found: Vec<_> =
+        plan.cases.iter().map(|case| (case.spec.seed, case.spec.fraction, case.spec.placement.min_gap_mm)).collect();
+    assert_eq!(found, [(1, 0.2, 0.0), (1, 0.2, 1.0), (2, 0.3, 0.0), (2, 0.3, 1.0)]);
+    let uneven = vec![lists[0].clone(), ("fraction".to_owned(), vec![json!(0.2)])];
+    let error = PlanError::Uneven("seed".to_owned(), 2, "fraction".to_owned(), 1);
+    assert_eq!(Axis::zipped(uneven), Err(error));
+}
+
+#[test]
+fn a_longer_random_draw_keeps_the_cases_of_a_shorter_one() {
+    let over = json!({ "fraction": { "low": 0.1, "high": 0.3 }, "grading": { "d_max_mm": [8, 10] } });
+    let draw = |cases, design| Sampling { cases, design, seed: 3, over: over.as_object().unwrap().clone() };
+    let rows = |cases, design| Axis::drawn(&draw(cases, design), &[]).unwrap().rows;
+    let (short, long) = (rows(10, Design::Random), rows(20, Design::Random));
+    assert_eq!(short, long[..10]);
+    let plan = of_axes(&[Axis::drawn(&draw(20, Design::Random), &[]).unwrap()]);
+    assert_eq!(plan.keys, ["fraction", "grading.d_max_mm", "seed"]);
+    assert!(plan.cases.iter().enumerate().all(|(number, case)| case.spec.seed == number as u64));
+    assert!(plan.cases.iter().all(|case| (0.1..0.3).contains(&case.spec.fraction)));
+    let strata = rows(20, Design::LatinHypercube);
+    let mut found: Vec<_> = strata.iter().map(|row| ((row[0].as_f64().unwrap() - 0.1) * 100.0) as usize).collect();
+    found.sort_unstable();
+    assert_eq!(found, (0..20).collect::<Vec<_>>());
+    assert_eq!(strata.iter().filter(|row| row[1] == 8).count(), 10);
+}
+
+#[test]
+fn a_seed_that_is_an_axis_is_not_drawn() {
+    let draw =
+        Sampling { cases: 2, over: json!({ "fraction": [0.1] }).as_object().unwrap().clone(), ..Sampling::default() };
+    let seeds = Axis::new("seed", vec![json!(5)]);
+    assert_eq!(Axis::drawn(&draw, &[seeds]).unwrap().keys, ["fraction"]);
+    let wrong =
+        Sampling { over: json!({ "fraction": { "low": 2, "high": 1 } }).as_object().unwrap().clone(), ..draw.clone() };
+    assert!(matches!(Axis::drawn(&wrong, &[]), Err(PlanError::Range(key, _)) if key == "fraction"));
+    assert_eq!(Axis::drawn(&Sampling { cases: 0, ..draw }, &[]), Err(PlanError::NoCases));
+}
+
+#[test]
+fn listed_specs_replace_the_base() {
+    let listed = [(json!("a"), json!({ "fraction": 0.1 })), (json!("b"), json!({ "fraction": 0.3, "seed": 9 }))];
+    let plan = of_axes(&[Axis::of_specs(listed.to_vec()), Axis::new("specimen.side_mm", vec![json!(30), json!(40)])]);
+    let found: Vec<_> = plan.cases.iter().map(|case| (case.spec.fraction, case.spec.seed)).collect();
+    assert_eq!(found, [(0.1, 1), (0.1, 1), (0.3, 9), (0.3, 9)]);
+    assert!(plan.cases[2].folder.starts_with("spec-b_side_mm-30_"), "{}", plan.cases[2].folder);
+}
+
+/// A plan over the paper's specimen.
+fn of_axes(axes: &[Axis]) -> Plan {
+    Plan::new(&json!({}), axes, &json!({}), &mut Beside(Path::new(""))).unwrap()
 }

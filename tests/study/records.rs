@@ -1,7 +1,7 @@
 //! CaseState of a case by its folder, whole, torn or damaged.
 
 use crate::plan;
-use meso_study::{CURVE, Case, CaseOutcome, CaseState, MODEL, RECORD, Record, Status};
+use meso_study::{CURVE, Case, CaseOutcome, CaseState, MODELS, RECORD, Record, Status};
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use std::path::Path;
 fn done() -> (tempfile::TempDir, Case) {
     let folder = tempfile::tempdir().unwrap();
     let case = plan(&[("seed", json!([7]))]).unwrap().cases.remove(0);
-    std::fs::write(folder.path().join(MODEL), "{...}").unwrap();
+    std::fs::write(folder.path().join(MODELS[0]), "{...}").unwrap();
     let results = Map::from_iter([("fraction".to_owned(), json!(0.2))]);
     Record::new(&case, "f", Ok(results).into(), folder.path()).unwrap().save(folder.path(), ()).unwrap();
     (folder, case)
@@ -23,7 +23,7 @@ fn is_over(case: &Case, then: &str, folder: &Path) -> bool {
 fn a_case_with_its_record_is_over() {
     let (folder, case) = done();
     let CaseState::Over(record) = CaseState::of(&case, "f", folder.path()) else { panic!("it is not over") };
-    assert_eq!((record.status, record.files[MODEL]), (Status::Done, 5));
+    assert_eq!((record.status, record.files[MODELS[0]]), (Status::Done, 5));
     assert_eq!(record.results["fraction"], 0.2);
 }
 
@@ -35,9 +35,9 @@ fn a_torn_case_is_open() {
         assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
     }
     let (folder, case) = done();
-    std::fs::write(folder.path().join(MODEL), "{").unwrap();
+    std::fs::write(folder.path().join(MODELS[0]), "{").unwrap();
     assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
-    std::fs::remove_file(folder.path().join(MODEL)).unwrap();
+    std::fs::remove_file(folder.path().join(MODELS[0])).unwrap();
     assert!(!is_over(&case, "f", folder.path()));
 }
 
@@ -48,7 +48,7 @@ fn another_spec_is_open_and_another_function_keeps_the_packing() {
     assert_eq!(CaseState::of(&other, "f", folder.path()), CaseState::Open);
     assert_eq!(CaseState::of(&case, "g", folder.path()), CaseState::Packed);
     CaseState::Packed.prepare(folder.path()).unwrap();
-    assert!(folder.path().join(MODEL).exists() && !folder.path().join(RECORD).exists());
+    assert!(folder.path().join(MODELS[0]).exists() && !folder.path().join(RECORD).exists());
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn remains_of_a_killed_run_are_removed() {
     std::fs::write(&temporary, "half").unwrap();
     std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
     CaseState::Open.prepare(folder.path()).unwrap();
-    assert!(!temporary.exists() && !folder.path().join(MODEL).exists());
+    assert!(!temporary.exists() && !folder.path().join(MODELS[0]).exists());
     assert!(folder.path().join("notes.txt").exists());
     assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
 }
@@ -114,7 +114,7 @@ fn a_curve_with_a_flipped_bit_is_not_the_recorded_one() {
 #[test]
 fn a_damaged_packing_of_the_right_length_is_packed_anew() {
     let (folder, case) = done();
-    std::fs::write(folder.path().join(MODEL), "{..,}").unwrap();
+    std::fs::write(folder.path().join(MODELS[0]), "{..,}").unwrap();
     assert_eq!(CaseState::of(&case, "g", folder.path()), CaseState::Open);
 }
 

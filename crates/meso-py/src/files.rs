@@ -83,7 +83,8 @@ pub(crate) fn write_model(
 /// `OSError`.
 pub(crate) fn write_case(model: &Model, path: &Path, watch: &Watch) -> PyResult<()> {
     let mut unit = Unit::unforced(Stop(watch));
-    let write = |out: &mut dyn Write| Format::Json.write(model, SurfaceOptions::default(), out);
+    let format = Format::from_path(path).unwrap_or(Format::Json);
+    let write = |out: &mut dyn Write| format.write(model, SurfaceOptions::default(), out);
     fill(&mut unit, path, true, write).map_err(|error| file_error(path, error))?;
     unit.commit().map_err(|(path, error)| file_error(&path, error))
 }

@@ -5,12 +5,12 @@ use crate::boundary::{file_error, guard};
 use crate::files;
 use crate::packing::PyPacking;
 use crate::run::beside_python;
-use crate::spec::{self, spec_error};
+use crate::spec::{self, options, spec_error};
 use crate::tree::{self, plain};
 use meso_files::lock::LockError;
 use meso_study::{
-    Again, Axis, Case, CaseState, Plan, PlanError, Planning, Record, RunError, StudyRun, Table, ensemble, of_packing,
-    save_tables,
+    Again, Axis, Case, CaseState, MODELS, Plan, PlanError, Planning, Record, RunError, Sampling, StudyRun, Table,
+    ensemble, of_packing, save_tables,
 };
 use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -27,22 +27,50 @@ pub(crate) struct PyStudyPlan(Arc<Plan>);
 #[pyclass(name = "_StudyRun", module = "mesocrete._mesocrete", frozen)]
 pub(crate) struct PyStudyRun(StudyRun);
 
-/// The axes of a dict from dotted keys to iterables.
-fn axes(over: &Bound<'_, PyDict>) -> PyResult<Vec<Axis>> {
-    let axis = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<Axis> {
+/// The lists of a dict from dotted keys to iterables; errors name it `over` or `zip`.
+fn lists(name: &str, table: &Bound<'_, PyDict>) -> PyResult<Vec<(String, Vec<Value>)>> {
+    let list = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<(String, Vec<Value>)> {
         let key: String = key
             .extract()
-            .map_err(|_| PyTypeError::new_err(format!("the names in over are str, not {}", tree::type_name(&key))))?;
+            .map_err(|_| PyTypeError::new_err(format!("the names in {name} are str, not {}", tree::type_name(&key))))?;
         let is_text = values.extract::<String>().is_ok();
         let listed = if is_text { None } else { values.try_iter().ok() };
+        let path = format!("{name}[{key:?}]");
         let listed = listed.ok_or_else(|| {
-            PyTypeError::new_err(format!("over[{key:?}] is {values}; give an iterable of values, e.g. [{values}]"))
+            PyTypeError::new_err(format!("{path} is {values}; give an iterable of values, e.g. [{values}]"))
         })?;
-        let path = format!("over[{key:?}]");
         let values = listed.map(|value| tree::from_python(&path, &value?)).collect::<PyResult<_>>()?;
-        Ok(Axis { key, values })
+        Ok((key, values))
     };
-    over.iter().map(axis).collect()
+    table.iter().map(list).collect()
+}
+
+/// The axes of listed specs, `over`, `zip` and `draw`, in this order.
+fn all_axes(specs: Vec<Value>, asked: &Asked<'_, '_>) -> PyResult<Vec<Axis>> {
+    let wrong = |error: PlanError| PyValueError::new_err(error.to_string());
+    let named = |specs: Vec<Value>| specs.into_iter().enumerate().map(|(number, spec)| (number.into(), spec)).collect();
+    let mut all: Vec<Axis> = (!specs.is_empty()).then(|| Axis::of_specs(named(specs))).into_iter().collect();
+    all.extend(lists("over", asked.over)?.into_iter().map(|(key, values)| Axis::new(key, values)));
+    if let Some(zip) = asked.zip.filter(|zip| !zip.is_empty()) {
+        all.push(Axis::zipped(lists("zip", zip)?).map_err(wrong)?);
+    }
+    if let Some(draw) = asked.draw {
+        let draw: Sampling = options(Some(draw))?;
+        all.push(Axis::drawn(&draw, &all).map_err(wrong)?);
+    }
+    Ok(all)
+}
+
+/// The trees of a list of specs; files that they name are looked for in the current folder.
+fn of_list(specs: &Bound<'_, PyList>) -> PyResult<Vec<Value>> {
+    specs.iter().map(|spec| spec::tree_of(Some(&spec)).map(|(tree, _)| tree)).collect()
+}
+
+/// Tables of a study.
+struct Asked<'a, 'py> {
+    over: &'a Bound<'py, PyDict>,
+    zip: Option<&'a Bound<'py, PyDict>>,
+    draw: Option<&'a Bound<'py, PyDict>>,
 }
 
 fn plan_error(error: &PlanError) -> PyErr {
@@ -74,14 +102,23 @@ impl Planning for Interruptible<'_> {
 
 #[pymethods]
 impl PyStudyPlan {
-    /// Every combination of `over` laid over `spec`, as for `pack`.
+    /// Every combination of `over`, `zip` and `draw` laid over `spec`, as for `pack`, or over each of a list of specs.
     #[new]
-    fn new(spec: Option<&Bound<'_, PyAny>>, over: &Bound<'_, PyDict>) -> PyResult<Self> {
+    #[pyo3(signature = (spec, over, zip=None, draw=None))]
+    fn new(
+        spec: Option<&Bound<'_, PyAny>>,
+        over: &Bound<'_, PyDict>,
+        zip: Option<&Bound<'_, PyDict>>,
+        draw: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
         guard(|| {
-            let (base, folder) = spec::tree_of(spec)?;
+            let listed = spec.and_then(|spec| spec.cast::<PyList>().ok());
+            let (base, folder) = spec::tree_of(spec.filter(|_| listed.is_none()))?;
+            let specs = listed.map_or(Ok(Vec::new()), of_list)?;
+            let axes = all_axes(specs, &Asked { over, zip, draw })?;
             let mut planning = Interruptible { py: over.py(), raised: None };
             let task = Value::Object(Map::new());
-            let plan = Plan::new_while(&base, &axes(over)?, &task, &mut Told::beside(&folder), &mut planning);
+            let plan = Plan::new_while(&base, &axes, &task, &mut Told::beside(&folder), &mut planning);
             plan.map(|plan| Self(Arc::new(plan))).map_err(|error| planning.raised.unwrap_or_else(|| plan_error(&error)))
         })
     }
@@ -230,9 +267,9 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
 
 /// Writes a packing into the folder of its case.
 #[pyfunction(name = "_study_write")]
-pub(crate) fn study_write(py: Python<'_>, packing: &PyPacking, folder: PathBuf) -> PyResult<()> {
-    let model = Arc::clone(&packing.0);
-    guard(|| beside_python(py, None, move |watch| files::write_case(&model, &folder.join(meso_study::MODEL), watch))?)
+pub(crate) fn study_write(py: Python<'_>, packing: &PyPacking, folder: PathBuf, compressed: bool) -> PyResult<()> {
+    let (model, path) = (Arc::clone(&packing.0), folder.join(MODELS[usize::from(compressed)]));
+    guard(|| beside_python(py, None, move |watch| files::write_case(&model, &path, watch))?)
 }
 
 /// Results that a study records of a packing, where nothing else is done with it.

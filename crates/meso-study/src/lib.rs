@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod case;
+mod design;
 mod ensemble;
 pub mod fit;
 mod folder;
@@ -18,11 +19,12 @@ mod student;
 mod table;
 
 pub use case::{Case, digest};
+pub use design::{Design, Sampling};
 pub use ensemble::{REPLICATE, ensemble};
 pub use folder::{TABLES, save_tables};
 pub use names::{NameError, Names};
 pub use plan::{Axis, MOST_CASES, Plan, PlanError, Planning};
-pub use record::{CURVE, CaseOutcome, CaseState, Failed, MODEL, RECORD, Record, Status};
+pub use record::{CURVE, CaseOutcome, CaseState, Failed, Keep, MODELS, RECORD, Record, Status};
 pub use results::{of_packing, of_summary};
 pub use run::{Again, RunError, StudyRun, Tally};
 pub use student::quantile_975;

@@ -12,15 +12,33 @@ pub const MOST_CASES: usize = 1_000_000;
 const REPORT: usize = 1000;
 /// Options outside the spec whose axes change the task, not the spec.
 const TASKS: [&str; 3] = ["mesh", "solve", "test"];
+/// Column with the names of listed specs.
+const SPEC: &str = "spec";
 
-/// An option and its values, e.g. `grading.d_max_mm` and 16, 20.
-#[derive(Clone, Debug, PartialEq)]
+/// Options that change together, often one, e.g. `grading.d_max_mm` with 16, 20.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// Dotted path of the option in a SPEC.toml; `mesh.` and `solve.` are flags of these commands, `test.` is a key of a
-    /// TEST.toml.
-    pub key: String,
-    /// Values, in their order.
-    pub values: Vec<Value>,
+    /// Dotted paths of the options in a SPEC.toml; `mesh.` and `solve.` are flags of these commands, `test.` is a key of
+    /// a TEST.toml.
+    pub keys: Vec<String>,
+    /// Values of all options, row by row.
+    pub rows: Vec<Vec<Value>>,
+    /// Specs that replace the base, one per row; empty where all rows have one base.
+    pub specs: Vec<Value>,
+}
+
+impl Axis {
+    /// One option and its values.
+    pub fn new(key: impl Into<String>, values: Vec<Value>) -> Self {
+        let rows = values.into_iter().map(|value| vec![value]).collect();
+        Self { keys: vec![key.into()], rows, specs: Vec::new() }
+    }
+
+    /// A list of specs and their names, which are the values of the column `spec`.
+    pub fn of_specs(named: Vec<(Value, Value)>) -> Self {
+        let (names, specs): (Vec<_>, Vec<_>) = named.into_iter().unzip();
+        Self { specs, ..Self::new(SPEC, names) }
+    }
 }
 
 /// All cases of a study, in order: the last axis runs fastest.
@@ -41,6 +59,15 @@ pub enum PlanError {
     /// Two axes of one option, or of an option and a part of it.
     #[error("over.{0} and over.{1} change the same option; keep one of the two")]
     Overlapping(String, String),
+    /// Two zipped lists of different lengths.
+    #[error("zip.{0} has {1} values and zip.{2} has {3}; zipped lists need one length")]
+    Uneven(String, usize, String, usize),
+    /// A draw from something that is neither a range nor a list.
+    #[error("draw.over.{0} is {1}; give a range {{ low = 0.2, high = 0.4 }} or a list of values")]
+    Range(String, String),
+    /// A draw of no cases.
+    #[error("draw.cases is 0; it must lie within 1 and {MOST_CASES}")]
+    NoCases,
     /// A key that is not a dotted path.
     #[error("over.{0:?} is not an option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
     Key(String),
@@ -105,34 +132,38 @@ impl Plan {
         planning: &mut dyn Planning,
     ) -> Result<Self, PlanError> {
         check(axes)?;
-        let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
+        let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.rows.len()));
         let count = count.filter(|count| *count <= MOST_CASES).ok_or_else(|| {
-            PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.values.len())))
+            PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.rows.len())))
         })?;
-        let base = with_specimen(base, axes);
+        let bases: Vec<Value> = bases(base, axes).into_iter().map(|base| with_specimen(base, axes)).collect();
         let mut cases = Vec::with_capacity(count);
         for number in 0..count {
             if number % REPORT == 0 && !planning.goes_on(number, count) {
                 return Err(PlanError::Stopped);
             }
-            cases.push(case(&base, &combination(axes, number), task, files, planning)?);
+            let (values, base) = combination(axes, number);
+            cases.push(case(&bases[base], &values, task, files, planning)?);
         }
         distinct(&cases)?;
-        Ok(Self { keys: axes.iter().map(|axis| axis.key.clone()).collect(), cases })
+        Ok(Self { keys: axes.iter().flat_map(|axis| axis.keys.clone()).collect(), cases })
     }
 }
 
 fn check(axes: &[Axis]) -> Result<(), PlanError> {
-    for (i, axis) in axes.iter().enumerate() {
-        if axis.key.split('.').any(str::is_empty) {
-            return Err(PlanError::Key(axis.key.clone()));
-        }
-        if axis.values.is_empty() {
-            return Err(PlanError::Empty(axis.key.clone()));
-        }
-        let overlaps = |other: &&Axis| is_part(&axis.key, &other.key) || is_part(&other.key, &axis.key);
-        if let Some(other) = axes[..i].iter().find(overlaps) {
-            return Err(PlanError::Overlapping(other.key.clone(), axis.key.clone()));
+    let mut keys: Vec<&String> = Vec::new();
+    for axis in axes {
+        for key in &axis.keys {
+            if key.split('.').any(str::is_empty) {
+                return Err(PlanError::Key(key.clone()));
+            }
+            if axis.rows.is_empty() {
+                return Err(PlanError::Empty(key.clone()));
+            }
+            if let Some(other) = keys.iter().find(|other| is_part(key, other) || is_part(other, key)) {
+                return Err(PlanError::Overlapping(key.clone(), (*other).clone()));
+            }
+            keys.push(key);
         }
     }
     Ok(())
@@ -143,22 +174,30 @@ fn is_part(key: &str, whole: &str) -> bool {
     key.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// The values of combination `number`, axis by axis.
-fn combination(axes: &[Axis], mut number: usize) -> Vec<(&str, &Value)> {
-    let mut values: Vec<(&str, &Value)> = Vec::with_capacity(axes.len());
+/// Trees that the axes' values are laid over: the listed specs, or the one base.
+fn bases<'a>(base: &'a Value, axes: &'a [Axis]) -> Vec<&'a Value> {
+    let listed: Vec<&Value> = axes.iter().flat_map(|axis| &axis.specs).collect();
+    if listed.is_empty() { vec![base] } else { listed }
+}
+
+/// The values of combination `number`, axis by axis, and the number of its base.
+fn combination(axes: &[Axis], mut number: usize) -> (Vec<(&str, &Value)>, usize) {
+    let (mut values, mut base) = (Vec::with_capacity(axes.len()), 0);
     for axis in axes.iter().rev() {
-        values.push((&axis.key, &axis.values[number % axis.values.len()]));
-        number /= axis.values.len();
+        let row = number % axis.rows.len();
+        values.extend(axis.keys.iter().map(String::as_str).zip(&axis.rows[row]).rev());
+        base = if axis.specs.is_empty() { base } else { row };
+        number /= axis.rows.len();
     }
     values.reverse();
-    values
+    (values, base)
 }
 
 /// `base` with the default specimen, where it has none and an axis changes only a part of the specimen.
 fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
     let mut tree = base.clone();
     if let (Value::Object(sections), Ok(usual)) = (&mut tree, serde_json::to_value(Spec::default().specimen))
-        && axes.iter().any(|axis| is_part(&axis.key, "specimen"))
+        && axes.iter().flat_map(|axis| &axis.keys).any(|key| is_part(key, "specimen"))
     {
         sections.entry("specimen").or_insert(usual);
     }
@@ -173,7 +212,8 @@ fn case(
     planning: &mut dyn Planning,
 ) -> Result<Case, PlanError> {
     let (mut tree, mut task) = (base.clone(), task.clone());
-    let (of_task, of_spec) = values.iter().partition(|(key, _)| TASKS.iter().any(|name| is_part(key, name)));
+    let options = values.iter().filter(|(key, _)| *key != SPEC);
+    let (of_task, of_spec) = options.partition(|(key, _)| TASKS.iter().any(|name| is_part(key, name)));
     Spec::overlay(&mut tree, one_tree(of_spec));
     Spec::overlay(&mut task, one_tree(of_task));
     let spec = Spec::from_value_with(&tree, files).map_err(|error| PlanError::Spec(describe(values), error))?;
@@ -217,7 +257,7 @@ mod tests {
     /// 40 bits of the hash, once the whole of it in a name, agree for two of a million cases in every third study.
     #[test]
     fn different_cases_with_one_folder_are_refused() {
-        let axis = Axis { key: "seed".to_owned(), values: vec![1.into(), 2.into()] };
+        let axis = Axis::new("seed", vec![1.into(), 2.into()]);
         let base = serde_json::json!({ "fraction": 0.2 });
         let mut plan =
             Plan::new(&base, &[axis], &Value::Null, &mut meso_files::Beside(std::path::Path::new(""))).unwrap();

@@ -11,8 +11,38 @@ use std::path::Path;
 
 /// Name of the record in a case's folder.
 pub const RECORD: &str = "case.json";
-/// Name of the saved model in a case's folder.
-pub const MODEL: &str = "model.json";
+/// Names that the saved model of a case may have.
+pub const MODELS: [&str; 2] = ["model.json", "model.json.gz"];
+
+/// The packing that a finished case keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Keep {
+    /// As `model.json`, so that other work can start from it.
+    #[default]
+    #[serde(rename = "json")]
+    Json,
+    /// As `model.json.gz`, in less than half of the space.
+    #[serde(rename = "json.gz")]
+    JsonGz,
+    /// None: other work on the case packs anew.
+    #[serde(rename = "none")]
+    None,
+}
+
+impl Keep {
+    /// Name of the saved model while the case is at work.
+    pub fn model(self) -> &'static str {
+        MODELS[usize::from(self == Self::JsonGz)]
+    }
+
+    /// Removes the saved model of a finished case, unless it is kept.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    pub fn tidy(self, folder: &Path) -> io::Result<()> {
+        if self == Self::None { remove(&folder.join(self.model())) } else { Ok(()) }
+    }
+}
 /// Name of a test's curve in a case's folder.
 pub const CURVE: &str = "curve.csv";
 
@@ -118,8 +148,9 @@ impl Record {
             curve_sha256: None,
             sha256: String::new(),
         };
-        let hash = |name| record.files.contains_key(name).then(|| digest_of(folder, name)).transpose();
-        (record.model_sha256, record.curve_sha256) = (hash(MODEL)?, hash(CURVE)?);
+        let has_curve = record.files.contains_key(CURVE);
+        record.model_sha256 = record.model().map(|name| digest_of(folder, name)).transpose()?;
+        record.curve_sha256 = has_curve.then(|| digest_of(folder, CURVE)).transpose()?;
         record.sha256 = record.seal();
         Ok(record)
     }
@@ -148,9 +179,14 @@ impl Record {
         })
     }
 
+    /// Name of the saved model among the files.
+    pub fn model(&self) -> Option<&'static str> {
+        MODELS.into_iter().find(|name| self.files.contains_key(*name))
+    }
+
     /// Whether the saved model in `folder` is the recorded one, byte for byte.
     pub(crate) fn has_model(&self, folder: &Path) -> bool {
-        self.model_sha256.is_some() && digest_of(folder, MODEL).ok() == self.model_sha256
+        self.model().is_some_and(|name| digest_of(folder, name).ok() == self.model_sha256)
     }
 
     /// Whether the curve in `folder` is the recorded one, byte for byte.
@@ -184,10 +220,9 @@ impl CaseState {
     /// Errors of the file system.
     pub fn prepare(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        for name in [RECORD, MODEL] {
-            if name == RECORD || *self == Self::Open {
-                remove(&folder.join(name))?;
-            }
+        remove(&folder.join(RECORD))?;
+        if *self == Self::Open {
+            MODELS.iter().try_for_each(|name| remove(&folder.join(name)))?;
         }
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;

@@ -3,7 +3,7 @@
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
-use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
+use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh, xdmf};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
 use meso_concrete::OutOfRange;
@@ -176,11 +176,13 @@ pub enum MeshFormat {
     K,
     /// ANSYS.
     Cdb,
+    /// One XML file: ParaView, meshio.
+    Xdmf,
 }
 
 impl MeshFormat {
     /// All formats, the deck first.
-    pub const ALL: [Self; 6] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu, Self::K, Self::Cdb];
+    pub const ALL: [Self; 7] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu, Self::K, Self::Cdb, Self::Xdmf];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
@@ -191,6 +193,7 @@ impl MeshFormat {
             Self::Pvtu => "pvtu",
             Self::K => "k",
             Self::Cdb => "cdb",
+            Self::Xdmf => "xdmf",
         }
     }
 
@@ -268,6 +271,7 @@ impl MeshFile {
             Content::Whole(MeshFormat::Msh) => msh::write(mesh, out),
             Content::Whole(MeshFormat::K) => lsdyna::write(mesh, deck, out),
             Content::Whole(MeshFormat::Cdb) => ansys::write(mesh, out),
+            Content::Whole(MeshFormat::Xdmf) => xdmf::write(mesh, out),
             Content::Whole(_) => vtu_mesh::write(mesh, compress, out),
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), compress, out),
             Content::Index(names) => pvtu::write(mesh, names, out),

@@ -29,12 +29,17 @@ if TYPE_CHECKING:
         pack,
         recipes,
     )
+    from ._curves import Curves, mean_curves
+    from ._dataset import Dataset, dataset
     from ._options import Grading, Materials, Specimen, Test
+    from ._scan import scan
     from ._study import Study, study
 
 __all__ = [
     "Aggregate",
     "Aggregates",
+    "Curves",
+    "Dataset",
     "Frame",
     "Grading",
     "Materials",
@@ -48,20 +53,28 @@ __all__ = [
     "Test",
     "__version__",
     "convex_hull",
+    "dataset",
     "gjk",
     "load",
+    "mean_curves",
     "pack",
     "recipes",
+    "scan",
     "study",
 ]
 
 # Names of the package's Python modules; all others are the compiled module's.
 _HOMES = {
+    "Curves": "_curves",
+    "Dataset": "_dataset",
     "Grading": "_options",
     "Materials": "_options",
     "Specimen": "_options",
     "Study": "_study",
     "Test": "_options",
+    "dataset": "_dataset",
+    "mean_curves": "_curves",
+    "scan": "_scan",
     "study": "_study",
 }
 

@@ -406,10 +406,11 @@ class Packing:
     @overload
     def voxelize(
         self,
-        h: float,
+        h: float | None = None,
         what: Literal["phase"] = "phase",
         box: Sequence[Sequence[float]] | None = None,
         *,
+        shape: int | Sequence[int] | None = None,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[np.uint8]:
         """Phases, ids, shares or distances at every voxel of the specimen, or of a box in it.
@@ -455,10 +456,30 @@ class Packing:
     @overload
     def voxelize(
         self,
+        h: float | None = None,
+        *,
+        what: Literal["grain"],
+        box: Sequence[Sequence[float]] | None = None,
+        shape: int | Sequence[int] | None = None,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.int32]: ...
+    @overload
+    def voxelize(
+        self,
         h: float,
         what: Literal["share", "distance"],
         box: Sequence[Sequence[float]] | None = None,
         *,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.float32]: ...
+    @overload
+    def voxelize(
+        self,
+        h: float | None = None,
+        *,
+        what: Literal["share", "distance"],
+        box: Sequence[Sequence[float]] | None = None,
+        shape: int | Sequence[int] | None = None,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[np.float32]: ...
 
@@ -1265,7 +1286,13 @@ def recipes() -> dict[str, str]:
 
 @final
 class _StudyPlan:
-    def __new__(cls, spec: Spec | dict[str, Any] | _Path | None, over: dict[str, Any]) -> _StudyPlan: ...
+    def __new__(
+        cls,
+        spec: Spec | dict[str, Any] | _Path | list[Any] | None,
+        over: dict[str, Any],
+        zip: dict[str, Any] | None = None,
+        draw: dict[str, Any] | None = None,
+    ) -> _StudyPlan: ...
     @property
     def keys(self) -> list[str]: ...
     @property
@@ -1290,7 +1317,7 @@ class _StudyRun:
     def leave_lock_to_parent(self) -> None: ...
 
 def _study_results(packing: Packing) -> dict[str, Any]: ...
-def _study_write(packing: Packing, folder: str | PathLike[str]) -> None: ...
+def _study_write(packing: Packing, folder: str | PathLike[str], compressed: bool) -> None: ...
 def _colours() -> tuple[list[str], list[str]]: ...
 def _run_command(args: list[str]) -> int: ...
 def _restore_spec(options: dict[str, Any]) -> Spec: ...

@@ -499,7 +499,7 @@ class PhaseResult(TypedDict):
     exact_fraction: float | None
     """Volume of the exact bodies over the specimen's, where known."""
     dissipated_mj: float
-    """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
+    """Dissipated in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
 
 class TestResult(CurveFigures, BeyondPeak, Lateral):

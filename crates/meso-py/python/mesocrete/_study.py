@@ -26,7 +26,23 @@ if TYPE_CHECKING:
     import polars as _polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
     from typing_extensions import NotRequired
 
-_MODEL = "model.json"
+_MODELS = ("model.json", "model.json.gz")
+
+
+_Given = Spec | Mapping[str, object] | str | os.PathLike[str] | None
+
+
+class Draw(TypedDict, total=False):
+    """Random values of a study."""
+
+    cases: int
+    """Number of cases; required."""
+    design: Literal["random", "latin-hypercube"]
+    """Each value alone, or one from each of as many strata as there are cases."""
+    seed: int
+    """Seed of the draws, default 0."""
+    over: Mapping[str, object]
+    """From dotted keys to ranges ``{"low": 0.2, "high": 0.4}`` or lists of values."""
 
 
 class Submitter(Protocol):
@@ -101,8 +117,9 @@ class Study:
         return self._plan.spec(number)
 
     def packing(self, number: int) -> Packing:
-        """Read the packing of a case from its folder."""
-        return load(self.folders[number] / _MODEL)
+        """Read the packing of a case from its folder; pack it again where the study keeps none."""
+        kept = _kept(self.folders[number])
+        return load(kept) if kept.is_file() else pack(self.spec(number))
 
     @overload
     def table(self, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
@@ -149,9 +166,12 @@ class Study:
 
 
 def study(
-    spec: Spec | Mapping[str, object] | str | os.PathLike[str] | None = None,
+    spec: _Given | list[_Given] = None,
     over: Mapping[str, Iterable[object]] | None = None,
     *,
+    zip: Mapping[str, Iterable[object]] | None = None,  # noqa: A002
+    draw: Draw | None = None,
+    model: Literal["json", "json.gz", "none"] = "json",
     then: Callable[..., object] | None = None,
     version: str | int | None = None,
     out: str | os.PathLike[str] = "study",
@@ -164,11 +184,20 @@ def study(
 
     Parameters
     ----------
-    spec : None, dict, path or Spec
-        Options that the values of `over` replace, as for `pack`.
+    spec : None, dict, path or Spec, or a list of them
+        Options that the values of `over` replace, as for `pack`. Each spec of a list is an axis' value; the column `spec`
+        counts them from 0.
     over : dict
         From the dotted key of an option to its values, e.g. ``{"seed": range(20), "grading.d_max_mm": [16, 20]}``. The last
         axis runs fastest.
+    zip : dict, optional
+        From dotted keys to lists of one length, whose values change together: one axis.
+    draw : dict, optional
+        Random values: ``{"cases": 50, "design": "latin-hypercube", "seed": 0, "over": {"fraction": {"low": 0.2, "high":
+        0.4}, "grading.d_max_mm": [12, 16]}}``. `design` is "random" (default) or "latin-hypercube". Each case has a seed of
+        its own.
+    model : {"json", "json.gz", "none"}
+        The packing that a finished case keeps. With "none", another `then` packs again.
     then : callable, optional
         Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; its result, a dict or a
         number, becomes columns of the table. Absent: the figures of the packing's report.
@@ -204,7 +233,11 @@ def study(
     RuntimeError
         Where an executor lost its workers; finished cases are kept.
     """
-    plan = _StudyPlan(dict(spec) if isinstance(spec, Mapping) else spec, dict(over or {}))
+    if model not in ("json", "json.gz", "none"):
+        message = f'model is {model!r}; it must be "json", "json.gz" or "none"'
+        raise ValueError(message)
+    specs = [_tree(one) for one in spec] if isinstance(spec, list) else _tree(spec)
+    plan = _StudyPlan(specs, dict(over or {}), dict(zip) if zip else None, dict(draw) if draw is not None else None)
     folder = Path(out).absolute()
     name = fingerprint(then, version)
     submit = _submitter(executor, then)
@@ -216,9 +249,9 @@ def study(
     try:
         tell(run.over)
         folders = plan.folders
-        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, run.begin(i)) for i in run.left)
+        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, model, run.begin(i)) for i in run.left)
         for number, results, error in _here(jobs) if submit is None else _there(jobs, submit):
-            if error is None:
+            if error is None and model != "none":
                 _require_model(folder / folders[number])
             run.end(number, results, error)
             tell(run.over)
@@ -229,8 +262,8 @@ def study(
     return Study(plan, name, folder)
 
 
-# A case for a worker: its number, spec, folder, function, threads, and whether the packing is there.
-_Job = tuple[int, Spec, Path, Callable[..., Any] | None, int | None, bool]
+# A case for a worker: its number, spec, folder, function, threads, the kept model, and whether the packing is there.
+_Job = tuple[int, Spec, Path, "Callable[..., Any] | None", "int | None", str, bool]
 # Its number, the results as JSON, and the message of its failure.
 _Ended = tuple[int, str, str | None]
 
@@ -249,11 +282,11 @@ if hasattr(os, "register_at_fork"):
 
 def _run(job: _Job) -> _Ended:
     """Do a case, on whatever machine; the results, or the message of its failure."""
-    number, spec, folder, then, threads, packed = job
+    number, spec, folder, then, threads, model, packed = job
     try:
-        packing = load(folder / _MODEL) if packed else pack(spec, threads=threads)
-        if not packed:
-            _study_write(packing, folder)
+        packing = load(_kept(folder)) if packed else pack(spec, threads=threads)
+        if not packed and model != "none":
+            _study_write(packing, folder, model == "json.gz")
         if then is None:
             return number, json.dumps(_study_results(packing)), None
         return number, _results(then(packing, folder) if _takes_folder(then) else then(packing)), None
@@ -288,10 +321,20 @@ def _there(jobs: Iterable[_Job], submit: Callable[..., Any]) -> Iterable[_Ended]
         raise RuntimeError(message)
 
 
+def _tree(spec: Any) -> Any:
+    """Return a spec as the plan takes it."""
+    return dict(spec) if isinstance(spec, Mapping) else spec
+
+
+def _kept(folder: Path) -> Path:
+    """Return the saved model of a case, or where it would be."""
+    return next((path for name in _MODELS if (path := folder / name).is_file()), folder / _MODELS[0])
+
+
 def _require_model(folder: Path) -> None:
     """Raise RuntimeError where a worker wrote its packing to another machine's disk."""
-    if not (folder / _MODEL).is_file():
-        message = f"a worker wrote no {_MODEL} into {folder}; all workers must see this folder (a shared file system)"
+    if not _kept(folder).is_file():
+        message = f"a worker wrote no {_MODELS[0]} into {folder}; all workers must see this folder (a shared file system)"
         raise RuntimeError(message)
 
 

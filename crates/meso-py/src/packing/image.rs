@@ -41,6 +41,46 @@ pub(crate) fn region(corners: &Bound<'_, PyAny>) -> PyResult<Region> {
     })
 }
 
+/// Edge of a voxel, mm: `h`, or the one at which the region has `shape` voxels, (nz, ny, nx) or along its longest side.
+///
+/// # Errors
+/// `TypeError` for both or none, `ValueError` for a shape that cubes cannot have.
+pub(crate) fn voxel_size(
+    model: &Model,
+    region: Region,
+    h: Option<f64>,
+    shape: Option<&Bound<'_, PyAny>>,
+) -> PyResult<f64> {
+    let shape = match (h, shape) {
+        (Some(h), None) => return Ok(h),
+        (None, Some(shape)) => shape,
+        _ => return Err(wrong_type("give one of h, the edge of a voxel in mm, and shape, the number of voxels")),
+    };
+    let size = match region {
+        Region::Box { min, max } => [0, 1, 2].map(|axis| max[axis] - min[axis]),
+        _ => model.spec.specimen.aabb().size().into(),
+    };
+    let longest = size.into_iter().fold(0.0, f64::max);
+    let wrong = |accepted: String| wrong_value(format!("shape is {shape}; {accepted}"));
+    let counts: [i64; 3] = match shape.extract::<i64>() {
+        Ok(count) if count > 0 => return Ok(longest / count as f64),
+        Ok(_) => return Err(wrong("it must be 1 or more".to_owned())),
+        Err(_) => shape.extract().map_err(|_| wrong("it must be an int or a triple (nz, ny, nx)".to_owned()))?,
+    };
+    let most = counts.into_iter().max().unwrap_or(0);
+    let fitting = [2, 1, 0].map(|axis| (size[axis] * most as f64 / longest).ceil() as i64);
+    let h = longest / most as f64;
+    let fits = |(count, axis): (i64, usize)| (count as f64 * h - size[axis]).abs() <= 1e-6 * h;
+    if most > 0 && counts.into_iter().zip([2, 1, 0]).all(fits) {
+        return Ok(h);
+    }
+    let [z, y, x] = fitting;
+    Err(wrong(format!(
+        "voxels are cubes: the {} x {} x {} mm fit ({z}, {y}, {x}), which shape={most} gives",
+        size[0], size[1], size[2]
+    )))
+}
+
 /// One of the names that serde knows.
 fn named<T: for<'de> Deserialize<'de>>(key: &str, name: &str, known: &str) -> PyResult<T> {
     let text: StrDeserializer<'_, Error> = name.into_deserializer();

@@ -317,8 +317,8 @@ impl PyPacking {
     ///
     /// Parameters
     /// ----------
-    /// h : float
-    ///     Edge of a voxel, mm; along periodic axes it must divide the specimen's length.
+    /// h : float, optional
+    ///     Edge of a voxel, mm; along periodic axes it must divide the specimen's length. Give `h` or `shape`.
     /// what : {"phase", "grain", "share", "distance"}
     ///     "phase": uint8, 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside the specimen. "grain": int32, the id
     ///     of the aggregate, void or fibre, -1 in the mortar, -2 outside. "share": float32, the share of the voxel's
@@ -326,6 +326,8 @@ impl PyPacking {
     ///     fibre, negative inside, NaN outside the specimen.
     /// box : pair of triples, optional
     ///     Lower and upper corner of the part that is shown, mm, in the specimen's bounding box.
+    /// shape : int or triple, optional
+    ///     Number of voxels along the longest side, or (nz, ny, nx); `h` follows from it. Voxels are cubes.
     /// of : {"aggregate", "core", "itz", "void", "fibre"}
     ///     Whose share: of aggregates with their ITZ shells (as the packing's fraction counts them), of aggregates
     ///     without, of the shells alone, of voids or of fibres.
@@ -339,16 +341,18 @@ impl PyPacking {
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range. Images of more than 2^33 voxels are left to
     ///     `mesocrete image`, which streams them.
-    #[pyo3(signature = (h, what="phase", r#box=None, *, of="aggregate"))]
+    #[pyo3(signature = (h=None, what="phase", r#box=None, *, shape=None, of="aggregate"))]
     fn voxelize<'py>(
         &self,
         py: Python<'py>,
-        h: f64,
+        h: Option<f64>,
         what: &str,
         r#box: Option<&Bound<'py, PyAny>>,
+        shape: Option<&Bound<'py, PyAny>>,
         of: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let region = r#box.map_or(Ok(Region::Whole), image::region)?;
+        let h = image::voxel_size(&self.0, region, h, shape)?;
         image::make(py, &self.0, image::options(h, what, of, region)?)
     }
 

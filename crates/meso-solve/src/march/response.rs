@@ -139,7 +139,7 @@ pub struct PhaseResult {
     pub volume_fraction: f64,
     /// Volume of the exact bodies over the specimen's, where known.
     pub exact_fraction: Option<f64>,
-    /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
+    /// Dissipated in its cells, mJ; in cohesive faces, too, for the ITZ.
     pub dissipated_mj: f64,
 }
 

@@ -15,6 +15,7 @@ pub(crate) mod raster;
 pub(crate) mod step;
 pub mod stl;
 pub(crate) mod vtu;
+pub(crate) mod xdmf;
 
 pub use meso_view::vtk::mesh as vtu_mesh;
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// A saved model (.json or .json.gz); `-` is standard input
     pub(super) model: PathBuf,
-    /// File to write, its format by the extension: .inp, .k, .cdb, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output
+    /// File to write, its format by the extension: .inp, .k, .cdb, .vtu, .pvtu (pieces beside it), .msh, .xdmf; `-` is standard output
     /// (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,

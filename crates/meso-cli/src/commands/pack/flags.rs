@@ -12,7 +12,7 @@ pub(crate) struct Args {
     /// Spec to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     pub(super) spec: Option<PathBuf>,
     /// File to write, its format by the extension: .json, .json.gz, .vtu, .vtp, .stl, .step, .glb, .ply, .obj, .csv; a
-    /// page: .html; meshes: .inp, .k, .cdb, .msh, .pvtu; `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
+    /// page: .html; meshes: .inp, .k, .cdb, .msh, .pvtu, .xdmf; `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes

@@ -149,7 +149,7 @@ impl Observer for Watching<'_> {
         // Said once, not every few minutes.
         let was_unkept = self.unkept.replace(failure.is_some());
         if let Some(failure) = failure.filter(|_| !was_unkept) {
-            self.warn(&failure, "the test goes on with the checkpoint of before, if any");
+            self.warn(&failure, "the test goes on; an earlier checkpoint is kept");
         }
         self.kept.set(Instant::now());
     }

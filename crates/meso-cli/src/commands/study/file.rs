@@ -9,7 +9,7 @@ use meso_core::SpecError;
 use meso_core::recipes::Recipe;
 use meso_core::spec::{Files, options_from_toml};
 use meso_files::Beside;
-use meso_study::{Axis, Case, Plan, Planning, digest};
+use meso_study::{Axis, Case, Keep, Plan, Planning, Sampling, digest};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -26,7 +26,10 @@ struct Content {
     spec: Option<Value>,
     recipe: Option<String>,
     outputs: Vec<String>,
+    model: Keep,
     over: Map<String, Value>,
+    zip: Map<String, Value>,
+    draw: Option<Sampling>,
     mesh: Option<Map<String, Value>>,
     solve: Option<Map<String, Value>>,
     test: Option<Value>,
@@ -40,6 +43,7 @@ pub(crate) struct StudyFile {
     folder: PathBuf,
     axes: Vec<Axis>,
     outputs: Vec<String>,
+    keep: Keep,
     task: Value,
 }
 
@@ -57,8 +61,8 @@ impl StudyFile {
 
     fn of(content: Content, path: &Path) -> Result<Self, Failure> {
         let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-        let (base, folder) = base(&content, path)?;
-        let axes = axes("", &content.over).map_err(wrong)?;
+        let Base { tree: base, folder, specs } = base(&content, path)?;
+        let axes = all_axes(specs, &content).map_err(wrong)?;
         let mut task = Map::from_iter([("outputs".to_owned(), json!(content.outputs))]);
         for (name, flags) in [("mesh", content.mesh), ("solve", content.solve)] {
             task.extend(flags.map(|flags| (name.to_owned(), Value::Object(flags))));
@@ -69,37 +73,42 @@ impl StudyFile {
             is_clear.then_some(()).ok_or_else(|| wrong(why.to_owned()))?;
             task.insert("test".to_owned(), test_tree(test, path)?);
         }
-        for axis in &axes {
-            let section = axis.key.split('.').next().unwrap_or_default();
+        for key in axes.iter().flat_map(|axis| &axis.keys) {
+            let section = key.split('.').next().unwrap_or_default();
             if ["mesh", "solve", "test"].contains(&section) && !task.contains_key(section) {
-                return Err(wrong(format!("over.{} changes [{section}], which is not there; add it", axis.key)));
+                return Err(wrong(format!("{key} changes [{section}], which is not there; add it")));
             }
         }
-        Ok(Self { path: path.to_owned(), base, folder, axes, outputs: content.outputs, task: Value::Object(task) })
+        let Content { outputs, model: keep, .. } = content;
+        Ok(Self { path: path.to_owned(), base, folder, axes, outputs, keep, task: Value::Object(task) })
     }
 
     /// Reads a study from `text` that names no other file; `None` for one that names some, or has very many cases.
     pub(super) fn alone(text: &str) -> Result<Option<Self>, Failure> {
         let wrong = |error: SpecError| Failure::Usage(error.to_string());
         let content: Content = options_from_toml(text).map_err(wrong)?;
-        if [&content.spec, &content.test].into_iter().flatten().any(Value::is_string) {
+        let is_listed = content.spec.as_ref().is_some_and(Value::is_array);
+        if is_listed || [&content.spec, &content.test].into_iter().flatten().any(Value::is_string) {
             return Ok(None);
         }
         let study = Self::of(content, Path::new("STUDY.toml"))?;
-        let cases = study.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul);
+        let cases = study.axes.iter().map(|axis| axis.rows.len()).fold(1, usize::saturating_mul);
         let mut values = study.task.to_string();
-        study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.key, axis.values));
+        study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.keys, axis.rows));
         let names_files = values.contains("materials") || values.to_lowercase().contains(".toml");
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 
     /// Sets values under `[placement]` of the spec; an axis of the study overrides them.
     pub(super) fn place(&mut self, values: &[(&str, Option<f64>)]) {
-        for (key, value) in values.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
-            if let Some(spec) = self.base.as_object_mut()
-                && let Some(placement) = spec.entry("placement").or_insert_with(|| json!({})).as_object_mut()
-            {
-                placement.insert((*key).to_owned(), json!(value));
+        let listed = self.axes.iter_mut().flat_map(|axis| &mut axis.specs);
+        for spec in std::iter::once(&mut self.base).chain(listed) {
+            for (key, value) in values.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
+                if let Some(spec) = spec.as_object_mut()
+                    && let Some(placement) = spec.entry("placement").or_insert_with(|| json!({})).as_object_mut()
+                {
+                    placement.insert((*key).to_owned(), json!(value));
+                }
             }
         }
     }
@@ -122,7 +131,7 @@ impl StudyFile {
 
     /// The steps of a case, with their flags checked.
     pub(super) fn steps(&self, case: &Case, out: &Path, given: &Given) -> Result<Steps, Failure> {
-        Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, given)
+        Steps::new(case, (&self.outputs, self.keep), &out.join(&case.folder), &self.path, given)
             .map_err(|failure| self.wrong(&failure))
     }
 
@@ -202,46 +211,98 @@ impl Completing<'_> {
     }
 }
 
-/// The spec's tree, and the folder of the files that it names.
-fn base(content: &Content, path: &Path) -> Result<(Value, PathBuf), Failure> {
+/// The spec that axes are laid over.
+struct Base {
+    tree: Value,
+    /// Folder of the files that it names.
+    folder: PathBuf,
+    /// Specs of a list, with their names.
+    specs: Vec<(Value, Value)>,
+}
+
+fn base(content: &Content, path: &Path) -> Result<Base, Failure> {
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+    let one = |tree: Value, folder: PathBuf| Ok(Base { tree, folder, specs: Vec::new() });
     match (&content.spec, &content.recipe) {
         (Some(_), Some(_)) => Err(wrong("spec and recipe both say what to pack; keep one of the two".to_owned())),
         (Some(Value::String(name)), None) => {
-            let file = beside(path, name);
-            let folder = file.parent().unwrap_or(Path::new("")).to_owned();
-            Ok((inputs::toml(&file, options_from_toml)?, folder))
+            let (tree, folder) = spec_file(path, name)?;
+            one(tree, folder)
         }
-        (Some(table @ Value::Object(_)), None) => Ok((table.clone(), folder)),
+        (Some(table @ Value::Object(_)), None) => one(table.clone(), folder),
+        (Some(Value::Array(names)), None) => listed(names, path),
         (Some(other), None) => {
-            Err(wrong(format!("spec is {other}; it must be a [spec] table or the name of a SPEC.toml")))
+            let accepted = "it must be a [spec] table, the name of a SPEC.toml or a list of names";
+            Err(wrong(format!("spec is {other}; {accepted}")))
         }
         (None, Some(name)) => {
             let recipe = Recipe::named(name).map_err(wrong)?;
-            let tree = options_from_toml(recipe.text).map_err(|error| wrong(error.to_string()))?;
-            Ok((tree, folder))
+            one(options_from_toml(recipe.text).map_err(|error| wrong(error.to_string()))?, folder)
         }
-        (None, None) => Ok((Value::Object(Map::new()), folder)),
+        (None, None) => one(Value::Object(Map::new()), folder),
     }
 }
 
-/// The axes in a table of `[over]`: lists, and whole numbers `{ from = 1, to = 20 }`; other tables are parts of a dotted key.
-fn axes(prefix: &str, table: &Map<String, Value>) -> Result<Vec<Axis>, String> {
+/// A SPEC.toml beside the study, and its folder.
+fn spec_file(study: &Path, name: &str) -> Result<(Value, PathBuf), Failure> {
+    let file = beside(study, name);
+    let folder = file.parent().unwrap_or(Path::new("")).to_owned();
+    Ok((inputs::toml(&file, options_from_toml)?, folder))
+}
+
+/// The specs of a list, from one folder: files that they name are looked for there.
+fn listed(names: &[Value], path: &Path) -> Result<Base, Failure> {
+    let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+    let (mut specs, mut folders) = (Vec::new(), Vec::new());
+    for name in names {
+        let file =
+            name.as_str().ok_or_else(|| wrong(format!("spec lists {name}; it must list names of SPEC.toml files")))?;
+        let (tree, folder) = spec_file(path, file)?;
+        specs.push((name.clone(), tree));
+        folders.push(folder);
+    }
+    let Some(folder) = folders.first().cloned() else {
+        return Err(wrong("spec lists no file; give at least one".to_owned()));
+    };
+    if folders.iter().any(|other| *other != folder) {
+        return Err(wrong("spec lists files of several folders; move them into one".to_owned()));
+    }
+    Ok(Base { tree: Value::Object(Map::new()), folder, specs })
+}
+
+/// The axes of listed specs, `[over]`, `[zip]` and `[draw]`, in this order.
+fn all_axes(specs: Vec<(Value, Value)>, content: &Content) -> Result<Vec<Axis>, String> {
+    let mut all: Vec<Axis> = (!specs.is_empty()).then(|| Axis::of_specs(specs)).into_iter().collect();
+    all.extend(lists("over", "", &content.over)?.into_iter().map(|(key, values)| Axis::new(key, values)));
+    if !content.zip.is_empty() {
+        all.push(Axis::zipped(lists("zip", "", &content.zip)?).map_err(|error| error.to_string())?);
+    }
+    if let Some(draw) = &content.draw {
+        all.push(Axis::drawn(draw, &all).map_err(|error| error.to_string())?);
+    }
+    Ok(all)
+}
+
+/// The lists in a table of `[over]` or `[zip]`, and whole numbers `{ from = 1, to = 20 }`; other tables are parts of a
+/// dotted key.
+fn lists(section: &str, prefix: &str, table: &Map<String, Value>) -> Result<Vec<(String, Vec<Value>)>, String> {
     let mut found = Vec::new();
     for (name, value) in table {
         let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
         match value {
-            Value::Array(values) => found.push(Axis { key, values: values.clone() }),
+            Value::Array(values) => found.push((key, values.clone())),
             Value::Object(range) if range.contains_key("from") => {
                 let values = range_values(range).ok_or_else(|| {
-                    format!("over.{key} is {value}; a range is {{ from = 1, to = 20 }}, whole numbers, with a step if need be")
+                    format!("{section}.{key} is {value}; a range is {{ from = 1, to = 20 }}, whole numbers, with a step if need be")
                 })?;
-                found.push(Axis { key, values });
+                found.push((key, values));
             }
-            Value::Object(inner) => found.extend(axes(&key, inner)?),
+            Value::Object(inner) => found.extend(lists(section, &key, inner)?),
             other => {
-                return Err(format!("over.{key} is {other}; give a list, e.g. [{other}], or {{ from = 1, to = 20 }}"));
+                return Err(format!(
+                    "{section}.{key} is {other}; give a list, e.g. [{other}], or {{ from = 1, to = 20 }}"
+                ));
             }
         }
     }

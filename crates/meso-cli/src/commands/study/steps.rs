@@ -9,7 +9,7 @@ use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Silent, Spec};
-use meso_study::{Case, CaseOutcome, MODEL, NameError, Names, RECORD, of_packing, of_summary};
+use meso_study::{Case, CaseOutcome, Keep, NameError, Names, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -43,6 +43,7 @@ pub(super) struct Given {
 pub(super) struct Steps {
     /// Files of the packing.
     outputs: Vec<(PathBuf, Format)>,
+    keep: Keep,
     mesh: Option<mesh::Args>,
     solve: Option<solve::Args>,
     threads: Option<u16>,
@@ -53,7 +54,7 @@ impl Steps {
     /// opens no file and runs no program.
     pub(super) fn new(
         case: &Case,
-        outputs: &[String],
+        (outputs, keep): (&[String], Keep),
         folder: &Path,
         study: &Path,
         given: &Given,
@@ -67,7 +68,7 @@ impl Steps {
             let words = words(section, flags, takes_output.then_some(folder), study);
             Some(words.map(|words| [vec![model, flag, value], common.clone(), words].concat()))
         };
-        let (model, summary) = (folder.join(MODEL), folder.join(MESH_SUMMARY));
+        let (model, summary) = (folder.join(keep.model()), folder.join(MESH_SUMMARY));
         let mesh_line = line("mesh", [&model, Path::new("--summary-json"), &summary], true).transpose()?;
         let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
         let mesh = mesh_line.map(|line| -> Result<_, Failure> {
@@ -80,9 +81,9 @@ impl Steps {
             line.args.validate_alone().map(|()| line.args)
         });
         let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
-        claim(outputs, mesh.as_ref(), solve.is_some())?;
+        claim((outputs, keep), mesh.as_ref(), solve.is_some())?;
         let outputs = outputs.iter().map(|name| packing_file(folder, name)).collect::<Result<_, _>>()?;
-        Ok(Self { outputs, mesh, solve, threads: given.threads })
+        Ok(Self { outputs, keep, mesh, solve, threads: given.threads })
     }
 
     /// Refuses flags that the packing of `spec` cannot be meshed or tested with, and a missing gmsh.
@@ -134,6 +135,7 @@ impl Steps {
                 _ => return Err(Failure::Run("the test has no valid end; result.json says why".to_owned())),
             };
         }
+        self.keep.tidy(folder).map_err(|error| Failure::file(folder, &error))?;
         Ok(results)
     }
 
@@ -147,7 +149,8 @@ impl Steps {
 
     fn write(&self, model: &Model, folder: &Path) -> Result<(), Failure> {
         let mut unit = Unit::unforced();
-        let saved = (folder.join(MODEL), Format::Json);
+        let format = if self.keep == Keep::JsonGz { Format::JsonGz } else { Format::Json };
+        let saved = (folder.join(self.keep.model()), format);
         for (path, format) in std::iter::once(&saved).chain(&self.outputs) {
             let target = Target::new(path, true)?;
             unit.fill(&target, true, |out| format.write(model, SurfaceOptions::default(), out))?;
@@ -157,11 +160,11 @@ impl Steps {
 }
 
 /// Refuses files that two steps would write under one name.
-fn claim(outputs: &[String], mesh: Option<&mesh::Args>, has_test: bool) -> Result<(), Failure> {
+fn claim((outputs, keep): (&[String], Keep), mesh: Option<&mesh::Args>, has_test: bool) -> Result<(), Failure> {
     let mut names = Names::default();
     let wrong = |error: NameError| Failure::Usage(error.to_string());
     let summary = mesh.map(|_| MESH_SUMMARY);
-    let own = [MODEL, RECORD].into_iter().chain(summary);
+    let own = [keep.model(), RECORD].into_iter().chain(summary);
     own.into_iter().try_for_each(|name| names.claim("the study", name)).map_err(wrong)?;
     if has_test {
         solve::Args::claim("[solve]", &mut names).map_err(wrong)?;

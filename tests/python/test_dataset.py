@@ -1,0 +1,144 @@
+"""Data sets: many volumes from one call, with the same bytes on any number of jobs, and read by libraries that are not ours."""
+
+import hashlib
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import mesocrete as mc
+
+TINY = {"specimen": mc.Specimen.cube(30), "fraction": 0.25, "grading": mc.Grading.fuller(5, 10)}
+
+
+def sampled(rng):
+    return TINY | {"fraction": float(rng.uniform(0.15, 0.3))}
+
+
+def contents(folder):
+    """Every file and its hash."""
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.mark.parametrize("sink", ["folder", "data.zarr"])
+def test_a_data_set_has_the_same_bytes_on_any_number_of_jobs_and_after_a_loss(tmp_path, sink):
+    """A case without a whole file is made again, and no other one."""
+    arguments = {"shape": 24, "what": ["phase", "grain", "scan"], "scan": {"blur": 0}, "seed": 4, "model": True}
+    one = mc.dataset(5, sampled, sink=tmp_path / "1" / sink, jobs=1, **arguments)
+    mc.dataset(5, sampled, sink=tmp_path / "2" / sink, jobs=3, **arguments)
+    whole = contents(tmp_path / "1" / sink)
+    assert whole == contents(tmp_path / "2" / sink) and len([name for name in whole if "models" in name]) == 5
+    lost = next(tmp_path / "1" / sink / name for name in one.cases[3]["files"])
+    lost.write_bytes(lost.read_bytes()[:-1])
+    made = []
+    mc.dataset(5, sampled, sink=tmp_path / "1" / sink, progress=lambda done, total: made.append((done, total)), **arguments)
+    assert made == [(5, 5)] and contents(tmp_path / "1" / sink) == whole
+    shorter = mc.dataset(3, sampled, sink=tmp_path / "1" / sink, **arguments)
+    assert len(shorter) == 3 and shorter.cases == one.cases[:3]
+
+
+def test_volumes_are_those_of_their_packings_in_every_sink(tmp_path):
+    """The metadata give the packing again; sinks differ in their files alone."""
+    sets = [mc.dataset(3, sampled, shape=20, what=["phase", "grain"], sink=tmp_path / name) for name in ("f", "d.zarr")]
+    if pytest.importorskip("h5py"):
+        sets.append(mc.dataset(3, sampled, shape=20, what=["phase", "grain"], sink=tmp_path / "d.h5"))
+    for data in sets:
+        assert [case["number"] for case in data.cases] == [0, 1, 2] and len({case["seed"] for case in data.cases}) == 3
+        for volume in pickle.loads(pickle.dumps(data)):
+            case = volume["case"]
+            packing = mc.pack(mc.Spec(**case["spec"]))
+            assert packing.fraction == case["figures"]["fraction"] and case["voxel_size_mm"] == 1.5
+            assert np.array_equal(volume["phase"], packing.voxelize(1.5))
+            assert np.array_equal(volume["grain"], packing.voxelize(1.5, "grain")) and volume["grain"].dtype == np.int32
+        assert data.table()["fraction"].tolist() == [case["figures"]["fraction"] for case in data.cases]
+        assert data[1:][0]["case"] == data.cases[1] and mc.Dataset(data.path).cases == data.cases
+
+
+def test_h5py_and_zarr_read_data_sets(tmp_path):
+    """One array for each quantity, one chunk for each volume, and the metadata as JSON."""
+    h5py = pytest.importorskip("h5py", reason="needs h5py (pip install h5py)")
+    data = mc.dataset(2, sampled, shape=16, sink=tmp_path / "d.h5", seed=1)
+    before = (tmp_path / "d.h5").read_bytes()
+    with h5py.File(tmp_path / "d.h5") as file:
+        assert file["phase"].shape == (2, 16, 16, 16) and file["phase"].chunks == (1, 16, 16, 16)
+        assert np.array_equal(file["phase"][1], data[1]["phase"]) and json.loads(file["case"][1]) == data.cases[1]
+    mc.dataset(2, sampled, shape=16, sink=tmp_path / "d.h5", seed=1, progress=lambda *_: pytest.fail("made twice"))
+    (tmp_path / "d.h5").unlink()
+    mc.dataset(2, sampled, shape=16, sink=tmp_path / "d.h5", seed=1)
+    assert (tmp_path / "d.h5").read_bytes() == before and [path.name for path in tmp_path.iterdir()] == ["d.h5"]
+    same = mc.dataset(2, sampled, shape=16, sink=tmp_path / "d.zarr", seed=1)
+    assert np.array_equal(same[1]["phase"], data[1]["phase"])
+    zarr = pytest.importorskip("zarr", reason="needs zarr (pip install zarr)")
+    assert np.array_equal(zarr.open_group(str(tmp_path / "d.zarr"), mode="r")["phase"][1], data[1]["phase"])
+
+
+def test_a_latin_hypercube_has_one_volume_in_every_stratum(tmp_path):
+    """Ranges are pairs, choices are lists; each volume has a seed of its own."""
+    ranges = {"fraction": (0.1, 0.3), "grading.d_max_mm": [9, 10]}
+    data = mc.dataset(8, ranges, spec=TINY, shape=8, sink=tmp_path / "d")
+    table = data.table()
+    assert sorted(((table["target_fraction"] - 0.1) / 0.2 * 8).astype(int)) == list(range(8))
+    assert sorted(case["spec"]["grading"]["d_max_mm"] for case in data.cases) == [9] * 4 + [10] * 4
+    assert len(set(table["seed"])) == 8 and set(data.cases[0]["values"]) == set(ranges)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"n": 0}, "n is 0; it must lie within 1 and 1,000,000"),
+        ({"what": ["colour"]}, "what is .*colour.*; it must list some of phase, grain, share, distance, scan"),
+        ({"scan": {"noise": 2}}, "noise is 2; it must be 0 or more, and below 1"),
+        ({"scan": {"colour": 2}}, "scan has 'colour'; it must be one of blur"),
+        ({"sampler": [TINY]}, "sampler has 1 specs; it must have n = 2"),
+        ({"sampler": lambda _: {"fraction": 7}}, "volume 0: fraction is 7"),
+        ({"sink": "d.h5", "model": True}, "an .h5 holds no models"),
+        ({"sink": "d.zarr", "sampler": [TINY, TINY | {"specimen": mc.Specimen.cylinder(20, 30)}]}, "a folder .* takes volumes of all"),
+    ],
+)
+def test_wrong_options_of_a_data_set_are_named(tmp_path, arguments, message):
+    sink = tmp_path / arguments.get("sink", "d")
+    with pytest.raises(ValueError, match=message):
+        mc.dataset(**{"n": 2, "sampler": sampled, "shape": 8, **arguments, "sink": sink})
+
+
+def test_a_scan_mixes_phases_by_their_shares_and_repeats_itself():
+    """Without blur, noise and rings its mean is that of the exact fractions; with them it is noisy about that."""
+    packing = mc.pack(TINY, seed=3)
+    grey = {"mortar": 0.4, "itz": 0.4, "aggregate": 0.8}
+    clean = mc.scan(packing, shape=30, blur=0, noise=0, rings=0, grey=grey)
+    cores = packing.voxelize(shape=30, what="share", of="core").mean()
+    assert clean.shape == (30, 30, 30) and clean.dtype == np.uint8
+    assert abs(clean.mean() / 255 - (0.4 + 0.4 * cores)) < 1e-3
+    noisy = mc.scan(packing, shape=30, blur=0, noise=0.05, rings=0.03, grey=grey)
+    assert np.array_equal(noisy, mc.scan(packing, 1.0, blur=0, noise=0.05, rings=0.03, grey=grey))
+    assert abs((noisy.astype(float) - clean).std() / 255 - np.hypot(0.05, 0.03)) < 3e-3
+    plain = mc.scan(packing, shape=30, blur=0, noise=0, rings=0, partial_volume=False, grey=grey)
+    assert set(np.unique(plain)) == {102, 204}
+
+
+def test_a_scan_blurs_and_has_rings_about_the_z_axis():
+    """Pixels at one radius of a layer share their offset."""
+    pytest.importorskip("scipy", reason="needs scipy (pip install scipy)")
+    packing = mc.pack({"specimen": mc.Specimen.cylinder(20, 20), "fraction": 0.1, "grading": mc.Grading.fuller(5, 8)}, seed=1)
+    rings = mc.scan(packing, 1.0, blur=0, noise=0, rings=0.1, grey=dict.fromkeys(["mortar", "itz", "aggregate"], 0.5))
+    assert rings[5, 9, 0] == rings[5, 10, 19] and len(np.unique(rings)) > 20
+    sharp, soft = (mc.scan(packing, 1.0, blur=blur, noise=0, rings=0) for blur in (0, 2.0))
+    assert np.abs(np.diff(soft.astype(int))).max() < np.abs(np.diff(sharp.astype(int))).max() / 2
+    assert sharp[0, 0, 0] == 5
+
+
+def test_a_shape_gives_the_size_of_a_voxel():
+    """Along the longest side, or for all three axes where cubes fit."""
+    packing = mc.pack({"specimen": {"kind": "box", "size_mm": [20, 30, 40]}, "fraction": 0.1, "grading": {"d_max_mm": 8}})
+    image = packing.voxelize(2.5)
+    assert image.shape == (16, 12, 8)
+    for shape in (16, (16, 12, 8)):
+        assert np.array_equal(packing.voxelize(shape=shape), image)
+    with pytest.raises(ValueError, match=r"voxels are cubes: the 20 x 30 x 40 mm fit \(16, 12, 8\), which shape=16 gives"):
+        packing.voxelize(shape=(16, 16, 16))
+    with pytest.raises(TypeError, match="give one of h"):
+        packing.voxelize(1.0, shape=16)
+    with pytest.raises(ValueError, match="shape is 0; it must be 1 or more"):
+        packing.voxelize(shape=0)
