@@ -5,7 +5,7 @@ use serde_json::Value;
 
 const SPEC: &str = "seed = 3\nfraction = 0.3\n[specimen]\nkind = 'cube'\nside_mm = 24\n\
 [grading]\nd_min_mm = 4\nd_max_mm = 10\n[placement]\nmin_gap_mm = 0.5\n";
-const FLAGS: [&str; 4] = ["--element-size-mm", "3", "--accept-phase-error", "-q"];
+const FLAGS: [&str; 4] = ["--element-size-mm", "4", "--accept-phase-error", "-q"];
 
 /// A folder with a spec and the curve of a mortar of 50 MPa.
 fn measured() -> Folder {

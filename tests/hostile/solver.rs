@@ -48,7 +48,7 @@ impl Watch for Short {
     }
 
     fn stops(&self) -> bool {
-        self.step.fetch_add(1, Ordering::Relaxed) > 400 || self.row.load(Ordering::Relaxed) > 12
+        self.step.fetch_add(1, Ordering::Relaxed) > 2000 || self.row.load(Ordering::Relaxed) > 12
     }
 }
 

@@ -296,6 +296,7 @@ fn the_deck_of_a_cube_of_24_mm_softens_as_concrete_does() {
 }
 
 #[test]
+#[ignore = "slow tier: four tests by the reader of decks"]
 fn the_defaults_of_before_fail_the_same_test() {
     // Mortar that falls at once; elastic aggregates that share nodes; voxels of 2 mm with a solid ITZ, at the aggregates'
     // expense.

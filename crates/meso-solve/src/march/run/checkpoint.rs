@@ -107,7 +107,11 @@ impl Run<'_> {
         let [time, progress, added, speed, travel] = some(from)?;
         let [external, internal, friction, kinetic, spent] = some(from)?;
         let (servo, follower) = (Servo::from_values(some(from)?), Follower::from_values(some(from)?));
-        let leg = Leg::from_values(some(from)?);
+        let values = some(from)?;
+        let leg = Leg::from_values(values);
+        if leg.values().map(f64::to_bits) != values.map(f64::to_bits) {
+            return Err(damaged());
+        }
         let mut held = [Held::default(); MOST];
         fill(from, held.as_flattened_mut())?;
         let (forces, since) = (some(from)?, some(from)?);
