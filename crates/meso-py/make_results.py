@@ -28,6 +28,7 @@ SOURCES = {
     "meso-pack/src/check/mod.rs": ["Check"],
     "meso-effective/src/bounds.rs": ["PropertyBounds"],
     "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
+    "meso-effective/src/elastic/task.rs": ["ElasticShare", "ElasticBounds", "Isotropic", "Stiffness"],
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/lateral.rs": ["Lateral"],
@@ -62,7 +63,7 @@ PLAIN = {
     "StopReason": "str", "Kind": "str", "TestKind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
     "Ended": "str | dict[str, str]",
     # Rows of a tensor, None where not asked for.
-    "Property": "str", "FluxTensor": "list[list[float | None]]",
+    "Property": "str", "FluxTensor": "list[list[float | None]]", "StiffnessTensor": "list[list[float]]",
     "Finding": "dict[str, str | int | float]",
 }  # fmt: skip
 

@@ -20,6 +20,34 @@ fn a_property_is_written_as_figures_page_and_fields() {
     assert!(again.stderr.contains("effective.json exists; --force replaces it"), "{}", again.stderr);
 }
 
+/// The fields of an earlier run were found only after all solutions (review of the first version).
+#[test]
+fn an_existing_field_is_refused_before_the_model_is_read() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("out")).unwrap();
+    for property in ["diffusivity", "conductivity"] {
+        let field = format!("out/{property}_z.vti");
+        folder.write(&field, "mine");
+        let run = folder.run(&["effective", "missing.json", "--what", property, "-o", "out"]);
+        assert_eq!((run.code, folder.read(&field)), (1, b"mine".to_vec()));
+        assert!(run.stderr.contains(&format!("{property}_z.vti exists; --force replaces it")), "{}", run.stderr);
+    }
+    let run = folder.run(&["effective", "missing.json", "--axes", "xy", "-o", "out"]);
+    assert!(run.stderr.contains("missing.json"), "fields that are not asked for do not matter: {}", run.stderr);
+}
+
+/// A refused run left an empty folder behind (review of the first version).
+#[test]
+fn a_refused_run_leaves_no_folder() {
+    let folder = Folder::with_model();
+    for flags in [&["missing.json"][..], &["small.json", "--voxel-size-mm", "30"]] {
+        let run = folder.run(&[&["effective"], flags, &["-o", "new"]].concat());
+        assert!(run.code > 0 && !folder.path("new").exists(), "{}", run.stderr);
+    }
+    let run = folder.run(&["effective", "small.json", "-o", "no/new"]);
+    assert!(run.code == 1 && run.stderr.contains("no/new"), "{}", run.stderr);
+}
+
 #[test]
 fn phases_come_from_a_file_and_all_properties_into_one_list() {
     let folder = Folder::with_model();
@@ -31,7 +59,23 @@ fn phases_come_from_a_file_and_all_properties_into_one_list() {
     assert_eq!((run.code, run.stderr.as_str()), (0, "warning: the error along x is above 2 %; halve the voxel size\n"));
     let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
     assert!((found[0]["tensor"][0][0].as_f64().unwrap() - 2.0).abs() < 1e-6);
-    assert_eq!(found[1]["what"], "conductivity");
+    assert_eq!((&found[1]["what"], &found[2]["what"]), (&"conductivity".into(), &"stiffness".into()));
+}
+
+#[test]
+fn stiffness_and_expansion_are_written_with_their_bounds() {
+    let folder = Folder::with_model();
+    folder.write("phases.toml", "[stiffness.aggregate]\nyoungs_modulus_mpa = 40000\n");
+    let flags =
+        ["--what", "stiffness", "--phases", "phases.toml", "--voxel-size-mm", "4", "--eigenstrain", "mortar=-4e-4"];
+    let run = folder.run(&[&["effective", "small.json"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("stiffness: E ") && run.stderr.contains("free strain x -"), "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
+    let (bulk, bounds) = (&found["isotropic"]["bulk_modulus_mpa"], &found["bounds"]["bulk_modulus_mpa"]);
+    assert!(bulk.as_f64() > bounds["reuss"].as_f64() && bulk.as_f64() < bounds["voigt"].as_f64());
+    let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
+    assert!(page.contains("Young's modulus: ") && page.contains("Strain of the free specimen"));
 }
 
 #[test]
@@ -42,7 +86,12 @@ fn refusals_name_the_flag_and_the_range() {
     for (flags, said) in [
         (&["--voxel-size-mm", "0"][..], "--voxel-size-mm is 0; it must be a positive number"),
         (&["--voxel-size-mm", "30"], "--voxel-size-mm is 30; it must be at most 10 mm"),
-        (&["--what", "stiffness"], "stiffness is not computed yet"),
+        (&["--what", "strength"], "it must be diffusivity, conductivity, stiffness or all"),
+        (&["--what", "stiffness", "--axes", "x"], "--axes needs --what diffusivity, conductivity or all"),
+        (&["--eigenstrain", "mortar=-4e-4"], "--eigenstrain needs --what stiffness or all"),
+        (&["--what", "stiffness", "--eigenstrain", "stone=1e-4"], "--eigenstrain names \"stone\""),
+        (&["--what", "stiffness", "--eigenstrain", "mortar"], "it must be a phase and a strain"),
+        (&["--what", "stiffness", "--eigenstrain", "mortar=0.2"], "stiffness.mortar.eigenstrain is 0.2"),
         (&["--axes", "xx"], "it must be some of x, y, z, each once"),
         (&["--phases", "bad.toml"], "diffusivity.mortar is 0; it must be a positive number"),
         (&["--phases", "unknown.toml"], "stone"),

@@ -4,3 +4,4 @@ mod bodies;
 mod laminates;
 mod packings;
 mod spheres;
+mod stiffness;

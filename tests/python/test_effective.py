@@ -21,6 +21,14 @@ def test_a_tensor_lies_between_its_bounds(cube):
     assert found["boundary"] == ["periodic"] * 3
 
 
+def test_stiffness_lies_between_its_bounds_and_shrinks(cube):
+    found = cube.effective("stiffness", voxel_size=3, phases={"itz": {"youngs_modulus_mpa": 20000}}, eigenstrain={"mortar": -4e-4})
+    assert set(found) == set(_results.Stiffness.__annotations__)
+    bulk, bounds = found["isotropic"]["bulk_modulus_mpa"], found["bounds"]["bulk_modulus_mpa"]
+    assert bounds["reuss"] < bulk < bounds["voigt"]
+    assert -4e-4 < found["expansion"][0] < 0
+
+
 def test_only_the_asked_axes_have_columns(cube):
     found = cube.effective("conductivity", voxel_size=3, axes="y")
     assert found["tensor"][0][0] is None and found["tensor"][1][1] > 1.5
@@ -29,7 +37,11 @@ def test_only_the_asked_axes_have_columns(cube):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"what": "stiffness"}, "what is"),
+        ({"what": "strength"}, "what is"),
+        ({"what": "stiffness", "axes": "x"}, "axes is"),
+        ({"eigenstrain": {"mortar": -1e-4}}, "eigenstrain needs"),
+        ({"what": "stiffness", "eigenstrain": {"stone": -1e-4}}, "eigenstrain names \"stone\""),
+        ({"what": "stiffness", "phases": {"mortar": {"poisson_ratio": 0.5}}}, "stiffness.mortar.poisson_ratio is 0.5"),
         ({"axes": "xx"}, "axes is"),
         ({"voxel_size": 20}, "voxel_size is 20; it must be at most 7.5 mm"),
         ({"phases": {"stone": 1}}, "stone"),
@@ -39,3 +51,9 @@ def test_only_the_asked_axes_have_columns(cube):
 def test_wrong_options_are_named_with_their_range(cube, options, said):
     with pytest.raises(ValueError, match=said):
         cube.effective(**options)
+
+
+def test_a_size_beyond_the_memory_is_refused_by_its_keyword(cube):
+    """The message named element_size, which effective does not take (review of the first version)."""
+    with pytest.raises(MemoryError, match=r"effective takes about .* take a larger voxel_size$"):
+        cube.effective("stiffness", voxel_size=0.0305)

@@ -20,20 +20,43 @@ pub struct PropertyBounds {
 impl PropertyBounds {
     /// Bounds of phases given by value and volume fraction.
     pub fn of(phases: &[(f64, f64)]) -> Self {
+        let (least, largest) = extremes(phases);
+        Self::shifted(phases, 2.0 * least, 2.0 * largest)
+    }
+
+    /// Bounds of bulk and shear modulus, from bulk modulus, shear modulus and volume fraction (Walpole, J. Mech. Phys. Solids 14,
+    /// 1966, 151: the extremes may belong to different phases).
+    pub(crate) fn of_moduli(phases: &[[f64; 3]]) -> [Self; 2] {
+        let of = |which: usize| phases.iter().map(|phase| (phase[which], phase[2])).collect::<Vec<_>>();
+        let (bulk, shear) = (of(0), of(1));
+        let ((soft_bulk, stiff_bulk), (soft, stiff)) = (extremes(&bulk), extremes(&shear));
+        let shift = |k: f64, g: f64| if g > 0.0 { g * (9.0 * k + 8.0 * g) / (6.0 * (k + 2.0 * g)) } else { 0.0 };
+        [
+            Self::shifted(&bulk, 4.0 / 3.0 * soft, 4.0 / 3.0 * stiff),
+            Self::shifted(&shear, shift(soft_bulk, soft), shift(stiff_bulk, stiff)),
+        ]
+    }
+
+    /// Harmonic means of values that are shifted by those of a softest and of a stiffest surrounding.
+    fn shifted(phases: &[(f64, f64)], low: f64, high: f64) -> Self {
         let present = || phases.iter().filter(|(_, fraction)| *fraction > 0.0);
-        let least = present().map(|(value, _)| *value).fold(f64::INFINITY, f64::min);
-        let largest = present().map(|(value, _)| *value).fold(0.0, f64::max);
         let mean = |shift: f64| {
             let sum: f64 = present().map(|(value, fraction)| fraction / (value + shift)).sum();
             if sum.is_finite() { 1.0 / sum - shift } else { 0.0 }
         };
         Self {
             reuss: mean(0.0),
-            hashin_shtrikman_lower: mean(2.0 * least),
-            hashin_shtrikman_upper: mean(2.0 * largest),
+            hashin_shtrikman_lower: mean(low),
+            hashin_shtrikman_upper: mean(high),
             voigt: present().map(|(value, fraction)| value * fraction).sum(),
         }
     }
+}
+
+/// Least and largest value of the phases that there are.
+fn extremes(phases: &[(f64, f64)]) -> (f64, f64) {
+    let present = || phases.iter().filter(|(_, fraction)| *fraction > 0.0).map(|(value, _)| *value);
+    (present().fold(f64::INFINITY, f64::min), present().fold(0.0, f64::max))
 }
 
 #[cfg(test)]
@@ -52,5 +75,16 @@ mod tests {
         let b = PropertyBounds::of(&[(1.0, 0.5), (3.0, 0.3), (10.0, 0.2)]);
         let order = [b.reuss, b.hashin_shtrikman_lower, b.hashin_shtrikman_upper, b.voigt];
         assert!(order.windows(2).all(|pair| pair[0] < pair[1]), "{b:?}");
+    }
+
+    /// Hashin, J. Mech. Phys. Solids 11, 1963, 127: bulk modulus of coated spheres, which is the lower bound of stiff cores.
+    #[test]
+    fn the_lower_bulk_bound_is_that_of_coated_spheres() {
+        let ([k, g], [core_k, core_g], c) = ([10.0, 6.0], [40.0, 25.0], 0.3);
+        let [bulk, shear] = PropertyBounds::of_moduli(&[[k, g, 1.0 - c], [core_k, core_g, c]]);
+        let spheres = k + c * (core_k - k) / (1.0 + (1.0 - c) * (core_k - k) / (k + 4.0 / 3.0 * g));
+        assert!((bulk.hashin_shtrikman_lower - spheres).abs() < 1e-12, "{bulk:?}");
+        let hashin = g + c / (1.0 / (core_g - g) + 6.0 * (k + 2.0 * g) * (1.0 - c) / (5.0 * g * (3.0 * k + 4.0 * g)));
+        assert!((shear.hashin_shtrikman_lower - hashin).abs() < 1e-12, "{shear:?}");
     }
 }

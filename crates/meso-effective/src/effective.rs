@@ -6,8 +6,9 @@ use crate::field::{Flow, FluxField};
 use crate::grid::{self, End, Grid};
 use crate::links::{Layer, Links};
 use crate::phases::{PhaseValues, Phases, Property};
-use crate::solver;
-use meso_concrete::aggregate::{Aggregate, Kind};
+use crate::surfaces::Phase;
+use crate::{shares, solver};
+use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, images, parallel};
@@ -233,31 +234,12 @@ impl Task<'_> {
     }
 
     fn phases(&self) -> Vec<PhaseShare> {
-        let volume = self.specimen.volume();
-        let of = |kind: Kind| {
-            let bodies = self.bodies.iter().filter(move |body| body.kind == kind);
-            bodies.map(|body| body.body.volume()).sum::<f64>() / volume
+        let fractions = shares::volume_fractions(self.bodies, self.specimen);
+        let share = |phase: Phase| {
+            let (value, volume_fraction) = (self.values.of(phase), fractions[phase as usize]);
+            PhaseShare { name: phase.name(), value, volume_fraction }
         };
-        let core = |number: usize| {
-            let body = &self.bodies[number];
-            let whole = || body.body.volume();
-            if body.kind != Kind::Aggregate {
-                0.0
-            } else {
-                body.core_volume(body.itz_thickness_mm).unwrap_or_else(|_| whole())
-            }
-        };
-        let aggregate = parallel::map(self.bodies.len(), core).iter().sum::<f64>() / volume;
-        let [outer, void, fibre] = [Kind::Aggregate, Kind::Void, Kind::Fibre].map(of);
-        let PhaseValues { mortar, .. } = *self.values;
-        let share = |name, value, volume_fraction| PhaseShare { name, value, volume_fraction };
-        vec![
-            share("mortar", mortar, 1.0 - outer - void - fibre),
-            share("itz", self.values.itz, outer - aggregate),
-            share("aggregate", self.values.aggregate, aggregate),
-            share("void", self.values.void, void),
-            share("fibre", self.values.fibre, fibre),
-        ]
+        Phase::ALL.map(share).to_vec()
     }
 }
 
@@ -271,7 +253,7 @@ fn tensor(columns: &[Column]) -> FluxTensor {
 
 /// Share of the change from voxels of twice the size by which the fine result is still off (Richardson): the error falls with
 /// the power 1.5 of the size in packings, whose gaps close at every size; with 2 about single spheres.
-const REST: f64 = 0.55;
+pub(crate) const REST: f64 = 0.55;
 /// An error above this share of an entry on the diagonal is worth a warning.
 const LARGE: f64 = 0.02;
 

@@ -1,8 +1,9 @@
-//! Effective diffusivity and conductivity of packings, each with its error.
+//! Effective diffusivity, conductivity and stiffness of packings, each with its error.
 //!
 //! A packing's mean flux for a mean gradient, on voxels whose links take their conductances from the exact geometry: see
 //! `links`. The solver is `solver`'s; periodic axes stay periodic, walls have given potentials at the faces and insulated
-//! sides. A second solution on voxels of twice the size gives the error.
+//! sides. A second solution on voxels of twice the size gives the error. Stiffness has trilinear voxels of layered phases: see
+//! `elastic`.
 //!
 //! ```
 //! use meso_core::{Silent, Spec, pack};
@@ -21,16 +22,23 @@
 
 mod bounds;
 mod effective;
+mod elastic;
 mod error;
 mod field;
 mod grid;
 mod links;
+mod moduli;
 mod phases;
 pub mod results;
+mod sections;
+mod shares;
 mod solver;
+mod surfaces;
 
 pub use bounds::PropertyBounds;
 pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
+pub use elastic::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
 pub use error::EffectiveError;
 pub use field::FluxField;
+pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};

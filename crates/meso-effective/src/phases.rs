@@ -1,6 +1,7 @@
 //! Properties, and the value of each phase.
 
-use meso_concrete::aggregate::Kind;
+use crate::moduli::PhaseModuli;
+use crate::surfaces::Phase;
 use meso_concrete::{OutOfRange, Ranges};
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +39,8 @@ pub struct Phases {
     pub diffusivity: GivenValues,
     /// Conductivities, W/(m K).
     pub conductivity: GivenValues,
+    /// Elastic constants.
+    pub stiffness: PhaseModuli,
 }
 
 /// Values that a phases file states.
@@ -87,13 +90,9 @@ impl PhaseValues {
         }
     }
 
-    /// Value inside a body's ITZ.
-    pub(crate) fn of(&self, kind: Kind) -> f64 {
-        match kind {
-            Kind::Aggregate => self.aggregate,
-            Kind::Void => self.void,
-            Kind::Fibre => self.fibre,
-        }
+    /// Value of a phase.
+    pub(crate) fn of(&self, phase: Phase) -> f64 {
+        [self.mortar, self.itz, self.aggregate, self.void, self.fibre][phase as usize]
     }
 
     /// Refuses values that are negative or too far from the mortar's.

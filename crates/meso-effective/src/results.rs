@@ -1,6 +1,8 @@
 //! Files of a result: figures, a page, and the names that both fronts use.
 
+use crate::bounds::PropertyBounds;
 use crate::effective::Effective;
+use crate::elastic::{ElasticShare, Stiffness};
 use crate::field::FluxField;
 use crate::phases::Property;
 use meso_view::embedded::base64;
@@ -13,10 +15,28 @@ pub const FIGURES: &str = "effective.json";
 /// Name of the page.
 pub const PAGE: &str = "effective.html";
 
-impl FluxField {
-    /// Name of the field's file, for a property: `diffusivity_x.vti`.
-    pub fn file(&self, what: Property) -> String {
-        format!("{}_{}.vti", what.name(), ["x", "y", "z"][self.axis])
+/// Name of the file of a property's field for a gradient along `axis`: `diffusivity_x.vti`.
+pub fn field_file(what: Property, axis: usize) -> String {
+    format!("{}_{}.vti", what.name(), ["x", "y", "z"][axis])
+}
+
+/// A computed property.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Found {
+    /// Diffusivity or conductivity.
+    Flux(Box<Effective>),
+    /// Stiffness.
+    Stiffness(Box<Stiffness>),
+}
+
+impl Found {
+    /// What a reader should know.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Flux(of) => &of.warnings,
+            Self::Stiffness(of) => &of.warnings,
+        }
     }
 }
 
@@ -24,7 +44,7 @@ impl FluxField {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_figures(found: &[(Effective, f64)], out: &mut dyn Write) -> io::Result<()> {
+pub fn write_figures(found: &[(Found, f64)], out: &mut dyn Write) -> io::Result<()> {
     match found {
         [(of, seconds)] => serde_json::to_writer_pretty(&mut *out, &Timed { of, seconds: *seconds })?,
         several => {
@@ -39,7 +59,7 @@ pub fn write_figures(found: &[(Effective, f64)], out: &mut dyn Write) -> io::Res
 #[derive(Serialize)]
 struct Timed<'a> {
     #[serde(flatten)]
-    of: &'a Effective,
+    of: &'a Found,
     seconds: f64,
 }
 
@@ -47,26 +67,74 @@ struct Timed<'a> {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_page(found: &[(Effective, f64)], fields: &[(Property, FluxField)], out: &mut dyn Write) -> io::Result<()> {
+pub fn write_page(found: &[(Found, f64)], fields: &[(Property, FluxField)], out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Effective properties</title>\n{STYLE}"
     )?;
     writeln!(out, "<h1>Effective properties</h1>")?;
     for (of, _) in found {
-        writeln!(out, "<h2>{}{}</h2>", of.what.title(), of.what.unit())?;
-        write_tensor(of, out)?;
-        write_bounds(of, out)?;
-        write_phases(of, out)?;
-        let [x, y, z] = of.voxels;
-        let [ends_x, ends_y, ends_z] = of.boundary;
-        writeln!(out, "<p>{x} x {y} x {z} voxels; ends of x, y, z: {ends_x}, {ends_y}, {ends_z}.</p>")?;
-        of.warnings.iter().try_for_each(|warning| writeln!(out, "<p class=\"warning\">Warning: {warning}.</p>"))?;
-        for (_, field) in fields.iter().filter(|(what, _)| *what == of.what) {
-            write_section(field, of, out)?;
+        match of {
+            Found::Flux(of) => write_flux(of, fields, out)?,
+            Found::Stiffness(of) => write_stiffness(of, out)?,
         }
+        of.warnings().iter().try_for_each(|warning| writeln!(out, "<p class=\"warning\">Warning: {warning}.</p>"))?;
     }
     writeln!(out, "</html>")
+}
+
+fn write_flux(of: &Effective, fields: &[(Property, FluxField)], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<h2>{}{}</h2>", of.what.title(), of.what.unit())?;
+    write_tensor(of, out)?;
+    write_bounds(&[("", &of.bounds)], out)?;
+    write_phases(of, out)?;
+    write_voxels(of.voxels, of.boundary, out)?;
+    fields.iter().filter(|(what, _)| *what == of.what).try_for_each(|(_, field)| write_section(field, of, out))
+}
+
+fn write_voxels([x, y, z]: [usize; 3], [ends_x, ends_y, ends_z]: [&str; 3], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<p>{x} x {y} x {z} voxels; ends of x, y, z: {ends_x}, {ends_y}, {ends_z}.</p>")
+}
+
+fn write_stiffness(of: &Stiffness, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<h2>Stiffness, MPa</h2>")?;
+    let (is, error) = (&of.isotropic, &of.isotropic_error);
+    for (name, value, error) in [
+        ("Young's modulus", is.youngs_modulus_mpa, error.youngs_modulus_mpa),
+        ("Poisson's ratio", is.poisson_ratio, error.poisson_ratio),
+        ("bulk modulus", is.bulk_modulus_mpa, error.bulk_modulus_mpa),
+        ("shear modulus", is.shear_modulus_mpa, error.shear_modulus_mpa),
+    ] {
+        writeln!(out, "<p>{name}: {value:.5} ± {error:.5}</p>")?;
+    }
+    let bounds = &of.bounds;
+    write_bounds(&[("bulk modulus", &bounds.bulk_modulus_mpa), ("shear modulus", &bounds.shear_modulus_mpa)], out)?;
+    let names = ["xx", "yy", "zz", "yz", "zx", "xy"];
+    writeln!(out, "<table><tr><th>mean stress</th>")?;
+    names.iter().try_for_each(|name| write!(out, "<th>strain {name}</th>"))?;
+    writeln!(out, "</tr>")?;
+    for (name, (row, error)) in names.iter().zip(of.tensor.iter().zip(&of.error)) {
+        write!(out, "<tr><td>{name}</td>")?;
+        row.iter().zip(error).try_for_each(|(value, error)| write!(out, "<td>{value:.1} ± {error:.1}</td>"))?;
+        writeln!(out, "</tr>")?;
+    }
+    writeln!(
+        out,
+        "</table><table><tr><th>phase</th><th>Young's modulus</th><th>Poisson's ratio</th><th>eigenstrain</th><th>volume fraction</th></tr>"
+    )?;
+    for phase in of.phases.iter().filter(|phase| phase.volume_fraction > 0.0) {
+        let ElasticShare { name, youngs_modulus_mpa: e, poisson_ratio: nu, eigenstrain, volume_fraction } = phase;
+        writeln!(
+            out,
+            "<tr><td>{name}</td><td>{e}</td><td>{nu}</td><td>{eigenstrain}</td><td>{volume_fraction:.5}</td></tr>"
+        )?;
+    }
+    writeln!(out, "</table>")?;
+    if of.phases.iter().any(|phase| phase.eigenstrain != 0.0) {
+        let [x, y, z, ..] = of.expansion;
+        writeln!(out, "<p>Strain of the free specimen along x, y, z: {x:.4e}, {y:.4e}, {z:.4e}</p>")?;
+    }
+    write_voxels(of.voxels, of.boundary, out)
 }
 
 const STYLE: &str = "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;padding:0 1rem}\
@@ -89,11 +157,15 @@ fn write_tensor(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</table>")
 }
 
-fn write_bounds(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
-    let b = &of.bounds;
-    writeln!(out, "<table><tr><th>Reuss</th><th>Hashin-Shtrikman</th><th>Hashin-Shtrikman</th><th>Voigt</th></tr>")?;
-    let (low, high) = (b.hashin_shtrikman_lower, b.hashin_shtrikman_upper);
-    writeln!(out, "<tr><td>{:.5}</td><td>{low:.5}</td><td>{high:.5}</td><td>{:.5}</td></tr></table>", b.reuss, b.voigt)
+fn write_bounds(rows: &[(&str, &PropertyBounds)], out: &mut dyn Write) -> io::Result<()> {
+    let head = "<th>Reuss</th><th>Hashin-Shtrikman</th><th>Hashin-Shtrikman</th><th>Voigt</th>";
+    writeln!(out, "<table><tr><th>bounds</th>{head}</tr>")?;
+    for (name, b) in rows {
+        let (low, high) = (b.hashin_shtrikman_lower, b.hashin_shtrikman_upper);
+        let values = [b.reuss, low, high, b.voigt].map(|value| format!("<td>{value:.5}</td>")).concat();
+        writeln!(out, "<tr><td>{name}</td>{values}</tr>")?;
+    }
+    writeln!(out, "</table>")
 }
 
 fn write_phases(of: &Effective, out: &mut dyn Write) -> io::Result<()> {

@@ -36,12 +36,11 @@ pub(crate) fn wrong_type(message: impl AsRef<str>) -> PyErr {
 ///
 /// # Errors
 /// `MemoryError`.
-pub(crate) fn accept_in_memory(work: &str, bytes: f64) -> PyResult<()> {
+pub(crate) fn accept_in_memory(work: &str, bytes: f64, keyword: &str) -> PyResult<()> {
     match meso_files::free::memory() {
         Some(free) if bytes > free as f64 => {
             let (needed, free) = (bytes / 1e9, free as f64 / 1e9);
-            let text =
-                format!("{work} takes about {needed:.1} GB, and {free:.1} GB are free; take a larger element_size");
+            let text = format!("{work} takes about {needed:.1} GB, and {free:.1} GB are free; take a larger {keyword}");
             Err(PyMemoryError::new_err(text))
         }
         _ => Ok(()),

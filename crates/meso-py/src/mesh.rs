@@ -108,7 +108,7 @@ pub(crate) fn build(
     let of = Arc::clone(&model);
     let options = beside_python(py, None, move |watch| asked.resolved(purpose, &of.spec, false, watch))?;
     let options = options.map_err(mesh_error)?;
-    accept_in_memory("the mesh", options.bytes(&model.spec.specimen))?;
+    accept_in_memory("the mesh", options.bytes(&model.spec.specimen), "element_size")?;
     let gmsh = gmsh(py)?;
     let of = Arc::clone(&model);
     let footing = Footing { purpose, options: options.clone(), accepts_phase_error: accept_phase_error };

@@ -63,7 +63,8 @@ Examples:
 pub(super) const EFFECTIVE: &str = "\
 Examples:
   mesocrete effective model.json -o out                      diffusivity, impermeable aggregates
-  mesocrete effective model.json --what all --phases p.toml  and conductivity, with values of your own
+  mesocrete effective model.json --what all --phases p.toml  all properties, with values of your own
+  mesocrete effective model.json --what stiffness --eigenstrain mortar=-4e-4
   mesocrete effective model.json --axes x --voxel-size-mm 1  one axis, larger voxels";
 
 pub(super) const INIT: &str = "\

@@ -75,7 +75,7 @@ pub(crate) enum Command {
     /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
     #[command(after_help = examples::IMAGE)]
     Image(image::Args),
-    /// Compute the diffusivity or conductivity of a saved model, each with its error
+    /// Compute the diffusivity, conductivity or stiffness of a saved model, each with its error
     #[command(after_help = examples::EFFECTIVE)]
     Effective(effective::Args),
     /// Write a commented SPEC.toml to start from

@@ -1,10 +1,10 @@
-//! The bodies of a packing as nested convex layers, each with the values on both sides of its surface.
+//! Surfaces of bodies with the values on both sides.
 
 use crate::phases::PhaseValues;
+use crate::surfaces::{Phase, Surface};
 use meso_collision::geometry::{Plane, Polyhedron};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::parallel;
+use meso_concrete::aggregate::Aggregate;
 
 /// A convex region whose surface separates two phases.
 pub(crate) struct Layer {
@@ -22,42 +22,25 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// All layers of `bodies`, the axes turned so that `last` becomes the third. A shell without trustworthy core counts as
-    /// the aggregate.
+    /// All layers of `bodies`, the axes turned so that `last` becomes the third.
     pub(crate) fn all(bodies: &[Aggregate], values: &PhaseValues, last: usize) -> Vec<Self> {
         let turn = |v: &Vec3| Vec3::new(v[(last + 1) % 3], v[(last + 2) % 3], v[last]);
-        parallel::flat_map(bodies.len(), |number| Self::of(&bodies[number], values, &turn))
+        let has_itz = values.itz != values.of(Phase::Aggregate);
+        Surface::all(bodies, has_itz, &turn).into_iter().map(|surface| Self::new(surface, values)).collect()
     }
 
-    fn of(body: &Aggregate, values: &PhaseValues, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
-        let surface = body.body.mapped(turn);
-        let inside = values.of(body.kind);
-        let layer =
-            |surface: Polyhedron, outside: f64, within: f64| Self::new(surface, [outside, within], inside, values);
-        if body.kind != Kind::Aggregate || body.itz_thickness_mm <= 0.0 || values.itz == inside {
-            return vec![layer(surface, values.mortar, inside)];
-        }
-        match body.core() {
-            Err(_) => vec![layer(surface, values.mortar, inside)],
-            Ok(None) => vec![layer(surface, values.mortar, values.itz)],
-            Ok(Some(core)) => {
-                let shell = layer(surface, values.mortar, values.itz);
-                vec![shell, layer(core.mapped(turn), values.itz, inside)]
-            }
-        }
-    }
-
-    fn new(surface: Polyhedron, [outside, within]: [f64; 2], body: f64, values: &PhaseValues) -> Self {
+    fn new(surface: Surface, values: &PhaseValues) -> Self {
+        let (outside, within) = (values.of(surface.outside), values.of(surface.within));
         let resistance = |value: f64| 1.0 / if value > 0.0 { value } else { values.mortar };
         let blocked = |value: f64| f64::from(u8::from(value <= 0.0));
         Self {
-            planes: surface.planes().collect(),
-            aabb: surface.aabb(),
+            planes: surface.body.planes().collect(),
+            aabb: surface.body.aabb(),
             change: within - outside,
             resistance: resistance(within) - resistance(outside),
             blocks: blocked(within) - blocked(outside),
-            body,
-            surface,
+            body: values.of(surface.kind),
+            surface: surface.body,
         }
     }
 }

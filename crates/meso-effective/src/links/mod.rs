@@ -18,15 +18,14 @@
 //! has `D` or `1 / L`, too.
 
 mod layers;
-mod section;
 
 pub(crate) use layers::Layer;
 
 use crate::grid::{End, Grid};
+use crate::sections::{Section, Squares};
 use meso_collision::geometry::Plane;
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
-use section::{Section, Squares};
 
 /// Conductances below this share of the mortar's are rounding.
 const NOTHING: f64 = 1e-9;
@@ -96,12 +95,7 @@ struct Sums {
 
 impl<'a> Planes<'a> {
     fn new(grid: &'a Grid, layers: &'a [Layer], mortar: f64, axis: usize) -> Self {
-        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        let squares = Squares {
-            origin: [grid.origin[b], grid.origin[c]],
-            spacing: [grid.spacing[b], grid.spacing[c]],
-            counts: [grid.counts[b], grid.counts[c]],
-        };
+        let squares = Squares::across(grid, axis);
         let h = grid.spacing[axis];
         let mut by_plane = vec![Vec::new(); grid.counts[axis] + 1];
         for (number, layer) in layers.iter().enumerate() {

@@ -18,10 +18,37 @@ const MOST: usize = 500;
 /// A result below this share of the energy without equilibrium is zero.
 const BLOCKED: f64 = 1e-9;
 
+/// Symmetric equations with a preconditioner.
+pub(crate) trait Equations {
+    /// Numbers that are added up in one sum.
+    fn layer_len(&self) -> usize;
+    /// `out = A u`; returns `u . A u`.
+    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64;
+    /// Nearly `A^-1 r`, and its product with `r`.
+    fn correction(&mut self, r: &[f64]) -> (&[f32], f64);
+}
+
+/// Potentials of a network of links.
+struct Network<'a> {
+    links: &'a Links,
+    multigrid: Multigrid,
+}
+
+impl Equations for Network<'_> {
+    fn layer_len(&self) -> usize {
+        self.links.layer_len()
+    }
+
+    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64 {
+        self.links.apply(u, out)
+    }
+
+    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
+        self.multigrid.cycle(self.links, r)
+    }
+}
+
 /// The potentials where every voxel gives off as much as it receives from `rhs`.
-///
-/// `energy` is that of zero potentials. Each iteration lowers it by `step^2 p . A p`, and `r . z` bounds what is left but for the
-/// quality of the preconditioner. Stops at `accuracy` of the energy.
 ///
 /// # Errors
 /// Too many iterations.
@@ -32,12 +59,28 @@ pub(crate) fn solve(
     accuracy: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
-    let len = links.layer_len();
-    let mut multigrid = Multigrid::new(links);
+    solve_equations(&mut Network { links, multigrid: Multigrid::new(links) }, rhs, energy, accuracy, report)
+}
+
+/// The solution of `A u = rhs`.
+///
+/// `energy` is that of `u = 0`. Each iteration lowers it by `step^2 p . A p`, and `r . z` bounds the rest but for the
+/// quality of the preconditioner. Stops at `accuracy` of the energy.
+///
+/// # Errors
+/// Too many iterations.
+pub(crate) fn solve_equations(
+    equations: &mut impl Equations,
+    rhs: Vec<f64>,
+    energy: f64,
+    accuracy: f64,
+    report: &dyn Fn(usize, f64),
+) -> Result<Solution, EffectiveError> {
+    let len = equations.layer_len();
     let mut potential = vec![0.0; rhs.len()];
     let mut r = rhs;
     let mut product = vec![0.0; r.len()];
-    let (z, mut rz) = multigrid.cycle(links, &r);
+    let (z, mut rz) = equations.correction(&r);
     let mut p: Vec<f64> = z.iter().map(|z| f64::from(*z)).collect();
     let (mut left, mut iterations) = (energy, 0);
     while rz > accuracy * left.max(BLOCKED * energy) {
@@ -46,12 +89,12 @@ pub(crate) fn solve(
             let fix = "raise the voxel size or lower the contrast";
             return Err(EffectiveError::Diverged { iterations, reached: rz / left, fix });
         }
-        let curvature = links.apply(&p, &mut product);
+        let curvature = equations.apply(&p, &mut product);
         let step = dot(&p, &r, len) / curvature;
         add(&mut potential, step, &p, len);
         add(&mut r, -step, &product, len);
         left -= step * step * curvature;
-        let (z, next) = multigrid.cycle(links, &r);
+        let (z, next) = equations.correction(&r);
         let ratio = -dot(&product, z, len) / curvature;
         layers_mut(&mut p, len, |k, p| {
             let z = &z[k * len..][..p.len()];

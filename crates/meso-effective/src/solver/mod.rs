@@ -6,4 +6,6 @@ mod conjugate;
 mod multigrid;
 mod stencil;
 
-pub(crate) use conjugate::solve;
+pub(crate) use conjugate::{Equations, solve, solve_equations};
+pub(crate) use multigrid::Multigrid;
+pub(crate) use stencil::dot;

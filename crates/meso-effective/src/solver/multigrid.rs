@@ -16,7 +16,7 @@ const FEW: usize = 64;
 const LAST: usize = 16;
 
 /// The levels under the links that are solved for.
-pub(super) struct Multigrid {
+pub(crate) struct Multigrid {
     levels: Vec<Level>,
 }
 
@@ -29,7 +29,7 @@ struct Level {
 }
 
 impl Multigrid {
-    pub(super) fn new(links: &Links) -> Self {
+    pub(crate) fn new(links: &Links) -> Self {
         let mut levels = vec![Level::new(links)];
         while let Some(last) = levels.last().and_then(|level| level.coarse.as_ref()) {
             let level = Level::new(last);
@@ -39,7 +39,7 @@ impl Multigrid {
     }
 
     /// One cycle for the residual `r`; returns the correction and its product with `r`.
-    pub(super) fn cycle(&mut self, links: &Links, r: &[f64]) -> (&[f32], f64) {
+    pub(crate) fn cycle(&mut self, links: &Links, r: &[f64]) -> (&[f32], f64) {
         let fine = &mut self.levels[0];
         layers_mut(&mut fine.rhs, links.layer_len(), |k, rhs| {
             let r = &r[k * links.layer_len()..][..rhs.len()];

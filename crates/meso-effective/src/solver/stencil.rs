@@ -5,7 +5,7 @@ use meso_concrete::parallel;
 use std::ops::{Add, Mul, Sub};
 
 /// `f32` or `f64`.
-pub(super) trait Real:
+pub(crate) trait Real:
     Copy + Default + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + From<f32> + Into<f64>
 {
 }
@@ -22,12 +22,12 @@ struct Row<'a, T> {
 
 impl Links {
     /// Number of voxels.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.counts.iter().product()
     }
 
     /// Number of voxels of a layer.
-    pub(super) fn layer_len(&self) -> usize {
+    pub(crate) fn layer_len(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
@@ -93,7 +93,7 @@ impl<T: Real> Row<'_, T> {
 }
 
 /// The scalar product, by layers of `len`.
-pub(super) fn dot<S: Real, T: Real>(a: &[S], b: &[T], len: usize) -> f64 {
+pub(crate) fn dot<S: Real, T: Real>(a: &[S], b: &[T], len: usize) -> f64 {
     let layer = |k: usize| {
         let range = k * len..a.len().min((k + 1) * len);
         // Eight sums side by side.

@@ -363,28 +363,33 @@ class Packing:
     @overload
     def table(self, frame: Literal["polars"]) -> pl.DataFrame: ...
 
+    @overload
     def effective(
         self,
         what: Literal["diffusivity", "conductivity"] = "diffusivity",
         *,
         voxel_size: float | None = None,
         phases: Mapping[str, float] | None = None,
+        eigenstrain: None = None,
         axes: str = "xyz",
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Effective:
-        """Effective diffusivity or conductivity, with its error, on voxels that know the exact geometry.
+        """Effective diffusivity, conductivity or stiffness, with its error, on voxels that know the exact geometry.
 
         Parameters
         ----------
-        what : {"diffusivity", "conductivity"}
+        what : {"diffusivity", "conductivity", "stiffness"}
             The property.
         voxel_size : float, optional
             Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
         phases : mapping, optional
             Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
             the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
+            For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
+        eigenstrain : mapping, optional
+            Strains without stress of the phases by name, for stiffness: shrinkage is negative.
         axes : str
-            Axes of the gradient, some of x, y, z; each takes a solution.
+            Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
         progress : bool or callable, optional
             True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
 
@@ -393,7 +398,8 @@ class Packing:
         dict
             The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
             gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels`, `voxel_size_mm`, `iterations`,
-            `solver_error`, `warnings`.
+            `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz, yz, zx, xy, and `isotropic`,
+            `isotropic_error`, `expansion`, `expansion_error`.
 
         Raises
         ------
@@ -402,6 +408,18 @@ class Packing:
         RuntimeError
             Where the equations do not converge.
         """
+
+    @overload
+    def effective(
+        self,
+        what: Literal["stiffness"],
+        *,
+        voxel_size: float | None = None,
+        phases: Mapping[str, Mapping[str, float]] | None = None,
+        eigenstrain: Mapping[str, float] | None = None,
+        axes: Literal["xyz"] = "xyz",
+        progress: bool | Callable[..., object] | None = None,
+    ) -> _results.Stiffness: ...
 
     @overload
     def voxelize(

@@ -435,6 +435,82 @@ class Effective(TypedDict):
     """What a reader should know."""
 
 
+class ElasticShare(TypedDict):
+    """A phase in the result."""
+
+    name: str
+    """Name of the phase."""
+    youngs_modulus_mpa: float
+    """Young's modulus, MPa."""
+    poisson_ratio: float
+    """Poisson's ratio."""
+    eigenstrain: float
+    """Strain without stress."""
+    volume_fraction: float
+    """Exact volume over the specimen's."""
+
+
+class ElasticBounds(TypedDict):
+    """Bounds of an isotropic mixture, MPa."""
+
+    bulk_modulus_mpa: PropertyBounds
+    """Bounds of the bulk modulus."""
+    shear_modulus_mpa: PropertyBounds
+    """Bounds of the shear modulus."""
+
+
+class Isotropic(TypedDict):
+    """Constants of the isotropic material that is nearest to a stiffness: mean over all directions."""
+
+    bulk_modulus_mpa: float
+    """Bulk modulus, MPa."""
+    shear_modulus_mpa: float
+    """Shear modulus, MPa."""
+    youngs_modulus_mpa: float
+    """Young's modulus, MPa."""
+    poisson_ratio: float
+    """Poisson's ratio."""
+
+
+class Stiffness(TypedDict):
+    """Stiffness and expansion of a packing."""
+
+    what: str
+    """Property: `stiffness`."""
+    tensor: list[list[float]]
+    """The tensor, extrapolated from the two sizes of voxels."""
+    error: list[list[float]]
+    """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
+    fine: list[list[float]]
+    """The tensor on the voxels."""
+    coarse: list[list[float]]
+    """The tensor on voxels of twice the size."""
+    isotropic: Isotropic
+    """Constants of the nearest isotropic material."""
+    isotropic_error: Isotropic
+    """Their estimated errors."""
+    expansion: list[float]
+    """Strains xx, yy, zz, yz, zx, xy of the free specimen by the eigenstrains of its phases."""
+    expansion_error: list[float]
+    """Estimated error of each strain."""
+    bounds: ElasticBounds
+    """Bounds on an isotropic mixture of the phases."""
+    phases: list[ElasticShare]
+    """Phases with their volumes."""
+    boundary: list[str]
+    """Conditions at the ends of x, y, z: `periodic`, or `uniform-strain` at walls."""
+    voxels: list[int]
+    """Voxels along x, y, z."""
+    voxel_size_mm: list[float]
+    """Edges of a voxel, mm."""
+    iterations: list[int]
+    """Iterations of each solution on the fine voxels."""
+    solver_error: float
+    """Largest error of the equations, over the result."""
+    warnings: list[str]
+    """What a reader should know."""
+
+
 class CurveFigures(TypedDict):
     """Figures of a curve."""
 

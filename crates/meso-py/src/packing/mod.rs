@@ -267,19 +267,22 @@ impl PyPacking {
         })
     }
 
-    /// Effective diffusivity or conductivity, with its error, on voxels that know the exact geometry.
+    /// Effective diffusivity, conductivity or stiffness, with its error, on voxels that know the exact geometry.
     ///
     /// Parameters
     /// ----------
-    /// what : {"diffusivity", "conductivity"}
+    /// what : {"diffusivity", "conductivity", "stiffness"}
     ///     The property.
     /// voxel_size : float, optional
     ///     Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
     /// phases : mapping, optional
     ///     Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
     ///     the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
+    ///     For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
+    /// eigenstrain : mapping, optional
+    ///     Strains without stress of the phases by name, for stiffness: shrinkage is negative.
     /// axes : str
-    ///     Axes of the gradient, some of x, y, z; each takes a solution.
+    ///     Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
     /// progress : bool or callable, optional
     ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
     ///
@@ -288,7 +291,8 @@ impl PyPacking {
     /// dict
     ///     The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
     ///     gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels`, `voxel_size_mm`, `iterations`,
-    ///     `solver_error`, `warnings`.
+    ///     `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz, yz, zx, xy, and `isotropic`,
+    ///     `isotropic_error`, `expansion`, `expansion_error`.
     ///
     /// Raises
     /// ------
@@ -296,17 +300,19 @@ impl PyPacking {
     ///     Names the option, its value and the accepted range; a specimen that is no box.
     /// RuntimeError
     ///     Where the equations do not converge.
-    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, phases=None, axes="xyz", progress=None))]
+    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", progress=None))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn effective<'py>(
         &self,
         py: Python<'py>,
         what: &str,
         voxel_size: Option<f64>,
         phases: Option<&Bound<'py, PyAny>>,
+        eigenstrain: Option<&Bound<'py, PyAny>>,
         axes: &str,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let asked = effective::Asked { what, voxel_size, phases, axes };
+        let asked = effective::Asked { what, voxel_size, phases, eigenstrain, axes };
         effective::compute(py, &self.0, &asked, progress)
     }
 

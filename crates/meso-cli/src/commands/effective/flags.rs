@@ -11,18 +11,22 @@ pub(crate) struct Args {
     /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti and so on
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
-    /// Property: diffusivity, conductivity, or all for both
+    /// Property: diffusivity, conductivity, stiffness, or all
     #[arg(long, value_name = "PROPERTY", default_value = "diffusivity", value_parser = what)]
     pub(super) what: What,
     /// Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate,
-    /// itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50]
+    /// itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as
+    /// [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain
     #[arg(long, value_name = "FILE")]
     pub(super) phases: Option<PathBuf>,
     /// Edge of a voxel, mm; the error follows from voxels of twice the size [default: an eighth of the smallest grain]
     #[arg(long, value_name = "H", value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     pub(super) voxel_size_mm: Option<f64>,
-    /// Axes of the gradient; each takes a solution
+    /// Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4
+    #[arg(long, value_name = "PHASE=STRAIN", value_delimiter = ',', value_parser = eigenstrain)]
+    pub(super) eigenstrain: Vec<(String, f64)>,
+    /// Axes of the gradient; each takes a solution. Stiffness always has all
     #[arg(long, value_name = "AXES", default_value = "xyz", value_parser = axes)]
     pub(super) axes: Axes,
     /// Write no fields
@@ -39,6 +43,7 @@ pub(crate) struct Args {
 pub(super) struct What {
     pub(super) diffusivity: bool,
     pub(super) conductivity: bool,
+    pub(super) stiffness: bool,
 }
 
 /// Which of x, y, z are asked for.
@@ -46,13 +51,17 @@ pub(super) struct What {
 pub(super) struct Axes(pub(super) [bool; 3]);
 
 fn what(text: &str) -> Result<What, String> {
-    match text {
-        "diffusivity" => Ok(What { diffusivity: true, conductivity: false }),
-        "conductivity" => Ok(What { diffusivity: false, conductivity: true }),
-        "all" => Ok(What { diffusivity: true, conductivity: true }),
-        "stiffness" => Err("stiffness is not computed yet; it must be diffusivity, conductivity or all".to_owned()),
-        _ => Err("it must be diffusivity, conductivity or all".to_owned()),
+    let is = |name: &str| text == name || text == "all";
+    let what = What { diffusivity: is("diffusivity"), conductivity: is("conductivity"), stiffness: is("stiffness") };
+    if !(what.diffusivity || what.conductivity || what.stiffness) {
+        return Err("it must be diffusivity, conductivity, stiffness or all".to_owned());
     }
+    Ok(what)
+}
+
+fn eigenstrain(text: &str) -> Result<(String, f64), String> {
+    let (phase, strain) = text.split_once('=').ok_or("it must be a phase and a strain, as in mortar=-4e-4")?;
+    Ok((phase.trim().to_owned(), values::number(strain.trim())?))
 }
 
 fn axes(text: &str) -> Result<Axes, String> {

@@ -1,4 +1,4 @@
-//! `mesocrete effective`: effective diffusivity and conductivity of a saved model.
+//! `mesocrete effective`: effective diffusivity, conductivity and stiffness of a saved model.
 
 mod flags;
 mod run;

@@ -4,13 +4,13 @@ use super::flags::Args;
 use super::settings::wrong;
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
+use crate::own_folder::OwnFolder;
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
 use meso_core::Model;
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, PAGE, write_figures, write_page};
-use meso_effective::{Effective, FluxField, Phases, Property, effective};
-use std::path::Path;
+use meso_effective::results::{FIGURES, Found, PAGE, field_file, write_figures, write_page};
+use meso_effective::{Effective, FluxField, Phases, Property, Stiffness, StiffnessOptions, effective, stiffness};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -20,70 +20,96 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let phases = args.phases()?;
     let force = args.writing.force;
-    make(&args.output)?;
+    let names = args.files();
+    let _own = OwnFolder::open(&args.output)?;
     let target = |name: &str| Target::new(&args.output.join(name), force);
-    let (figures, page) = (target(FIGURES)?, target(PAGE)?);
+    names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
     let model = inputs::model(&args.model, &watch)?;
+    accept(args, &model)?;
     let (mut found, mut fields) = (Vec::new(), Vec::new());
     for property in args.properties() {
         let (result, theirs) = solve(args, property, &model, &phases, &watch)?;
         found.push(result);
         fields.extend(theirs.into_iter().map(|field| (property, field)));
     }
+    if args.what.stiffness {
+        found.push(solve_stiffness(args, &model, &phases, &watch)?);
+    }
     watch.finish();
     let mut unit = Unit::default();
-    let mut written = vec![&figures, &page];
-    let vti = fields.iter().map(|(what, field)| target(&field.file(*what))).collect::<Result<Vec<_>, _>>()?;
-    written.extend(&vti);
-    for ((_, field), target) in fields.iter().zip(&vti) {
-        unit.fill(target, force, |out| field.write_vti(out))?;
+    for (what, field) in &fields {
+        unit.fill(&target(&field_file(*what, field.axis))?, force, |out| field.write_vti(out))?;
     }
-    unit.fill(&figures, force, |out| write_figures(&found, out))?;
-    unit.fill(&page, force, |out| write_page(&found, &fields, out))?;
+    unit.fill(&target(FIGURES)?, force, |out| write_figures(&found, out))?;
+    unit.fill(&target(PAGE)?, force, |out| write_page(&found, &fields, out))?;
     unit.commit()?;
     found.iter().for_each(|(of, _)| tell(of, args.writing.quiet));
     if !args.writing.quiet {
-        written
-            .iter()
-            .filter_map(|target| target.file())
-            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        names.iter().for_each(|name| stderr::line(format!("wrote {}", args.output.join(name).display())));
     }
     Ok(0)
 }
 
-type Found = ((Effective, f64), Vec<FluxField>);
+type Solved = ((Found, f64), Vec<FluxField>);
 
-fn solve(args: &Args, what: Property, model: &Model, phases: &Phases, watch: &Watch) -> Result<Found, Failure> {
+fn solve(args: &Args, what: Property, model: &Model, phases: &Phases, watch: &Watch) -> Result<Solved, Failure> {
     let options = args.options(what, &model.spec);
-    let work = format!("the {} of voxels of {} mm", what.name(), options.voxel_size_mm);
-    let bytes = options.bytes(&model.spec.specimen).map_err(|error| wrong(&error))?;
-    room::accept_in_memory(&work, bytes, ("--voxel-size-mm", options.voxel_size_mm))?;
     let begun = Instant::now();
     let (found, fields) = effective(model, phases, &options, watch).map_err(|error| wrong(&error))?;
-    Ok(((found, begun.elapsed().as_secs_f64()), fields))
+    Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
 }
 
-/// Makes the folder of the results.
-fn make(path: &Path) -> Result<(), Failure> {
-    match std::fs::metadata(path) {
-        Ok(kind) if kind.is_dir() => Ok(()),
-        Ok(_) => Err(Failure::Run(format!("{} is not a folder; name a folder for the results", path.display()))),
-        Err(_) => std::fs::create_dir(path).map_err(|error| Failure::file(path, &error)),
+fn solve_stiffness(args: &Args, model: &Model, phases: &Phases, watch: &Watch) -> Result<(Found, f64), Failure> {
+    let options = StiffnessOptions::new(args.size(&model.spec));
+    let begun = Instant::now();
+    let found = stiffness(model, &phases.stiffness, &options, watch).map_err(|error| wrong(&error))?;
+    Ok((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()))
+}
+
+/// Refuses voxels out of range and beyond the memory, for all properties before any of them is computed.
+fn accept(args: &Args, model: &Model) -> Result<(), Failure> {
+    let specimen = &model.spec.specimen;
+    let flux = |what: Property| (what.name(), args.options(what, &model.spec).bytes(specimen));
+    let stiffness = || ("stiffness", StiffnessOptions::new(args.size(&model.spec)).bytes(specimen));
+    let size = args.size(&model.spec);
+    for (what, bytes) in args.properties().into_iter().map(flux).chain(args.what.stiffness.then(stiffness)) {
+        let bytes = bytes.map_err(|error| wrong(&error))?;
+        room::accept_in_memory(&format!("the {what} of voxels of {size} mm"), bytes, ("--voxel-size-mm", size))?;
     }
+    Ok(())
 }
 
-/// Prints the diagonal with its errors, then warnings.
-fn tell(found: &Effective, quiet: bool) {
+/// Prints the result with its errors, then warnings.
+fn tell(found: &Found, quiet: bool) {
     if !quiet {
-        let entry = |axis: usize| {
-            let (value, error) = (found.tensor[axis][axis]?, found.error[axis][axis]?);
-            Some(format!("{} {value:.5} +- {error:.5}", ["x", "y", "z"][axis]))
-        };
-        let entries: Vec<String> = (0..3).filter_map(entry).collect();
-        let (low, high) = (found.bounds.hashin_shtrikman_lower, found.bounds.hashin_shtrikman_upper);
-        let name = found.what.name();
-        stderr::line(format!("{name}: {}; Hashin-Shtrikman {low:.5} to {high:.5}", entries.join(", ")));
+        stderr::line(match found {
+            Found::Flux(found) => flux_line(found),
+            Found::Stiffness(found) => stiffness_line(found),
+        });
     }
-    found.warnings.iter().for_each(|warning| stderr::line(format!("warning: {warning}")));
+    found.warnings().iter().for_each(|warning| stderr::line(format!("warning: {warning}")));
+}
+
+/// The diagonal.
+fn flux_line(found: &Effective) -> String {
+    let entry = |axis: usize| {
+        let (value, error) = (found.tensor[axis][axis]?, found.error[axis][axis]?);
+        Some(format!("{} {value:.5} +- {error:.5}", ["x", "y", "z"][axis]))
+    };
+    let entries: Vec<String> = (0..3).filter_map(entry).collect();
+    let (low, high) = (found.bounds.hashin_shtrikman_lower, found.bounds.hashin_shtrikman_upper);
+    let name = found.what.name();
+    format!("{name}: {}; Hashin-Shtrikman {low:.5} to {high:.5}", entries.join(", "))
+}
+
+/// Constants of the nearest isotropic material, and the expansion if there is one.
+fn stiffness_line(found: &Stiffness) -> String {
+    let (is, error) = (&found.isotropic, &found.isotropic_error);
+    let modulus = format!("E {:.0} +- {:.0} MPa", is.youngs_modulus_mpa, error.youngs_modulus_mpa);
+    let ratio = format!("nu {:.4} +- {:.4}", is.poisson_ratio, error.poisson_ratio);
+    let [x, y, z, ..] = found.expansion;
+    let free = found.phases.iter().any(|phase| phase.eigenstrain != 0.0);
+    let expansion = if free { format!("; free strain x {x:.3e}, y {y:.3e}, z {z:.3e}") } else { String::new() };
+    format!("stiffness: {modulus}, {ratio}{expansion}")
 }

@@ -1,5 +1,6 @@
 //! The area of a plane section of a convex body in every square of a grid, exact to rounding.
 
+use crate::grid::Grid;
 use meso_collision::geometry::Polyhedron;
 use std::ops::Range;
 
@@ -8,7 +9,7 @@ type Point = [f64; 2];
 
 /// Memory that sections reuse.
 #[derive(Default)]
-pub(super) struct Section {
+pub(crate) struct Section {
     corners: Vec<Point>,
     strip: Vec<Point>,
     rest: Vec<Point>,
@@ -17,19 +18,29 @@ pub(super) struct Section {
 }
 
 /// A grid of rectangles in a plane.
-pub(super) struct Squares {
-    pub(super) origin: Point,
-    pub(super) spacing: Point,
-    pub(super) counts: [usize; 2],
+pub(crate) struct Squares {
+    pub(crate) origin: Point,
+    pub(crate) spacing: Point,
+    pub(crate) counts: [usize; 2],
 }
 
 impl Squares {
+    /// Faces of a grid's voxels across `axis`.
+    pub(crate) fn across(grid: &Grid, axis: usize) -> Self {
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        Self {
+            origin: [grid.origin[b], grid.origin[c]],
+            spacing: [grid.spacing[b], grid.spacing[c]],
+            counts: [grid.counts[b], grid.counts[c]],
+        }
+    }
+
     fn side(&self, axis: usize, number: usize) -> f64 {
         self.origin[axis] + number as f64 * self.spacing[axis]
     }
 
     /// The squares along an axis that the interval reaches into.
-    pub(super) fn touched(&self, axis: usize, low: f64, high: f64) -> Range<usize> {
+    pub(crate) fn touched(&self, axis: usize, low: f64, high: f64) -> Range<usize> {
         let at = |x: f64| ((x - self.origin[axis]) / self.spacing[axis]).max(0.0);
         let end = (at(high).ceil() as usize).min(self.counts[axis]);
         (at(low) as usize).min(end)..end
@@ -39,7 +50,7 @@ impl Squares {
 impl Section {
     /// Calls `visit` with every square that the section of `body` by the plane at `at` on `axis` meets, and the share of
     /// the square that it covers. Squares are numbered with the axis after `axis` fastest.
-    pub(super) fn shares(
+    pub(crate) fn shares(
         &mut self,
         body: &Polyhedron,
         axis: usize,

@@ -1,0 +1,269 @@
+//! Forces of trilinear voxels, and their preconditioner.
+//!
+//! Displacements are the periodic part, three blocks of nodes, x fastest. The first node along an axis is the last one, too;
+//! at walls, both have no displacement, so the strain there is uniform.
+//!
+//! In a voxel the displacement is a sum of products of the coordinates -1 to 1: `u = sum over m of u_m x^m`, with one bit of
+//! `m` for each axis. Derivatives lower a bit, and the products are orthogonal. So strains have seven modes, the energy is a
+//! sum over them with the weights 1, 1/3 and 1/9, and the integration is exact.
+//!
+//! The preconditioner takes each component alone: a network of links with the stiffness of the component along each axis.
+
+use super::laminate::Material;
+use super::voxels::Voxels;
+use crate::grid::{End, Grid};
+use crate::links::Links;
+use crate::solver::{Equations, Multigrid, dot};
+use meso_concrete::parallel;
+
+/// Strain or stress of a voxel by modes: components in the order xx, yy, zz, yz, zx, xy.
+type Modes = [[f64; 8]; 6];
+/// Displacements or forces of a voxel's nodes along x, y, z; a node's number has one bit for each axis.
+type Nodes = [[f64; 8]; 3];
+
+/// Rows of strain to which a derivative along `axis` of component `of` adds.
+const ROW: [[usize; 3]; 3] = [[0, 5, 4], [5, 1, 3], [4, 3, 2]];
+/// Share of a mode in the energy.
+pub(super) const WEIGHTS: [f64; 8] = [1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 9.0, 0.0];
+/// Layers of voxels whose forces are added up by one thread.
+const SLAB: usize = 4;
+/// Links between nodes without displacement, over the largest stiffness: they move together.
+const RIGID: f32 = 100.0;
+
+/// Equations of a grid.
+pub(super) struct Elastic<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) voxels: &'a Voxels,
+    networks: [(Links, Multigrid); 3],
+    /// Nodes without displacement.
+    clamped: Vec<u32>,
+    correction: Vec<f32>,
+}
+
+impl<'a> Elastic<'a> {
+    pub(super) fn new(grid: &'a Grid, voxels: &'a Voxels) -> Self {
+        let [nx, ny, nz] = grid.counts;
+        let walls = grid.ends.map(|end| end != End::Periodic);
+        let is_clamped = |node: usize| {
+            let at = [node % nx, node / nx % ny, node / (nx * ny)];
+            (0..3).any(|axis| walls[axis] && at[axis] == 0)
+        };
+        let clamped = parallel::filter(nx * ny * nz, is_clamped);
+        let networks = [0, 1, 2].map(|component| {
+            let links = links(grid, voxels, component, &is_clamped);
+            let multigrid = Multigrid::new(&links);
+            (links, multigrid)
+        });
+        Self { grid, voxels, networks, clamped, correction: vec![0.0; 3 * nx * ny * nz] }
+    }
+
+    fn nodes(&self) -> usize {
+        self.grid.counts.iter().product()
+    }
+
+    /// Forces of the stress that displacements `u` and the strain `mean` cause.
+    pub(super) fn forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
+        let [nx, ny, nz] = self.grid.counts;
+        let (layer, nodes) = (nx * ny, self.nodes());
+        let slabs = parallel::map(nz.div_ceil(SLAB), |slab| self.slab(slab, u, mean));
+        parallel::chunks_mut(out, layer, |number, out| {
+            let (component, k) = (number / nz, number % nz);
+            let (slab, above) = (k / SLAB, if k == 0 { nz } else { k });
+            let part = |slab: usize, k: usize| {
+                let layers = slabs[slab].len() / (3 * layer);
+                &slabs[slab][(component * layers + k - slab * SLAB) * layer..][..layer]
+            };
+            out.copy_from_slice(part(slab, k));
+            if k % SLAB == 0 {
+                let below = part((above - 1) / SLAB, above);
+                out.iter_mut().zip(below).for_each(|(out, force)| *out += force);
+            }
+        });
+        for node in &self.clamped {
+            (0..3).for_each(|component| out[component * nodes + *node as usize] = 0.0);
+        }
+    }
+
+    /// Forces of a slab on its layers of nodes, component by component.
+    fn slab(&self, slab: usize, u: &[f64], mean: &[f64; 6]) -> Vec<f64> {
+        let [nx, ny, nz] = self.grid.counts;
+        let (layer, first) = (nx * ny, slab * SLAB);
+        let last = nz.min(first + SLAB);
+        let layers = last - first + 1;
+        let mut forces = vec![0.0; 3 * layers * layer];
+        for k in first..last {
+            for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
+                let stress = self.stress([i, j, k], u, mean);
+                let nodes = self.spread(&stress);
+                for (node, place) in corners([nx, ny], i, j).into_iter().enumerate() {
+                    let start = (k - first + (node >> 2)) * layer + place;
+                    (0..3).for_each(|component| forces[component * layers * layer + start] += nodes[component][node]);
+                }
+            }
+        }
+        forces
+    }
+
+    /// Stress of a voxel by modes.
+    pub(super) fn stress(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
+        let strain = self.strain(at, u, mean);
+        let material = self.material(at);
+        let mut stress = [[0.0; 8]; 6];
+        let mut entries = material.stiffness.iter().map(|c| f64::from(*c));
+        for i in 0..6 {
+            for j in i..6 {
+                let c = entries.next().unwrap_or_default();
+                (0..8).for_each(|mode| stress[i][mode] += c * strain[j][mode]);
+                if i != j {
+                    (0..8).for_each(|mode| stress[j][mode] += c * strain[i][mode]);
+                }
+            }
+        }
+        stress
+    }
+
+    pub(super) fn material(&self, [i, j, k]: [usize; 3]) -> &Material {
+        let [nx, ny, _] = self.grid.counts;
+        &self.voxels.materials[self.voxels.of[(k * ny + j) * nx + i] as usize]
+    }
+
+    /// Strain of a voxel by modes.
+    pub(super) fn strain(&self, [i, j, k]: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
+        let [nx, ny, nz] = self.grid.counts;
+        let above = if k + 1 == nz { 0 } else { k + 1 };
+        let mut strain = [[0.0; 8]; 6];
+        let corners = corners([nx, ny], i, j);
+        for component in 0..3 {
+            let block = &u[component * self.nodes()..][..self.nodes()];
+            let mut values = [0.0; 8];
+            for (node, place) in corners.into_iter().enumerate() {
+                values[node] = block[if node < 4 { k } else { above } * nx * ny + place];
+            }
+            let modes = products(values);
+            for axis in 0..3 {
+                let over = 0.25 / self.grid.spacing[axis];
+                let row = &mut strain[ROW[component][axis]];
+                lower(axis).for_each(|mode| row[mode] += over * modes[mode | 1 << axis]);
+            }
+        }
+        strain.iter_mut().zip(mean).for_each(|(row, mean)| row[0] += mean);
+        strain
+    }
+
+    /// Forces of the nodes of a voxel that stresses by modes leave: the transpose of [`Elastic::strain`], times the volume.
+    pub(super) fn spread(&self, stress: &Modes) -> Nodes {
+        let volume: f64 = (0..3).map(|axis| self.grid.spacing[axis]).product();
+        [0, 1, 2].map(|component| {
+            let mut modes = [0.0; 8];
+            for axis in 0..3 {
+                let over = 0.25 * volume / self.grid.spacing[axis];
+                let row = &stress[ROW[component][axis]];
+                lower(axis).for_each(|mode| modes[mode | 1 << axis] += over * WEIGHTS[mode] * row[mode]);
+            }
+            transposed_products(modes)
+        })
+    }
+}
+
+impl Equations for Elastic<'_> {
+    fn layer_len(&self) -> usize {
+        self.grid.counts[0] * self.grid.counts[1]
+    }
+
+    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64 {
+        self.forces(u, &[0.0; 6], out);
+        dot(u, out, self.layer_len())
+    }
+
+    /// Clamped nodes move together in the networks: they receive the reaction, and the rest moves relative to them.
+    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
+        let (nodes, layer) = (self.nodes(), self.layer_len());
+        for (component, (links, multigrid)) in self.networks.iter_mut().enumerate() {
+            let own = &r[component * nodes..][..nodes];
+            let to = &mut self.correction[component * nodes..][..nodes];
+            if self.clamped.is_empty() {
+                to.copy_from_slice(multigrid.cycle(links, own).0);
+                continue;
+            }
+            let mut own = own.to_vec();
+            let count = self.clamped.len() as f64;
+            let reaction = -own.iter().sum::<f64>() / count;
+            self.clamped.iter().for_each(|node| own[*node as usize] = reaction);
+            to.copy_from_slice(multigrid.cycle(links, &own).0);
+            let rigid = self.clamped.iter().map(|node| f64::from(to[*node as usize])).sum::<f64>() / count;
+            to.iter_mut().for_each(|to| *to -= rigid as f32);
+            self.clamped.iter().for_each(|node| to[*node as usize] = 0.0);
+        }
+        (&self.correction, dot(r, &self.correction, layer))
+    }
+}
+
+/// Modes without a bit for `axis`.
+fn lower(axis: usize) -> impl Iterator<Item = usize> {
+    (0..8).filter(move |mode| mode >> axis & 1 == 0)
+}
+
+/// Places in their layer of a voxel's nodes.
+fn corners([nx, ny]: [usize; 2], i: usize, j: usize) -> [usize; 8] {
+    let next = |i: usize, n: usize| if i + 1 == n { 0 } else { i + 1 };
+    let (right, back) = (next(i, nx), next(j, ny) * nx);
+    let below = [j * nx + i, j * nx + right, back + i, back + right];
+    [below[0], below[1], below[2], below[3], below[0], below[1], below[2], below[3]]
+}
+
+/// Sums over the nodes, with the sign that each product of coordinates has there.
+fn products(values: [f64; 8]) -> [f64; 8] {
+    pairs(values, |a, b| (a + b, b - a))
+}
+
+/// The transpose of [`products`].
+fn transposed_products(values: [f64; 8]) -> [f64; 8] {
+    pairs(values, |a, b| (a - b, a + b))
+}
+
+#[inline]
+fn pairs(mut values: [f64; 8], of: impl Fn(f64, f64) -> (f64, f64)) -> [f64; 8] {
+    for bit in [1, 2, 4] {
+        for low in (0..8).filter(|number| number & bit == 0) {
+            (values[low], values[low | bit]) = of(values[low], values[low | bit]);
+        }
+    }
+    values
+}
+
+/// Links between nodes with the stiffness of `component` along each axis.
+fn links(grid: &Grid, voxels: &Voxels, component: usize, is_clamped: &(impl Fn(usize) -> bool + Sync)) -> Links {
+    let [nx, ny, nz] = grid.counts;
+    let diagonal = |row: usize| row * 6 - row * row.saturating_sub(1) / 2;
+    let across = [0, 1, 2].map(|axis| {
+        let over = (grid.area(axis) / (4.0 * grid.spacing[axis])) as f32;
+        let entry = diagonal(ROW[component][axis]);
+        let stiffness = |number: usize| voxels.materials[voxels.of[number] as usize].stiffness[entry];
+        let largest = voxels.materials.iter().map(|material| material.stiffness[entry]).fold(0.0, f32::max);
+        let before = |at: usize, n: usize| if at == 0 { n - 1 } else { at - 1 };
+        let link = |number: usize| {
+            let number = number % (nx * ny * nz);
+            let at = [number % nx, number / nx % ny, number / (nx * ny)];
+            let below = [0, 1, 2].map(|axis| before(at[axis], grid.counts[axis]));
+            let index = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
+            let mut start = at;
+            start[axis] = below[axis];
+            if is_clamped(number) && is_clamped(index(start)) {
+                return RIGID * 4.0 * over * largest;
+            }
+            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+            let around = [(at[b], at[c]), (below[b], at[c]), (at[b], below[c]), (below[b], below[c])];
+            let sum: f32 = around
+                .into_iter()
+                .map(|(at_b, at_c)| {
+                    let mut voxel = start;
+                    (voxel[b], voxel[c]) = (at_b, at_c);
+                    stiffness(index(voxel))
+                })
+                .sum();
+            sum * over
+        };
+        parallel::map_short(nx * ny * (nz + usize::from(axis == 2)), link)
+    });
+    Links { counts: grid.counts, wraps: true, across }
+}

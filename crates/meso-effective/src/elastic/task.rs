@@ -1,0 +1,361 @@
+//! From a packing to its stiffness: two grids, six mean strains, error, bounds and expansion.
+
+use super::equations::{Elastic, WEIGHTS};
+use super::voxels::Voxels;
+use crate::bounds::PropertyBounds;
+use crate::effective::REST;
+use crate::error::EffectiveError;
+use crate::grid::{self, Grid};
+use crate::moduli::{PhaseModuli, Table};
+use crate::shares;
+use crate::solver::solve_equations;
+use crate::surfaces::{Phase, Surface};
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::specimen::Specimen;
+use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::{Parts, images, parallel};
+use serde::Serialize;
+
+/// Stiffness, MPa: stresses xx, yy, zz, yz, zx, xy by row for unit strains by column. Shear strains are engineering strains.
+pub type StiffnessTensor = [[f64; 6]; 6];
+
+/// How stiffness is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StiffnessOptions {
+    /// Edge of a voxel, mm; an even number of voxels that is nearest to it is taken along each axis.
+    pub voxel_size_mm: f64,
+    /// Error of the equations, over the result.
+    pub accuracy: f64,
+}
+
+/// Bytes a voxel: 235 were measured with 100^3 voxels around a sphere, and every cut voxel has a material of 108.
+const BYTES: f64 = 350.0;
+
+impl StiffnessOptions {
+    /// Stiffness to twelve digits of the energy, six of a strain.
+    pub fn new(voxel_size_mm: f64) -> Self {
+        Self { voxel_size_mm, accuracy: 1e-12 }
+    }
+
+    /// Memory that a specimen takes at most, bytes.
+    ///
+    /// # Errors
+    /// A voxel size out of its range.
+    pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
+        let counts = grid::counts(specimen, self.voxel_size_mm)?;
+        Ok(BYTES * counts.iter().map(|count| *count as f64).product::<f64>())
+    }
+}
+
+/// A phase in the result.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ElasticShare {
+    /// Name of the phase.
+    pub name: &'static str,
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Strain without stress.
+    pub eigenstrain: f64,
+    /// Exact volume over the specimen's.
+    pub volume_fraction: f64,
+}
+
+/// Bounds of an isotropic mixture, MPa.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ElasticBounds {
+    /// Bounds of the bulk modulus.
+    pub bulk_modulus_mpa: PropertyBounds,
+    /// Bounds of the shear modulus.
+    pub shear_modulus_mpa: PropertyBounds,
+}
+
+/// Constants of the isotropic material that is nearest to a stiffness: mean over all directions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Isotropic {
+    /// Bulk modulus, MPa.
+    pub bulk_modulus_mpa: f64,
+    /// Shear modulus, MPa.
+    pub shear_modulus_mpa: f64,
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+}
+
+/// Stiffness and expansion of a packing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stiffness {
+    /// Property: `stiffness`.
+    pub what: &'static str,
+    /// The tensor, extrapolated from the two sizes of voxels.
+    pub tensor: StiffnessTensor,
+    /// Estimated error of each entry: the step of the extrapolation, and the error of the equations.
+    pub error: StiffnessTensor,
+    /// The tensor on the voxels.
+    pub fine: StiffnessTensor,
+    /// The tensor on voxels of twice the size.
+    pub coarse: StiffnessTensor,
+    /// Constants of the nearest isotropic material.
+    pub isotropic: Isotropic,
+    /// Their estimated errors.
+    pub isotropic_error: Isotropic,
+    /// Strains xx, yy, zz, yz, zx, xy of the free specimen by the eigenstrains of its phases.
+    pub expansion: [f64; 6],
+    /// Estimated error of each strain.
+    pub expansion_error: [f64; 6],
+    /// Bounds on an isotropic mixture of the phases.
+    pub bounds: ElasticBounds,
+    /// Phases with their volumes.
+    pub phases: Vec<ElasticShare>,
+    /// Conditions at the ends of x, y, z: `periodic`, or `uniform-strain` at walls.
+    pub boundary: [&'static str; 3],
+    /// Voxels along x, y, z.
+    pub voxels: [usize; 3],
+    /// Edges of a voxel, mm.
+    pub voxel_size_mm: [f64; 3],
+    /// Iterations of each solution on the fine voxels.
+    pub iterations: Vec<usize>,
+    /// Largest error of the equations, over the result.
+    pub solver_error: f64,
+    /// What a reader should know.
+    pub warnings: Vec<String>,
+}
+
+/// The stiffness of `parts`, from `moduli`.
+///
+/// # Errors
+/// Values out of range, a specimen that is no box, and equations that do not converge.
+pub fn stiffness<'a>(
+    parts: impl Into<Parts<'a>>,
+    moduli: &PhaseModuli,
+    options: &StiffnessOptions,
+    watch: &dyn Watch,
+) -> Result<Stiffness, EffectiveError> {
+    let Parts { bodies, specimen } = parts.into();
+    let table = moduli.table()?;
+    if !specimen.container().is_box() {
+        return Err(EffectiveError::Specimen(specimen.kind()));
+    }
+    let counts = grid::counts(specimen, options.voxel_size_mm)?;
+    let task = Task { bodies: &bodies, specimen, table, accuracy: options.accuracy };
+    let coarse = task.solve(counts.map(|count| count / 2), |_| ())?;
+    let fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
+    Ok(task.result(counts, &fine, &coarse))
+}
+
+struct Task<'a> {
+    bodies: &'a [Aggregate],
+    specimen: &'a Specimen,
+    table: Table,
+    accuracy: f64,
+}
+
+/// Solutions on one grid.
+struct Solved {
+    tensor: StiffnessTensor,
+    /// Mean stress of the specimen without strain.
+    eigenstress: [f64; 6],
+    iterations: Vec<usize>,
+    error: f64,
+}
+
+/// Iterations of a usual solution.
+const USUAL: f64 = 40.0;
+
+impl Task<'_> {
+    fn solve(&self, counts: [usize; 3], report: impl Fn(f64)) -> Result<Solved, EffectiveError> {
+        let grid = Grid::new(self.specimen, counts, 2, false);
+        let near = images::near(self.bodies, self.specimen, grid.spacing.max());
+        let has_itz = self.table[Phase::Itz as usize] != self.table[Phase::Aggregate as usize];
+        let surfaces = Surface::all(&near, has_itz, &|v| *v);
+        let voxels = Voxels::new(&grid, &surfaces, &self.table);
+        drop((near, surfaces));
+        let mut elastic = Elastic::new(&grid, &voxels);
+        let mut solved = Solved { tensor: [[0.0; 6]; 6], eigenstress: [0.0; 6], iterations: Vec::new(), error: 0.0 };
+        for column in 0..6 {
+            let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
+            self.column(&mut elastic, column, &mut solved, &|iteration, _| report(share(iteration)))?;
+        }
+        let mean = |i: usize, j: usize| (solved.tensor[i][j] + solved.tensor[j][i]) / 2.0;
+        solved.tensor = [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|j| mean(i, j)));
+        Ok(solved)
+    }
+
+    /// Solves for a unit strain, and adds its column.
+    fn column(
+        &self,
+        elastic: &mut Elastic<'_>,
+        column: usize,
+        solved: &mut Solved,
+        report: &dyn Fn(usize, f64),
+    ) -> Result<(), EffectiveError> {
+        let mut mean = [0.0; 6];
+        mean[column] = 1.0;
+        let nothing = vec![0.0; 3 * elastic.voxels.of.len()];
+        let energy = elastic.sums(&nothing, &mean).energy;
+        let mut rhs = nothing.clone();
+        elastic.forces(&nothing, &mean, &mut rhs);
+        rhs.iter_mut().for_each(|force| *force = -*force);
+        drop(nothing);
+        let found = solve_equations(elastic, rhs, energy, self.accuracy, report)?;
+        let sums = elastic.sums(&found.potential, &mean);
+        let volume = elastic.grid.volume();
+        (0..6).for_each(|row| solved.tensor[row][column] = sums.stress[row] / volume);
+        solved.tensor[column][column] = sums.energy / volume;
+        solved.eigenstress[column] = sums.eigen / volume;
+        solved.iterations.push(found.iterations);
+        solved.error = solved.error.max(found.error);
+        Ok(())
+    }
+
+    fn result(&self, counts: [usize; 3], fine: &Solved, coarse: &Solved) -> Stiffness {
+        let size = self.specimen.aabb().size();
+        let rest = |fine: f64, coarse: f64| fine + REST * (fine - coarse);
+        let each = |of: &dyn Fn(usize, usize) -> f64| {
+            let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| of(i, j));
+            [row(0), row(1), row(2), row(3), row(4), row(5)]
+        };
+        let tensor = each(&|i, j| rest(fine.tensor[i][j], coarse.tensor[i][j]));
+        let solver_error = fine.error;
+        let error = each(&|i, j| {
+            REST * (fine.tensor[i][j] - coarse.tensor[i][j]).abs() + solver_error * fine.tensor[j][j].abs()
+        });
+        let (isotropic, on_fine) = (Isotropic::of(&tensor), Isotropic::of(&fine.tensor));
+        let [by_fine, by_coarse] = [fine, coarse].map(Solved::expansion);
+        let strain = |i: usize| rest(by_fine[i], by_coarse[i]);
+        let strain_error = |i: usize| REST * (by_fine[i] - by_coarse[i]).abs();
+        let isotropic_error = isotropic.distance(&on_fine);
+        Stiffness {
+            what: "stiffness",
+            warnings: warnings(&isotropic, &isotropic_error),
+            tensor,
+            error,
+            fine: fine.tensor,
+            coarse: coarse.tensor,
+            isotropic,
+            isotropic_error,
+            expansion: [0, 1, 2, 3, 4, 5].map(strain),
+            expansion_error: [0, 1, 2, 3, 4, 5].map(strain_error),
+            bounds: self.bounds(),
+            phases: self.phases(),
+            boundary: [0, 1, 2].map(|axis| self.specimen.period().along(axis).map_or("uniform-strain", |_| "periodic")),
+            voxels: counts,
+            voxel_size_mm: [0, 1, 2].map(|axis| size[axis] / counts[axis] as f64),
+            iterations: fine.iterations.clone(),
+            solver_error,
+        }
+    }
+
+    fn phases(&self) -> Vec<ElasticShare> {
+        let fractions = shares::volume_fractions(self.bodies, self.specimen);
+        let share = |phase: Phase| {
+            let moduli = self.table[phase as usize];
+            ElasticShare {
+                name: phase.name(),
+                youngs_modulus_mpa: moduli.youngs_modulus_mpa,
+                poisson_ratio: moduli.poisson_ratio,
+                eigenstrain: moduli.eigenstrain,
+                volume_fraction: fractions[phase as usize],
+            }
+        };
+        Phase::ALL.map(share).to_vec()
+    }
+
+    fn bounds(&self) -> ElasticBounds {
+        let fractions = shares::volume_fractions(self.bodies, self.specimen);
+        let of = |phase: Phase| {
+            let moduli = &self.table[phase as usize];
+            [moduli.bulk(), moduli.shear(), fractions[phase as usize]]
+        };
+        let [bulk_modulus_mpa, shear_modulus_mpa] = PropertyBounds::of_moduli(&Phase::ALL.map(of));
+        ElasticBounds { bulk_modulus_mpa, shear_modulus_mpa }
+    }
+}
+
+/// An error above this share of a modulus is worth a warning.
+const LARGE: f64 = 0.02;
+
+fn warnings(found: &Isotropic, error: &Isotropic) -> Vec<String> {
+    let large = error.bulk_modulus_mpa > LARGE * found.bulk_modulus_mpa
+        || error.shear_modulus_mpa > LARGE * found.shear_modulus_mpa;
+    let text = || format!("the error of the moduli is above {} %; halve the voxel size", 100.0 * LARGE);
+    large.then(text).into_iter().collect()
+}
+
+impl Isotropic {
+    /// Mean over all directions of a stiffness.
+    fn of(c: &StiffnessTensor) -> Self {
+        let along = c[0][0] + c[1][1] + c[2][2];
+        let across = c[0][1] + c[1][2] + c[0][2];
+        let k = (along + 2.0 * across) / 9.0;
+        let g = (along - across + 3.0 * (c[3][3] + c[4][4] + c[5][5])) / 15.0;
+        Self {
+            bulk_modulus_mpa: k,
+            shear_modulus_mpa: g,
+            youngs_modulus_mpa: 9.0 * k * g / (3.0 * k + g),
+            poisson_ratio: (3.0 * k - 2.0 * g) / (6.0 * k + 2.0 * g),
+        }
+    }
+
+    fn distance(&self, other: &Self) -> Self {
+        Self {
+            bulk_modulus_mpa: (self.bulk_modulus_mpa - other.bulk_modulus_mpa).abs(),
+            shear_modulus_mpa: (self.shear_modulus_mpa - other.shear_modulus_mpa).abs(),
+            youngs_modulus_mpa: (self.youngs_modulus_mpa - other.youngs_modulus_mpa).abs(),
+            poisson_ratio: (self.poisson_ratio - other.poisson_ratio).abs(),
+        }
+    }
+}
+
+impl Solved {
+    /// Strain of the free specimen, `C^-1` times the mean eigenstress.
+    fn expansion(&self) -> [f64; 6] {
+        let (mut c, mut strain) = (self.tensor, self.eigenstress);
+        // Gauss's elimination; the tensor is positive definite.
+        for pivot in 0..6 {
+            for row in pivot + 1..6 {
+                let factor = c[row][pivot] / c[pivot][pivot];
+                let from = c[pivot];
+                c[row].iter_mut().zip(from).for_each(|(to, from)| *to -= factor * from);
+                strain[row] -= factor * strain[pivot];
+            }
+        }
+        for row in (0..6).rev() {
+            let known: f64 = (row + 1..6).map(|column| c[row][column] * strain[column]).sum();
+            strain[row] = (strain[row] - known) / c[row][row];
+        }
+        strain
+    }
+}
+
+/// Sums over a grid.
+struct Sums {
+    stress: [f64; 6],
+    energy: f64,
+    /// Eigenstress times strain: by reciprocity the mean eigenstress of the specimen (Levin, 1967).
+    eigen: f64,
+}
+
+impl Elastic<'_> {
+    fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums {
+        let [nx, ny, nz] = self.grid.counts;
+        let volume = self.grid.volume() / (nx * ny * nz) as f64;
+        let layers = parallel::map(nz, |k| {
+            let mut sums = [0.0; 8];
+            for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
+                let at = [i, j, k];
+                let (strain, stress) = (self.strain(at, u, mean), self.stress(at, u, mean));
+                for row in 0..6 {
+                    sums[row] += stress[row][0];
+                    sums[6] += (0..8).map(|mode| WEIGHTS[mode] * stress[row][mode] * strain[row][mode]).sum::<f64>();
+                    sums[7] += f64::from(self.material(at).eigenstress[row]) * strain[row][0];
+                }
+            }
+            sums
+        });
+        let sum = |which: usize| layers.iter().map(|layer| layer[which]).sum::<f64>() * volume;
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), eigen: sum(7) }
+    }
+}

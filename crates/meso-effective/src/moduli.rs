@@ -1,0 +1,135 @@
+//! Elastic constants of the phases.
+
+use crate::surfaces::Phase;
+use meso_concrete::{OutOfRange, Ranges};
+use serde::{Deserialize, Serialize};
+
+/// Constants of an isotropic phase.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Moduli {
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Strain without stress, equal in all directions: shrinkage is negative.
+    pub eigenstrain: f64,
+}
+
+/// Constants that a phases file states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GivenModuli {
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: Option<f64>,
+    /// Poisson's ratio.
+    pub poisson_ratio: Option<f64>,
+    /// Strain without stress.
+    pub eigenstrain: Option<f64>,
+}
+
+/// The table `[stiffness]` of a phases file, one table for each phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PhaseModuli {
+    /// Constants of the mortar.
+    pub mortar: GivenModuli,
+    /// Constants of the ITZ.
+    pub itz: GivenModuli,
+    /// Constants of the aggregates within their ITZ.
+    pub aggregate: GivenModuli,
+    /// Constants of the voids.
+    pub void: GivenModuli,
+    /// Constants of the fibres.
+    pub fibre: GivenModuli,
+}
+
+/// Largest ratio of a phase's modulus to the mortar's.
+const CONTRAST: f64 = 1e4;
+/// Largest ratio of Poisson: trilinear voxels lock near 0.5.
+const INCOMPRESSIBLE: f64 = 0.49;
+/// Largest eigenstrain, a bound on small strains.
+const STRAIN: f64 = 0.1;
+
+/// Constants by [`Phase`].
+pub(crate) type Table = [Moduli; Phase::ALL.len()];
+
+impl PhaseModuli {
+    /// Given constants of a phase, by its name.
+    pub fn phase_mut(&mut self, name: &str) -> Option<&mut GivenModuli> {
+        Some(match name {
+            "mortar" => &mut self.mortar,
+            "itz" => &mut self.itz,
+            "aggregate" => &mut self.aggregate,
+            "void" => &mut self.void,
+            "fibre" => &mut self.fibre,
+            _ => return None,
+        })
+    }
+
+    /// Constants of all phases.
+    ///
+    /// # Errors
+    /// The first constant out of its range.
+    pub(crate) fn table(&self) -> Result<Table, OutOfRange> {
+        let given = [self.mortar, self.itz, self.aggregate, self.void, self.fibre];
+        let table = Phase::ALL.map(|phase| given[phase as usize].or(Moduli::usual(phase)));
+        let mortar = table[0].youngs_modulus_mpa;
+        Ranges("stiffness").positive("mortar.youngs_modulus_mpa", mortar)?;
+        Phase::ALL.into_iter().try_for_each(|phase| table[phase as usize].validate(phase, mortar))?;
+        Ok(table)
+    }
+
+    /// Refuses constants out of their ranges.
+    ///
+    /// # Errors
+    /// The first constant out of its range.
+    pub fn validate(&self) -> Result<(), OutOfRange> {
+        self.table().map(drop)
+    }
+}
+
+impl GivenModuli {
+    fn or(self, usual: Moduli) -> Moduli {
+        Moduli {
+            youngs_modulus_mpa: self.youngs_modulus_mpa.unwrap_or(usual.youngs_modulus_mpa),
+            poisson_ratio: self.poisson_ratio.unwrap_or(usual.poisson_ratio),
+            eigenstrain: self.eigenstrain.unwrap_or(0.0),
+        }
+    }
+}
+
+impl Moduli {
+    /// Illustrative constants, equal to the elastic ones of a test's materials.
+    fn usual(phase: Phase) -> Self {
+        let (youngs_modulus_mpa, poisson_ratio) = match phase {
+            Phase::Mortar => (20_000.0, 0.2),
+            Phase::Itz => (16_000.0, 0.2),
+            Phase::Aggregate => (60_000.0, 0.2),
+            Phase::Void => (0.0, 0.0),
+            Phase::Fibre => (200_000.0, 0.3),
+        };
+        Self { youngs_modulus_mpa, poisson_ratio, eigenstrain: 0.0 }
+    }
+
+    fn validate(&self, phase: Phase, mortar: f64) -> Result<(), OutOfRange> {
+        let (ranges, name) = (Ranges("stiffness"), phase.name());
+        let (e, nu, strain) = (self.youngs_modulus_mpa, self.poisson_ratio, self.eigenstrain);
+        let most = CONTRAST * mortar;
+        let accepted = format!("it must be 0 to {most} MPa, 10000 times the mortar's");
+        ranges.require(format!("{name}.youngs_modulus_mpa"), e, (0.0..=most).contains(&e), accepted)?;
+        let accepted = format!("it must be above -1 and at most {INCOMPRESSIBLE}");
+        ranges.require(format!("{name}.poisson_ratio"), nu, nu > -1.0 && nu <= INCOMPRESSIBLE, accepted)?;
+        let accepted = format!("it must be -{STRAIN} to {STRAIN}");
+        ranges.require(format!("{name}.eigenstrain"), strain, strain.abs() <= STRAIN, accepted)
+    }
+
+    /// Bulk modulus, MPa.
+    pub fn bulk(&self) -> f64 {
+        self.youngs_modulus_mpa / (3.0 * (1.0 - 2.0 * self.poisson_ratio))
+    }
+
+    /// Shear modulus, MPa.
+    pub fn shear(&self) -> f64 {
+        self.youngs_modulus_mpa / (2.0 * (1.0 + self.poisson_ratio))
+    }
+}

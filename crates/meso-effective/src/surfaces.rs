@@ -1,0 +1,66 @@
+//! The bodies of a packing as nested convex regions, each with the phases on both sides of its surface.
+
+use meso_collision::geometry::Polyhedron;
+use meso_collision::math::Vec3;
+use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::parallel;
+
+/// A phase of concrete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Mortar,
+    Itz,
+    Aggregate,
+    Void,
+    Fibre,
+}
+
+impl Phase {
+    pub(crate) const ALL: [Self; 5] = [Self::Mortar, Self::Itz, Self::Aggregate, Self::Void, Self::Fibre];
+
+    /// Phase of a body within its ITZ.
+    pub(crate) fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Aggregate => Self::Aggregate,
+            Kind::Void => Self::Void,
+            Kind::Fibre => Self::Fibre,
+        }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        ["mortar", "itz", "aggregate", "void", "fibre"][self as usize]
+    }
+}
+
+/// A convex region whose surface separates two phases.
+pub(crate) struct Surface {
+    pub(crate) body: Polyhedron,
+    pub(crate) outside: Phase,
+    pub(crate) within: Phase,
+    /// Phase of the body within its ITZ.
+    pub(crate) kind: Phase,
+}
+
+impl Surface {
+    /// All surfaces of `bodies`, vertices mapped by `turn`. A shell without trustworthy core counts as the aggregate; none is
+    /// made where `has_itz` is false.
+    pub(crate) fn all(bodies: &[Aggregate], has_itz: bool, turn: &(impl Fn(&Vec3) -> Vec3 + Sync)) -> Vec<Self> {
+        parallel::flat_map(bodies.len(), |number| Self::of(&bodies[number], has_itz, turn))
+    }
+
+    fn of(body: &Aggregate, has_itz: bool, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
+        let kind = Phase::of(body.kind);
+        let new = |body: Polyhedron, outside, within| Self { body, outside, within, kind };
+        let outer = body.body.mapped(turn);
+        if kind != Phase::Aggregate || body.itz_thickness_mm <= 0.0 || !has_itz {
+            return vec![new(outer, Phase::Mortar, kind)];
+        }
+        match body.core() {
+            Err(_) => vec![new(outer, Phase::Mortar, kind)],
+            Ok(None) => vec![new(outer, Phase::Mortar, Phase::Itz)],
+            Ok(Some(core)) => {
+                vec![new(outer, Phase::Mortar, Phase::Itz), new(core.mapped(turn), Phase::Itz, kind)]
+            }
+        }
+    }
+}
