@@ -29,6 +29,13 @@ STUDIES = [
     "[over]\nspecimen = [{ kind = 'sphere', diameter_mm = 30 }, { side_mm = 40 }]\n\"grading.d_max_mm\" = [16, 20]\n",
     "outputs = ['frame_0001.vtu']\n[mesh]\noutput = 'm.inp'\nanalysis = 'compression'\n[solve]\n",
 ]
+TESTS = [
+    "kind = 'compression'\nfriction = 0.1\nlaw = 'cdp'\n[[gauges]]\nkind = 'lvdt'\nname = 'lvdt'\naxis = 'z'\nfrom_mm = 4\nto_mm = 16\n",
+    "kind = 'triaxial'\npressure_mpa = 5\nstrain = 0.001\n[[gauges]]\nkind = 'lateral-strain'\nname = 'lateral_strain'\n",
+    "kind = 'cyclic'\nturns = [{ at = 0.001 }, { at = 1, of = 'stress' }, { at = 0.002 }]\n",
+    "kind = 'expansion'\n[expansion]\naggregate = 1e-4\nmortar = 0.0\n",
+    "strain = 0.001\n[[supports]]\nname = 'a'\non = 'z-min'\nmoves = 0.5\nstrip = { axis = 'x', at_mm = 0, width_mm = 5 }\n[[supports]]\nname = 'b'\non = 'z-max'\nrule = 'glued'\n",
+]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 
@@ -98,7 +105,9 @@ def main() -> None:
         keep("command-line", str(number), line.replace(" ", "\n").encode())
     for number, text in enumerate(STUDIES):
         keep("study", str(number), text.encode())
-    for target in ["hull", "offset", "collision", "tiny-mesh"]:
+    for number, text in enumerate(TESTS):
+        keep("test-file", str(number), text.encode())
+    for target in ["checkpoint", "hull", "offset", "collision", "tiny-mesh"]:
         for seed in range(8):
             keep(target, str(seed), bytes((i * 37 + seed * 11) % 256 for i in range(200)))
 

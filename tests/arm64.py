@@ -67,7 +67,7 @@ RUNS = [
 TESTS = [
     ["-p", "meso-collision", "--lib"],
     ["-p", "meso-collision", "--test", "collision", "--", "batches::", "packed::", "hull::"],
-    ["-p", "meso-solve", "--test", "laws"],
+    ["-p", "meso-element", "--test", "laws"],
     ["-p", "meso-solve", "--test", "solve", "--", "determinism::"],
 ]
 

@@ -34,7 +34,7 @@ COLUMNS = ["what", "lines", "covered", "percent", "machine", "date", "commit"]
 
 # Whose lines are counted, and the targets of their tests.
 CORE = {"meso-collision": ["collision"], "meso-concrete": [], "meso-pack": [], "meso-mesh": [], "meso-view": [], "meso-write": [], "meso-core": ["core"]}
-SOLVER = {"meso-solve": ["laws", "solve"]}
+SOLVER = {"meso-element": ["laws"], "meso-solve": ["solve"]}
 
 # Of a file, how often each line with code was run.
 Counts = dict[str, dict[int, int]]

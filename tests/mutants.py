@@ -44,7 +44,7 @@ TESTS = {
     "specimens": [("meso-concrete", "lib", ["specimen"]), ("meso-core", "core", ["specimens::"])],
     "check": [("meso-pack", "lib", ["check::"]), ("meso-core", "core", ["check::", "lies::", "inclusions::"])],
     "solver": [("meso-solve", "lib", []), ("meso-solve", "solve", ["elastic::", "softening::"])],
-    "laws": [("meso-solve", "lib", ["law::"]), ("meso-solve", "laws", ["cdp::", "meso::"])],
+    "laws": [("meso-element", "lib", ["law::"]), ("meso-element", "laws", ["cdp::", "meso::"])],
 }
 # A run that takes so many times as long as without a fault, and so many seconds more, does not end.
 PATIENCE = (5.0, 30.0)

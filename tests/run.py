@@ -303,7 +303,7 @@ def emulated_stages(python: Path) -> list[Stage]:
 
 
 # What passes through `unsafe`: vector instructions and the hint to fetch memory in collision, registers in the solver.
-UNSAFE = [("meso-collision", "collision"), ("meso-solve", "laws"), ("meso-solve", "solve")]
+UNSAFE = [("meso-collision", "collision"), ("meso-element", "laws"), ("meso-solve", "solve")]
 
 
 def sanitized(crate: str, target: str) -> list[str]:

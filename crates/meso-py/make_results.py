@@ -30,6 +30,7 @@ SOURCES = {
     "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
+    "meso-solve/src/march/lateral.rs": ["Lateral"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
@@ -41,7 +42,7 @@ CHANGED = {
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
-        {"figures", "beyond_peak"},
+        {"figures", "beyond_peak", "lateral"},
         [
             ("version", "str", "Of mesocrete."),
             ("seed", "int", "Of the packing."),
@@ -53,7 +54,7 @@ CHANGED = {
     ),
 }
 # A dict that has the keys of another, too.
-BASES = {"Summary": "CurveFigures, BeyondPeak"}
+BASES = {"Summary": "CurveFigures, BeyondPeak, Lateral"}
 PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",
     "String": "str", "&'static str": "str",

@@ -41,6 +41,7 @@ class Case:
     fraction: float = 0.4
     element_mm: float = 3.0
     cylinder: bool = False
+    kind: str = "compression"
 
     @property
     def name(self) -> str:
@@ -61,11 +62,17 @@ class Case:
     def cost(self) -> float:
         """Cost over that of a cube of 100 mm in elements of 3 mm that is pressed by 1 %."""
         area = self.size[0] ** 2 * 0.785 if self.cylinder else self.size[0] * self.size[1]
-        tension = 160 / 24 if self.group == "tension" else 1.0
+        tension = 160 / 24 if self.kind == "tension" else 1.0
         return area * self.height**2 / 1e8 * (3 / self.element_mm) ** 4 * self.strain / 0.01 * tension
 
+    def test(self) -> str:
+        """Content of its TEST.toml; specimens that are pressed have a gauge of lateral strain."""
+        gauge = "" if self.kind == "tension" else '[[gauges]]\nkind = "lateral-strain"\nname = "lateral_strain"\n'
+        ratio = f"stress_ratio = {self.label}\n" if self.kind == "biaxial" else ""
+        return f'kind = "{self.kind}"\n{ratio}{gauge}'
+
     def spec(self) -> dict:
-        """Fuller from 5 to 16 mm, with gaps of 1 mm."""
+        """Fuller from 5 to 16 mm, with gaps between bodies."""
         if self.cylinder:
             specimen = {"kind": "cylinder", "diameter_mm": self.size[0], "height_mm": self.height}
         else:
@@ -75,7 +82,8 @@ class Case:
             "fraction": self.fraction,
             "specimen": specimen,
             "grading": {"d_min_mm": 5.0, "d_max_mm": 16.0},
-            "placement": {"min_gap_mm": 1.0},
+            # Bodies of 60 % have no gaps of 1 mm.
+            "placement": {"min_gap_mm": 1.0 if self.fraction < 0.5 else 0.2},
         }
 
 
@@ -101,14 +109,17 @@ def of_seed(seed: int, side: float) -> list[Case]:
         # The same displacement beyond the peak, about 0.8 mm, whatever the height.
         strain = f"{0.003 + 0.8 / height:.4g}"
         found.append(Case("height", f"{percent}", seed, (side, side, height), {"friction": "0.005", "strain": strain}))
-    pull = {"test": "tension", "strain": "0.001"}
-    found.append(Case("tension", "72", seed, (72.0, 72.0, 72.0), pull))
+    found.append(Case("tension", "72", seed, (min(side, 72.0),) * 3, {"strain": "0.001"}, kind="tension"))
+    for stress_ratio in ("1", "0.52"):
+        pressed = {"friction": "0.005", "strain": "0.006"}
+        found.append(Case("biaxial", stress_ratio, seed, cube, pressed, kind="biaxial"))
     for size in (2.4, 2.0, 1.6):
         found.append(Case("elements", f"{size}", seed, (50.0,) * 3, press, element_mm=size))
-    for fraction in (0.0, 0.2, 0.6):
-        # A fraction of 0.6 has no gaps of 1 mm.
-        found.append(Case("fraction", f"{fraction}", seed, (72.0,) * 3, press, fraction=fraction))
-    found.append(Case("fraction", "0.4", seed, (72.0,) * 3, press))
+    short = {"friction": "0.1", "strain": "0.004"}
+    for fraction in (0.0, 0.2, 0.4, 0.6):
+        # No packing is empty: mortar has a few grains.
+        packed = max(fraction, 0.002)
+        found.append(Case("fraction", f"{fraction}", seed, (min(side, 72.0),) * 3, short, fraction=packed))
     for mu in ("0.1", "0.6"):
         found.append(Case("mini", mu, seed, (MINI_MM,) * 3, {"friction": mu, "strain": "0.012"}))
     found.append(Case("vonk", "150", seed, (LARGE_MM,) * 3, {"friction": "0.1", "strain": "0.006"}))
@@ -165,9 +176,12 @@ def run(case: Case, args: argparse.Namespace, end: float) -> str:
     folder.mkdir(parents=True, exist_ok=True)
     spec = folder / "spec.toml"
     spec.write_text(toml(case.spec()))
+    test = folder / "test.toml"
+    test.write_text(case.test())
     element = case.element_mm if args.element_size_mm is None else args.element_size_mm
     threads = args.threads or max(1, (os.cpu_count() or 1) // args.jobs)
-    command = [args.program, "solve", str(spec), "-o", str(folder / "test"), "--element-size-mm", f"{element}"]
+    command = [args.program, "solve", str(spec), "-o", str(folder / "test"), "--test", str(test)]
+    command += ["--element-size-mm", f"{element}"]
     command += ["--threads", str(threads), "--frames", "0", "--quiet", "--force", "--accept-phase-error"]
     command += [word for key, value in case.flags.items() for word in (f"--{key}", value)]
     for flag, value in (("--device", args.device), ("--law", args.law), ("--materials", args.materials)):
@@ -295,6 +309,11 @@ def ratio(above: str, below: str) -> Callable[[Curves], float | None]:
     return lambda curves: curves[above].peak / curves[below].peak
 
 
+def figure(name: str, key: str) -> Callable[[Curves], float | None]:
+    """One figure of a case's result."""
+    return lambda curves: curves[name].result.get(key)
+
+
 def apart(*names: str, of: Callable[[Curve], float | None]) -> Callable[[Curves], float | None]:
     """Largest over smallest figure of several cases, less 1."""
 
@@ -334,6 +353,10 @@ ROWS = [
     Row("8", "steel over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.6-h1", "slenderness-0.005-h1")),
     Row("9", "f_t / f_c", 0.06, 0.10, ratio("tension-72", "cube-0.1")),
     Row("9", "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
+    Row("10", "stress of least volume over the peak", 0.75, 0.95, figure("cube-0.1", "least_volume_over_peak")),
+    Row("10", "Poisson's ratio to 30 % of the peak", 0.15, 0.22, figure("cube-0.1", "poisson_ratio")),
+    Row("12", "1 : 1 over uniaxial, friction 0.005", 1.07, 1.25, ratio("biaxial-1", "height-100")),
+    Row("12", "1 : 0.52 over uniaxial, friction 0.005", 1.14, 1.34, ratio("biaxial-0.52", "height-100")),
     Row("13", "strength at a fraction of 0.2 over mortar's", 0, 1, ratio("fraction-0.2", "fraction-0.0")),
     Row("13", "strength at a fraction of 0.4 over mortar's", 0, 1, ratio("fraction-0.4", "fraction-0.0")),
     Row("13", "strength at a fraction of 0.6 over mortar's", 0, 1.2, ratio("fraction-0.6", "fraction-0.0")),

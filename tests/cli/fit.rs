@@ -5,7 +5,7 @@ use serde_json::Value;
 
 const SPEC: &str = "seed = 3\nfraction = 0.3\n[specimen]\nkind = 'cube'\nside_mm = 24\n\
 [grading]\nd_min_mm = 4\nd_max_mm = 10\n[placement]\nmin_gap_mm = 0.5\n";
-const FLAGS: [&str; 4] = ["--element-size-mm", "3", "--accept-phase-error", "-q"];
+const FLAGS: [&str; 4] = ["--element-size-mm", "4", "--accept-phase-error", "-q"];
 
 /// A folder with a spec and the curve of a mortar of 50 MPa.
 fn measured() -> Folder {
@@ -13,7 +13,7 @@ fn measured() -> Folder {
     folder.write("SPEC.toml", SPEC);
     folder.write(
         "known.toml",
-        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.003\ntensile_mpa = 4.25\n",
+        "[materials.mortar_strength]\ncompressive_mpa = 50\npeak_strain = 0.0035\ntensile_mpa = 4.25\n",
     );
     let flags =
         ["solve", "SPEC.toml", "-o", "known", "--materials", "known.toml", "--strain", "0.006", "--frames", "0"];
@@ -31,7 +31,7 @@ fn a_fit_finds_the_mortar_of_a_curve_of_our_own_and_resumes() {
     let folder = measured();
     let fit = |steps: &str| {
         let flags = ["fit", "known/curve.csv", "SPEC.toml", "--seeds", "1", "--strain", "0.006", "--steps", steps];
-        let run = folder.run(&[&flags[..], &FLAGS].concat());
+        let run = folder.run(&[&flags[..], &FLAGS, &["--force"]].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);
         report(&folder)
     };
@@ -44,11 +44,35 @@ fn a_fit_finds_the_mortar_of_a_curve_of_our_own_and_resumes() {
     assert_eq!(last["points"].as_array().unwrap()[..5], first["points"].as_array().unwrap()[..]);
     let of = |key: &str| last["parameters"][key]["value"].as_f64().unwrap();
     let [strength, strain] = [of("compressive_mpa"), of("peak_strain")];
-    assert!((strength / 50.0 - 1.0).abs() < 0.03 && (strain / 0.003 - 1.0).abs() < 0.2, "{last:#}");
+    assert!((strength / 50.0 - 1.0).abs() < 0.03 && (strain / 0.0035 - 1.0).abs() < 0.05, "{last:#}");
     assert!(last["misfit"].as_f64() < first["misfit"].as_f64(), "{last:#}");
     let text = String::from_utf8(folder.read("fit/materials.toml")).unwrap();
     assert!(text.contains("# compressive_mpa ") && text.contains("[materials.mortar_strength]"), "{text}");
     folder.write("fitted.toml", &text);
+    // A finished fit is kept; its tests are those of their records, to the bit.
+    let again =
+        [&["fit", "known/curve.csv", "SPEC.toml", "--seeds", "1", "--strain", "0.006", "--steps", "0"][..], &FLAGS];
+    let kept = folder.run(&again.concat());
+    assert!(
+        kept.code == 1 && kept.stderr.contains("fit/materials.toml exists; --force replaces it"),
+        "{}",
+        kept.stderr
+    );
+    for case in &cases {
+        let curve = format!("fit/cases/{case}/curve.csv");
+        if folder.path(&curve).exists() {
+            let mut bytes = folder.read(&curve);
+            let place = bytes.len() / 2;
+            bytes[place] ^= 1;
+            folder.write(&curve, bytes);
+        }
+    }
+    let damaged = folder.run(&[&again.concat()[..], &["--force"]].concat());
+    assert!(
+        damaged.code == 1 && damaged.stderr.contains("curve.csv is not the curve of its test; remove"),
+        "{}",
+        damaged.stderr
+    );
     let run = folder.run(&["init", "-q", "--materials", "C30/37", "--rock", "basalt", "-o", "c30.toml"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
@@ -61,7 +85,7 @@ fn a_curve_or_a_class_that_cannot_be_is_wrong_usage() {
     folder.write("short.csv", "strain,stress_mpa\n0,0\n0.001\n");
     for (args, message) in [
         (&["fit", "flat.csv", "SPEC.toml"][..], "flat.csv: it must rise from its first row to a peak"),
-        (&["fit", "short.csv", "SPEC.toml"][..], "short.csv: line 3 has no number there"),
+        (&["fit", "short.csv", "SPEC.toml"][..], "short.csv: line 3 has 1 cells and line 1 has 2"),
         (&["init", "--materials", "B30"][..], "--materials \"B30\" is no class of concrete, as C30 or C30/37"),
         (&["init", "--materials", "C5"][..], "--materials C5: materials.fcm is 13; it must be 20 to 128 MPa"),
         (&["init", "--rock", "granite"][..], "--materials"),
@@ -70,4 +94,49 @@ fn a_curve_or_a_class_that_cannot_be_is_wrong_usage() {
         assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
         assert!(run.stderr.contains(message), "{args:?}: {}", run.stderr);
     }
+}
+
+/// The audit of new features: a count of 4,294,967,295 packings was an abort for want of 34 GB, the largest seed a panic,
+/// and refused fits left folders behind.
+#[test]
+fn a_refused_fit_makes_no_folder() {
+    let folder = Folder::new();
+    folder.write("SPEC.toml", SPEC);
+    folder.write("LAST.toml", SPEC.replace("seed = 3", "seed = 18446744073709551615"));
+    folder.write("bad.toml", "[materials.mortar]\nyoungs_modulus_mpa = -1\n");
+    folder.write("curve.csv", "\u{feff}strain;stress_mpa\r\n0;0\r\n0,001;20\r\n0,002;30\r\n0,004;10\r\n");
+    let before = folder.names();
+    for (args, message) in [
+        (&["SPEC.toml", "--seeds", "4294967295"][..], "must be a whole number from 1 to 10000"),
+        (&["LAST.toml", "--seeds", "2"], "seed is 18446744073709551615, and the packings take successive ones"),
+        (&["SPEC.toml", "--element-size-mm", "-1"], "--element-size-mm is -1"),
+        (&["SPEC.toml", "--strain", "nan"], "--strain must be a finite number"),
+        (&["SPEC.toml", "--friction", "inf"], "--friction must be a finite number"),
+        (&["SPEC.toml", "--friction", "-1"], "--friction is -1"),
+        (&["SPEC.toml", "--materials", "bad.toml"], "youngs_modulus_mpa is -1"),
+        (&["SPEC.toml", "-o", "-"], "--output - is standard output, but a fit writes several files; name a folder"),
+        (&["SPEC.toml", "-o", "no/such"], "no/such"),
+    ] {
+        let run = folder.run(&[&["fit", "curve.csv"][..], args].concat());
+        assert!(run.code == 2 || args.contains(&"no/such"), "{args:?}: {} {}", run.code, run.stderr);
+        assert!(run.stderr.contains(message), "{args:?}: {}", run.stderr);
+        assert_eq!(folder.names(), before, "{args:?}");
+    }
+}
+
+/// The audit of new features: a fit replaced the materials that it had read.
+#[test]
+fn a_fit_replaces_none_of_its_inputs_and_no_second_one_works_in_its_folder() {
+    let folder = Folder::new();
+    folder.write("SPEC.toml", SPEC);
+    folder.write("materials.toml", "[materials.mortar]\nyoungs_modulus_mpa = 25000\n");
+    folder.write("curve.csv", "strain,stress_mpa\n0,0\n0.001,20\n0.002,30\n0.004,10\n");
+    let fit = ["fit", "curve.csv", "SPEC.toml", "--materials", "materials.toml", "-o", "."];
+    let kept = folder.run(&fit);
+    assert!(kept.code == 1 && kept.stderr.contains("materials.toml exists; --force replaces it"), "{}", kept.stderr);
+    let input = folder.run(&[&fit[..], &["--force"]].concat());
+    assert!(input.code == 2 && input.stderr.contains("materials.toml is the input"), "{}", input.stderr);
+    let _held = meso_files::lock::hold(&folder.path("")).unwrap();
+    let second = folder.run(&["fit", "curve.csv", "SPEC.toml", "-o", "."]);
+    assert!(second.code == 1 && second.stderr.contains("is in use by process"), "{}", second.stderr);
 }

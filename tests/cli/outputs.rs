@@ -137,3 +137,20 @@ fn an_input_without_end_is_refused_at_once() {
     assert_eq!(run.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&run.stderr).contains("not a saved model"));
 }
+
+/// The audit of new features: a packing of 0.01 mm without a mesh was refused for the default size of elements.
+#[test]
+fn a_packing_without_a_mesh_is_not_asked_for_a_size_of_elements() {
+    let folder = Folder::new();
+    folder.write(
+        "S.toml",
+        "fraction = 0.1\nspecimen = { kind = 'cube', side_mm = 0.01 }\nitz = { thickness_mm = [1e-5, 2e-5] }\n\
+         [grading]\nd_min_mm = 0.0025\nd_max_mm = 0.004\n",
+    );
+    let run = folder.run(&["pack", "S.toml", "-o", "m.json", "-q"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for args in [&["-o", "m.inp"][..], &["-o", "n.json", "--element-size-mm", "2"]] {
+        let run = folder.run(&[&["pack", "S.toml", "-q"][..], args].concat());
+        assert!(run.code == 2 && run.stderr.contains("--element-size-mm is 2"), "{args:?}: {}", run.stderr);
+    }
+}

@@ -167,6 +167,9 @@ fn wrong_studies_are_refused_before_the_work() {
         ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),
+        ("[solve]\ntest = 'a.toml'\n", "a.toml: No such file or directory; check the name and the folder"),
+        ("[test]\nkind = 'cyclic'\n", "test is the test of [solve], which must be there"),
+        ("[test]\npressure = 1\n[solve]\n", "[test] pressure is not a known key"),
     ] {
         let folder = folder(study);
         let run = folder.run(&["study", "STUDY.toml"]);
@@ -187,6 +190,27 @@ fn tests_of_a_study_are_in_the_table() {
     let text = String::from_utf8(folder.read("study/table.csv")).unwrap();
     assert!(text.lines().next().unwrap().contains(",solve.peak_mpa,"), "{text}");
     assert_eq!(text.lines().count(), 5);
+}
+
+#[test]
+fn keys_of_a_test_file_are_axes_of_a_study() {
+    let study = "test = 'press.toml'\n".to_owned()
+        + &tiny_then(
+            "[solve]\nelement-size-mm = 5\naccept-phase-error = true\nframes = 0\nlaw = 'elastic'\n[over]\ntest.pressure_mpa = [1.0, 2.0]\n",
+        );
+    let folder = folder(&study);
+    folder.write("press.toml", "kind = 'triaxial'\nhistory = 'path.csv'\nduration_s = 2e-4\n");
+    folder.write("path.csv", "strain\n5e-5\n0\n");
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let peak = |case: &String| {
+        let record: serde_json::Value =
+            serde_json::from_slice(&folder.read(&format!("study/{case}/case.json"))).unwrap();
+        record["results"]["solve"]["peak_mpa"].as_f64().unwrap()
+    };
+    let names = folder.names_in("study").into_iter().filter(|name| name.starts_with("test."));
+    let peaks: Vec<f64> = names.map(|name| peak(&name)).collect();
+    assert!(peaks.len() == 2 && (peaks[0] - peaks[1]).abs() > 0.5, "{peaks:?}");
 }
 
 /// The case: decks of a study had packings without gaps, other than those of `pack --analysis`.
@@ -386,6 +410,29 @@ fn a_changed_file_of_materials_changes_the_cases_that_use_it() {
     let after = names();
     assert_eq!(before[0], after[0]);
     assert_ne!(before[1], after[1]);
+}
+
+/// The audit of new features: a study kept the results of an old TEST.toml, and of materials in a list of one.
+#[test]
+fn a_changed_test_file_beside_a_study_changes_the_cases_that_use_it() {
+    let study = "[solve]\nelement-size-mm = 5\ntest = 'T.TOML'\nmaterials = ['a.toml']\n[over]\nsolve.test = ['T.TOML', 'tension']\n";
+    let folder = folder("");
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    folder.write("sub/STUDY.toml", tiny_then(study));
+    folder.write("sub/T.TOML", "kind = 'compression'\n");
+    folder.write("sub/a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 25000\n");
+    let names = || -> Vec<String> {
+        let listed = folder.run(&["study", "sub/STUDY.toml", "--dry-run"]);
+        assert_eq!(listed.code, 0, "{}", listed.stderr);
+        String::from_utf8(listed.stdout).unwrap().lines().map(str::to_owned).collect()
+    };
+    let before = names();
+    folder.write("sub/T.TOML", "kind = 'compression'\nramp = 0.2\n");
+    let after = names();
+    assert!(before[0] != after[0] && before[1] == after[1], "{before:?} {after:?}");
+    folder.write("sub/a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 26000\n");
+    let last = names();
+    assert!(after[0] != last[0] && after[1] != last[1], "{after:?} {last:?}");
 }
 
 #[test]

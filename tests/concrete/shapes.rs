@@ -144,6 +144,9 @@ fn a_grain_without_a_closed_surface_is_rejected_by_name() {
         ("none.json", b"[]", "it has no grains"),
         ("text.json", b"{}", "it is not a list of grains"),
         ("cut.json", b"[[[0,0,0],", "it is not JSON: EOF while parsing"),
+        // The audit of new features: the last of two lists of vertices was taken.
+        ("twice.json", b"[{\"vertices\": [], \"vertices\": []}]", "the key \"vertices\" is given twice in one object"),
+        ("more.json", b"[] x", "it is not JSON: trailing characters"),
     ] {
         let path = format!("stones/{name}");
         let error = library(&[(&path, bytes)], "stones").unwrap_err();

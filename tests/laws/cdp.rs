@@ -2,8 +2,8 @@
 
 use crate::subject::{Number, WIDTH, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
-use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
-use meso_solve::law::{Law, cdp as law};
+use meso_element::law::point::{HeldStress, Reading, curve, ramp};
+use meso_element::law::{Law, cdp as law};
 
 const UNIAXIAL: HeldStress = HeldStress::Lateral(0.0);
 const E: f64 = 26_000.0;

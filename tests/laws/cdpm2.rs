@@ -2,8 +2,8 @@
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
-use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
-use meso_solve::law::{Law, cdpm2 as law};
+use meso_element::law::point::{HeldStress, Reading, curve, ramp};
+use meso_element::law::{Law, cdpm2 as law};
 
 const UNIAXIAL: HeldStress = HeldStress::Lateral(0.0);
 const E: f64 = 26_000.0;

@@ -1,8 +1,12 @@
 //! CDPM2 against OOFEM's own implementation, from the curves that `tests/oracles/con2dpm.py` keeps.
 
 use crate::subject::{Number, WIDTH, cdpm2, mortar};
-use meso_solve::law::point::{HeldStress, curve};
-use meso_solve::law::{Cdpm2, Law, cdpm2 as law};
+use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::formats::MeshFormat;
+use meso_core::mesh::{ItzForm, MeshOptions, Method, Tools, build};
+use meso_core::specimen::Specimen;
+use meso_element::law::point::{HeldStress, curve};
+use meso_element::law::{Cdpm2, Law, cdpm2 as law};
 use std::path::Path;
 
 /// Strain, then stress, xx yy zz xy yz zx.
@@ -27,14 +31,18 @@ const STEPS: usize = 100;
 
 /// Largest error of stress along x over the curve, as a share of its largest stress; and of the largest stress itself.
 fn error_with_free_sides<R: Number>(name: &str, held: HeldStress) -> [f64; 2] {
+    error_of(&subject::<R>(), WIDTH, name, held)
+}
+
+fn error_of<R: Number>(law: &Cdpm2<R>, width: f64, name: &str, held: HeldStress) -> [f64; 2] {
     let rows = rows(name);
     let mut strains = Vec::new();
     let mut from = 0.0;
     for row in &rows {
-        strains.extend(meso_solve::law::point::ramp(from, row[0], STEPS));
+        strains.extend(meso_element::law::point::ramp(from, row[0], STEPS));
         from = row[0];
     }
-    let found = curve(&subject::<R>(), WIDTH, held, &strains);
+    let found = curve(law, width, held, &strains);
     let at_rows: Vec<f64> = found.iter().skip(STEPS - 1).step_by(STEPS).map(|sample| sample.stress).collect();
     let size = |stresses: &[f64]| stresses.iter().map(|s| s.abs()).fold(0.0, f64::max);
     let theirs: Vec<f64> = rows.iter().map(|row| row[6]).collect();
@@ -88,5 +96,29 @@ fn all_six_stresses_on_told_strains_are_within_half_a_percent() {
         for error in [error_on_a_path::<f64>(name), error_on_a_path::<f32>(name)] {
             assert!(error < 0.005, "{name}: {error}");
         }
+    }
+}
+
+/// Crack band of a voxel of 1 mm.
+const VOXEL_WIDTH: f64 = 1.19;
+
+/// The oracle reads its parameters from the card alone, which is the one that a deck has.
+#[test]
+fn the_card_of_mat_273_has_the_curves_of_the_law() {
+    let options = MeshOptions { method: Method::VOXEL, element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
+    let mesh = build((&[], &Specimen::cube(4.0)), &options, &Tools::default()).unwrap();
+    let deck = DeckOptions { analysis: Analysis::Compression, materials: mortar(), ..Default::default() };
+    let mut text = Vec::new();
+    let file = MeshFormat::K.files(Path::new("mesh.k"), &mesh, &deck).remove(0);
+    file.write(&mesh, &deck, false, &mut text).unwrap();
+    let card = include_str!("../oracles/con2dpm/card.k");
+    assert!(
+        String::from_utf8(text).unwrap().contains(card),
+        "the deck has another card than tests/oracles/con2dpm/card.k"
+    );
+    let law = cdpm2::<f64>(&mortar(), &law::Options::default());
+    for name in ["card_tension", "card_compression"] {
+        let [curve, peak] = error_of(&law, VOXEL_WIDTH, name, HeldStress::Lateral(0.0));
+        assert!(curve < 0.005 && peak.abs() < 0.005, "{name}: {curve} of the curve, {peak} of the peak");
     }
 }

@@ -4,7 +4,7 @@ use crate::subject::{Number, cdp, from_peak, mortar, peak};
 use meso_core::export::abaqus::{Analysis, DeckOptions, write};
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
-use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
+use meso_element::law::point::{HeldStress, Reading, curve, ramp};
 
 const E: f64 = 26_000.0;
 

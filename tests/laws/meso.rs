@@ -2,9 +2,9 @@
 
 use crate::subject::{Number, along, close, peak};
 use meso_core::materials::{Materials, Mesoscale, Strength};
-use meso_solve::law::point::{HeldStress, ramp, work};
-use meso_solve::law::{Law, Meso, Tensor};
-use meso_solve::real::Real;
+use meso_element::law::point::{HeldStress, ramp, work};
+use meso_element::law::{Law, Meso, Tensor};
+use meso_element::real::Real;
 use std::path::Path;
 
 /// Crack band of the oracle, mm.
@@ -147,10 +147,10 @@ fn energies_are_those_asked_for_on_every_width() {
     let Strength { fracture_energy_n_per_mm: gf, crushing_energy_n_per_mm: gc, .. } = materials.mortar_strength;
     for width in [2.0, 4.0, 8.0] {
         let strains: Vec<f64> = ramp(0.0, 0.5 / width, 40_000).collect();
-        let cracked = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
+        let cracked = meso_element::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
         close(width * work(&cracked), gf, 0.04);
         let strains: Vec<f64> = ramp(0.0, -0.035, 14_000).collect();
-        let crushed = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
+        let crushed = meso_element::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
         let top = crushed.iter().position(|sample| *sample == peak(&crushed)).unwrap();
         // Elastic energy of the peak is given back, but for the part that goes with the stiffness: up to a fifth of G_c here.
         let elastic = 0.5 * 40.0 * 40.0 / 20_000.0;

@@ -3,8 +3,8 @@
 use crate::meso::meso;
 use crate::safety::Dice;
 use crate::subject::{WIDTH, cdp, cdpm2, mortar};
-use meso_solve::law::{Law, Tensor};
-use meso_solve::real::Real;
+use meso_element::law::{Law, Tensor};
+use meso_element::real::Real;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Two f32 side by side.

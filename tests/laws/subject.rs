@@ -1,9 +1,9 @@
 //! The mortar that the tests strain, and figures of its curves.
 
 use meso_core::materials::{Materials, Strength};
-use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
-use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
-use meso_solve::real::Real;
+use meso_element::law::point::{HeldStress, Reading, curve, ramp};
+use meso_element::law::{Cdp, Cdpm2, Law, cdpm2};
+use meso_element::real::Real;
 
 /// Crack band of most tests, mm.
 pub(crate) const WIDTH: f64 = 2.0;

@@ -1,7 +1,7 @@
 """Curves of CDPM2 at one point, from OOFEM's own implementation (material `con2dpm`), as an oracle for `law::cdpm2`.
 
     pip install oofem==2.6.0.dev1
-    python3 tests/oracles/con2dpm.py        # writes tests/oracles/con2dpm/*.csv
+    python3 tests/oracles/con2dpm.py [NAME]...   # writes tests/oracles/con2dpm/*.csv, or those of the names
 
 One tetrahedron with its corner at the origin and unit edges along the axes: the displacement of the corner on an axis is a
 column of the strain tensor. Strain xx, yy, zz, xy, yz, zx with engineering shears; stress in MPa, tension positive.
@@ -9,6 +9,7 @@ column of the strain tensor. Strain xx, yy, zz, xy, yz, zx with engineering shea
 
 import os
 import re
+import sys
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
@@ -26,6 +27,8 @@ MATERIAL = (
     f"con2dpm 1 d 0 E {E} n {NU} talpha 0. fc {FC} ft {FT} ecc {ECC:.12f} kinit 0.3 hp 0.01 dilation 0.85 stype 1 "
     f"wf {WF:.12f} asoft 15 efc 1.e-4 helem {WIDTH} yieldtol 1.e-8"
 )
+# The card of *MAT_273 that a deck of voxels of 1 mm has for this mortar: w_f is for the cube root of a voxel's volume.
+CARD = Path(__file__).resolve().parent / "con2dpm" / "card.k"
 # Steps that lie between two rows of a file; every corner of a path is a multiple of it.
 EVERY = 10
 NODES = {1: (0, 0, 0), 2: (1, 0, 0), 3: (0, 1, 0), 4: (0, 0, 1)}
@@ -105,7 +108,26 @@ CASES = {
 }
 
 
-def deck(name, conditions, functions, steps):
+# From the values of the card alone.
+OF_CARD = {"card_tension": free_sides([0.004, 0.02], [400, 400]), "card_compression": free_sides([-0.01], [500])}
+
+
+def of_card():
+    """OOFEM's material with the fields of *MAT_273, each under the name that OOFEM has for it."""
+    lines = CARD.read_text(encoding="utf-8").splitlines()[1:]
+    first, second, third = ([float(line[i : i + 10]) for i in range(0, len(line), 10)] for line in lines)
+    _, _, e, nu, ecc, qh0, ft, fc = first
+    hp, ah, bh, ch, dh, ductility, df = second
+    kind, bs, wf, wf1, ft1, _, _, efc = third
+    # Bilinear softening through OOFEM's default knee.
+    assert kind == bs == 1 and abs(wf1 / wf - 0.15) < 1e-5 and abs(ft1 / ft - 0.3) < 1e-6
+    return (
+        f"con2dpm 1 d 0 E {e} n {nu} talpha 0. fc {fc} ft {ft} ecc {ecc} kinit {qh0} hp {hp} dilation {df} ahard {ah} "
+        f"bhard {bh} chard {ch} dhard {dh} stype 1 wf {wf} asoft {ductility} efc {efc} helem 1.0 yieldtol 1.e-8"
+    )
+
+
+def deck(name, material, conditions, functions, steps):
     count = sum(line.startswith(("Boundary", "Nodal")) for line in conditions)
     nodes = "\n".join(f"node {n} coords 3 {x}. {y}. {z}." for n, (x, y, z) in NODES.items())
     sets = "\n".join(["Set 5 elementranges {1}"] + [f"Set {n} nodes 1 {n}" for n in NODES])
@@ -118,15 +140,15 @@ ndofman 4 nelem 1 ncrosssect 1 nmat 1 nbc {count} nltf {len(functions)} nic 0 ns
 {nodes}
 ltrspace 1 nodes 4 1 2 3 4
 SimpleCS 1 material 1 set 5
-{MATERIAL}
+{material}
 {os.linesep.join(conditions)}
 {os.linesep.join(functions)}
 {sets}
 """
 
 
-def run(name, case):
-    Path(f"{name}.in").write_text(deck(name, *case))
+def run(name, material, case):
+    Path(f"{name}.in").write_text(deck(name, material, *case))
     reader = oofem.OOFEMTXTDataReader(f"{name}.in")
     problem = oofem.InstanciateProblem(reader, oofem.problemMode.processor, 0, None, False)
     problem.checkProblemConsistency()
@@ -142,14 +164,16 @@ def run(name, case):
 
 
 def main():
-    out = Path(__file__).parent / "con2dpm"
+    out = Path(__file__).resolve().parent / "con2dpm"
     out.mkdir(exist_ok=True)
-    head = f"# OOFEM {version('oofem')}: {MATERIAL}\nexx,eyy,ezz,exy,eyz,ezx,sxx,syy,szz,sxy,syz,szx\n"
+    chosen = sys.argv[1:] or [*CASES, *OF_CARD]
     os.chdir(tempfile.mkdtemp())
-    for name, case in CASES.items():
-        rows = run(name, case)
+    for name in chosen:
+        case, material = (CASES[name], MATERIAL) if name in CASES else (OF_CARD[name], of_card())
+        rows = run(name, material, case)
         if len(rows) != case[2]:
             raise SystemExit(f"{name}: {len(rows)} of {case[2]} steps")
+        head = f"# OOFEM {version('oofem')}: {material}\nexx,eyy,ezz,exy,eyz,ezx,sxx,syy,szz,sxy,syz,szx\n"
         rows = rows[EVERY - 1 :: EVERY]
         (out / f"{name}.csv").write_text(head + "".join(",".join(f"{x:.9g}" for x in row) + "\n" for row in rows))
 

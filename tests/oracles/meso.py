@@ -135,33 +135,39 @@ class Point:
         trial = [(BULK - 2 / 3 * SHEAR) * trace + 2 * SHEAR * e for e in values]
         kept = left(self.kc)
         strength = FT * kept / stiffness(self.kc) * crack_share(self.kt)
-        # All principal stresses fall by m, those above the strength further to it.
-        factor = NU / (1 - 2 * NU)
-        fallen = lambda m: m - factor * sum(max(s - strength - m, 0.0) for s in trial)  # noqa: E731
-        m = root(fallen, 0.0, max(trial[0] - strength, 0.0) + 1.0)
-        cracks = [max(s - strength - m, 0.0) / (2 * SHEAR) for s in trial]
-        cracked = [s - m - 2 * SHEAR * opened for s, opened in zip(trial, cracks)]
+        cracked, _ = opened(trial, strength)
 
         confined = stiffness(self.kc) * max(-cracked[0], 0.0)
         gamma = GAMMA / (1 + confined / FC)
         costly = 1 + DUCTILITY * confined / FC
         tan = kept / (1 + confined / FC) / costly * math.tan(math.radians(PSI))
         p, q = mean(cracked), mises(cracked)
-        flow, direction = 0.0, [0.0] * 3
-        effective = cracked
+        flow, sheared = 0.0, trial
+        direction = [0.0] * 3
         if excess(cracked, self.kc, gamma) > 0:
             direction = [1.5 * (s - p) / q + tan / 3 for s in cracked]
             harden = max(-direction[2], 0.0) / costly
             push = (BULK - 2 / 3 * SHEAR) * sum(direction)
-            after = lambda x: [s - x * (push + 2 * SHEAR * n) for s, n in zip(cracked, direction)]  # noqa: E731
-            over = lambda x: -excess(after(x), self.kc + x * harden, gamma)  # noqa: E731
+            less = lambda of, x: [s - x * (push + 2 * SHEAR * n) for s, n in zip(of, direction)]  # noqa: E731
+            over = lambda x: -excess(less(cracked, x), self.kc + x * harden, gamma)  # noqa: E731
             flow = root(over, 0.0, q / (3 * SHEAR))
-            effective = after(flow)
+            sheared = less(trial, flow)
             self.kc += flow * harden
-        moved = [opened + flow * n for opened, n in zip(cracks, direction)]
+        # The cone's flow has lowered the largest stress, so that cracks open less.
+        effective, cracks = opened(sheared, strength)
+        moved = [crack + flow * n for crack, n in zip(cracks, direction)]
         self.plastic = [a + b for a, b in zip(self.plastic, tensor(moved, axes, 2.0))]
         self.kt += cracks[0]
         return tensor([stiffness(self.kc) * s for s in effective], axes, 1.0)
+
+
+def opened(trial: list[float], strength: float) -> tuple[list[float], list[float]]:
+    """Principal stresses after cracks have opened, and the openings: all fall by m, those above the strength to it."""
+    factor = NU / (1 - 2 * NU)
+    fallen = lambda m: m - factor * sum(max(s - strength - m, 0.0) for s in trial)  # noqa: E731
+    m = root(fallen, 0.0, max(trial[0] - strength, 0.0) + 1.0)
+    cracks = [max(s - strength - m, 0.0) / (2 * SHEAR) for s in trial]
+    return [s - m - 2 * SHEAR * crack for s, crack in zip(trial, cracks)], cracks
 
 
 def crack_share(kt: float) -> float:

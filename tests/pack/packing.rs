@@ -161,6 +161,7 @@ fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
 
 /// Where the worst wedged grains alone went, the finest class lacked 13 % and the two others next to nothing.
 #[test]
+#[ignore = "slow tier: a packing until it jams at 0.70"]
 fn a_hopeless_target_ends_where_a_lower_one_would_with_its_grading() {
     let mut spec = Spec { specimen: Specimen::Cube { side_mm: 40.0, periodic: Periodic::ALL }, ..small(0.78) };
     spec.grading.d_max_mm = 15.0;

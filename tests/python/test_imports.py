@@ -166,6 +166,7 @@ CRATE_FLOORS = {
     "meso-write": 4,
     "meso-files": 3,
     "meso-gmsh": 3,
+    "meso-element": 3,
     "meso-solve": 4,
     "meso-effective": 4,
     "meso-core": 5,

@@ -42,7 +42,7 @@ fn moduli_are_those_of_calculix_on_the_same_mesh() {
         let test = Test {
             law: LawName::Elastic,
             smoothing: Some(Smoothing::None),
-            friction: 0.0,
+            friction: Some(0.0),
             strain: Some(1e-3),
             duration_s: Some(1.2e-3),
             ..Test::default()

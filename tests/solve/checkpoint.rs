@@ -71,7 +71,7 @@ fn checkpoint() -> (Meshed, Vec<u8>) {
 fn a_checkpoint_returns_its_note_and_serves_its_own_test_alone() {
     let (meshed, state) = checkpoint();
     assert_eq!(checkpoint_note(&mut &state[..]).unwrap(), NOTE);
-    let other = Test { friction: 0.2, ..fast() };
+    let other = Test { friction: Some(0.2), ..fast() };
     let mut run = Run::new(meshed.sample(), &brittle(), &other).unwrap();
     let error = run.resume(&mut &state[..]).unwrap_err().to_string();
     assert!(error.contains("another mesh, other materials or another test"), "{error}");

@@ -34,20 +34,26 @@ fn concrete_softens_and_its_energies_balance() {
 
 #[test]
 fn hourglass_modes_hold_less_than_2_percent_of_the_internal_energy() {
-    let rough = Test { friction: 0.6, ..damaged_plasticity() };
     let pulled = Test { kind: TestKind::Tension, ..damaged_plasticity() };
-    for (meshed, test) in [
-        (voxels(24.0, 4, 1.5), damaged_plasticity()),
-        (voxels(24.0, 3, 1.5), rough),
-        (voxels(24.0, 3, 1.5), pulled),
-        (voxels(40.0, 3, 2.0), damaged_plasticity()),
-    ] {
-        let result = solve(&meshed, &test).result;
-        assert!(result.hourglass_over_internal < 0.02 && result.energy_balance_error < 1e-3, "{result:?}");
-    }
+    little_hourglass(&voxels(24.0, 4, 1.5), &damaged_plasticity());
+    little_hourglass(&voxels(24.0, 3, 1.5), &pulled);
 }
 
 #[test]
+#[ignore = "slow tier: 8,000 boxes, and rough plates"]
+fn hourglass_modes_hold_less_than_2_percent_in_larger_specimens_and_between_rough_plates() {
+    little_hourglass(&voxels(24.0, 3, 1.5), &Test { friction: Some(0.6), ..damaged_plasticity() });
+    little_hourglass(&voxels(40.0, 3, 2.0), &damaged_plasticity());
+}
+
+#[track_caller]
+fn little_hourglass(meshed: &Meshed, test: &Test) {
+    let result = solve(meshed, test).result;
+    assert!(result.hourglass_over_internal < 0.02 && result.energy_balance_error < 1e-3, "{result:?}");
+}
+
+#[test]
+#[ignore = "slow tier: boxes of 1 mm"]
 fn coarse_boxes_bear_what_fine_ones_bear() {
     let [coarse, fine] = [1.5, 1.0].map(|size| solve(&voxels(24.0, 3, size), &damaged_plasticity()).result);
     assert!(fine.hourglass_over_internal < 0.02 && fine.figures.softened, "{fine:?}");
@@ -56,6 +62,7 @@ fn coarse_boxes_bear_what_fine_ones_bear() {
 
 /// Linear tetrahedra that flow between stiff grains are too strong, the coarser the more; patches hardly.
 #[test]
+#[ignore = "slow tier: four tests of a cube of 24 mm"]
 fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
     let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::Smeared));
     let apart = |smoothing: Smoothing| {

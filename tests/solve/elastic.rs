@@ -16,7 +16,7 @@ fn materials(poisson_ratio: f64) -> Materials {
 }
 
 fn elastic() -> Test {
-    Test { law: LawName::Elastic, friction: 0.0, ..Test::default() }
+    Test { law: LawName::Elastic, friction: Some(0.0), ..Test::default() }
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_bar_between_smooth_plates_has_youngs_modulus() {
 fn rough_plates_hold_the_ends_and_smooth_ones_let_them_go() {
     let meshed = Meshed::mortar([12.0, 12.0, 12.0], Method::VOXEL, 2.0);
     let modulus = |friction: f64| {
-        let test = Test { friction, strain: Some(1e-3), duration_s: Some(3e-4), ..elastic() };
+        let test = Test { friction: Some(friction), strain: Some(1e-3), duration_s: Some(3e-4), ..elastic() };
         let response = meshed.solve(&materials(0.3), &test);
         (response.result.figures.modulus_mpa, response.curve.last().unwrap().friction_work)
     };

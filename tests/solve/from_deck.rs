@@ -141,7 +141,7 @@ fn test(deck: &Deck) -> Test {
     let strain = -real(&moved.data[0][3]) / (z("REF_TOP") - z("REF_BOTTOM"));
     Test {
         kind: if strain > 0.0 { TestKind::Compression } else { TestKind::Tension },
-        friction: deck.friction.unwrap(),
+        friction: deck.friction,
         strain: Some(strain.abs()),
         duration_s: Some(duration),
         time_step_s: Some(real(step.card("FIXED MASS SCALING").unwrap().parameter("DT"))),
@@ -288,7 +288,7 @@ fn the_deck_of_a_cube_of_24_mm_softens_as_concrete_does() {
     let (text, error) = deck(1.0, &defaults(), None);
     let model = Model::read(&text);
     assert_same(&model.materials.mortar_strength, &Strength::default());
-    assert!((model.test.strain() - 0.006).abs() < 1e-12 && model.test.friction == 0.1, "{:?}", model.test);
+    assert!((model.test.strain() - 0.006).abs() < 1e-12 && model.test.friction == Some(0.1), "{:?}", model.test);
     // Grains of 4 mm in elements of 2 mm: 3.1 % of the aggregates become mortar where they meet.
     assert!(error.abs() < 0.035, "{error}");
     let figures = model.crush();
@@ -296,6 +296,7 @@ fn the_deck_of_a_cube_of_24_mm_softens_as_concrete_does() {
 }
 
 #[test]
+#[ignore = "slow tier: four tests by the reader of decks"]
 fn the_defaults_of_before_fail_the_same_test() {
     // Mortar that falls at once; elastic aggregates that share nodes; voxels of 2 mm with a solid ITZ, at the aggregates'
     // expense.

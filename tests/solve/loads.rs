@@ -2,13 +2,14 @@
 
 use crate::samples::{Meshed, brittle, options};
 use meso_core::materials::Materials;
+use meso_core::math::Vec3;
 use meso_core::mesh::{ItzForm, Method, Phase};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Silent;
 use meso_solve::law::point::{self, HeldStress};
 use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
 use meso_solve::{
-    Along, Expansion, Frame, Gauge, LawName, Observer, Response, Run, Smoothing, Test, TestKind, Turn, TurnOf,
+    Along, Control, Expansion, Frame, Gauge, LawName, Observer, Response, Run, Smoothing, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -49,7 +50,7 @@ fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
             let test = Test {
                 kind: TestKind::Triaxial,
                 pressure_mpa: Some(pressure),
-                friction: 0.0,
+                friction: Some(0.0),
                 law,
                 strain: Some(strain),
                 duration_s: Some(4e-4),
@@ -116,6 +117,9 @@ fn gauges_read_what_the_frames_show() {
     let row = response.curve.iter().position(|row| row.stress_mpa > 10.0).unwrap();
     let (axial, lateral) = (column(&response, "lvdt")[row], column(&response, "lateral")[row]);
     assert!((lateral / axial - 0.2).abs() < 0.02, "{axial} {lateral}");
+    let figures = response.result.lateral;
+    assert!((figures.poisson_ratio.unwrap() - 0.2).abs() < 0.02, "{figures:?}");
+    assert!((0.3..=1.0).contains(&figures.least_volume_over_peak.unwrap()), "{figures:?}");
     for name in ["bottom_n", "top_n"] {
         let stress = column(&response, name)[row] / (12.0 * 15.0);
         assert!((stress / response.curve[row].stress_mpa - 1.0).abs() < 0.02, "{name} {stress}");
@@ -144,7 +148,7 @@ fn crushed_mortar_unloads_along_the_stiffness_that_its_damage_leaves() {
         kind: TestKind::Cyclic,
         turns,
         gauges: vec![Gauge::Sides { name: "lateral".to_owned(), axis: Along::X }],
-        friction: 0.0,
+        friction: Some(0.0),
         duration_s: Some(1e-3),
         time_step_s: Some(1e-7),
         rows: 2000,
@@ -178,7 +182,7 @@ fn crushed_mortar_unloads_along_the_stiffness_that_its_damage_leaves() {
 #[test]
 fn cycles_of_concrete_keep_their_energy_balance() {
     let meshed = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
-    let response = meshed.solve(&brittle(), &Test { kind: TestKind::Cyclic, friction: 0.0, ..Test::default() });
+    let response = meshed.solve(&brittle(), &Test { kind: TestKind::Cyclic, friction: Some(0.0), ..Test::default() });
     assert!(response.result.energy_balance_error < 1e-3, "{:?}", response.result);
     let ratio = response.result.figures.peak_mpa / brittle().mortar_strength.compressive_mpa;
     assert!((0.93..1.03).contains(&ratio), "{ratio}");
@@ -228,7 +232,7 @@ fn a_disc_under_strips_has_the_stress_of_its_closed_form_around_its_centre() {
         strain: Some(2e-4),
         duration_s: Some(6e-4),
         frames: 1,
-        friction: 0.0,
+        friction: Some(0.0),
         ..Test::default()
     };
     let seen = Centre(&meshed, RefCell::default());
@@ -254,6 +258,26 @@ fn a_disc_splits_at_the_strength_of_its_law_under_tension_and_three_times_the_pr
     assert!(split.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", split.result);
 }
 
+/// The case: strips that slid, one row of nodes under a strip and the surface of `cdp` gave 0.76.
+#[test]
+fn a_disc_splits_at_its_tensile_strength_where_its_law_cracks_at_it_and_its_strips_have_three_rows_of_nodes() {
+    let meshed = cylinder(24.0, 4.0, 0.8);
+    let test = Test { kind: TestKind::Splitting, law: LawName::Meso, strain: Some(0.0008), ..Test::default() };
+    let split = meshed.solve(&brittle(), &test);
+    let ratio = split.result.figures.peak_mpa / brittle().mortar_strength.tensile_mpa;
+    assert!((0.9..1.15).contains(&ratio), "{ratio}");
+    assert!(split.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", split.result);
+    assert!(!split.result.warnings.iter().any(|warning| warning.contains("strip")), "{:?}", split.result.warnings);
+}
+
+#[test]
+fn a_strip_with_fewer_than_three_rows_of_nodes_is_warned_about() {
+    let test = Test { kind: TestKind::Splitting, law: LawName::Elastic, duration_s: Some(1e-4), ..Test::default() };
+    let warnings = cylinder(24.0, 8.0, 2.0).solve(&brittle(), &test).result.warnings;
+    let said = warnings.iter().any(|warning| warning.contains("take elements of 1.2 mm"));
+    assert!(said, "{warnings:?}");
+}
+
 /// A notched beam of mortar, three times and a half as long as deep, the notch a quarter of the depth.
 fn beam(method: Method, depth_mm: f64, element_size_mm: f64) -> Meshed {
     let specimen = Specimen::NotchedPrism {
@@ -276,17 +300,76 @@ fn a_notched_beam_breaks_slowly_above_its_notch() {
     let ratio = result.figures.peak_mpa / materials.mortar_strength.tensile_mpa;
     assert!((1.0..3.0).contains(&ratio) && last.stress_mpa < 0.3 * result.figures.peak_mpa, "{ratio} {last:?}");
     let mouth = column(&response, "crack_mouth_mm");
-    assert!(mouth.last().unwrap() > &0.02 && mouth.last().unwrap() < &0.3, "{:?}", mouth.last());
+    assert!(mouth.last().unwrap() > &0.02 && mouth.last().unwrap() < &0.5, "{:?}", mouth.last());
     let forces = ["left_n", "right_n", "load_n"].map(|name| column(&response, name).iter().sum::<f64>());
     assert!(((forces[0] + forces[1]) / forces[2] - 1.0).abs() < 0.01, "{forces:?}");
     assert!((forces[0] / forces[1] - 1.0).abs() < 0.02, "{forces:?}");
+}
+
+/// The case: a test that ended at a strain of 0.002 had spent two thirds of the energy; its crack was still closing the load.
+#[test]
+fn a_notched_beam_spends_its_fracture_energy_over_its_ligament() {
+    let (meshed, materials) = (beam(Method::FITTED, 24.0, 3.0), brittle());
+    let response = meshed.solve(&materials, &Test { kind: TestKind::Bending, ..Test::default() });
+    let ligament = 18.0 * 9.0;
+    let work = response.result.energies.external / ligament / materials.mortar_strength.fracture_energy_n_per_mm;
+    assert!((0.88..1.05).contains(&work), "{work}");
+    assert!(response.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", response.result);
+}
+
+/// Largest rate of a column over some rows, per second at full speed: a difference over `rows` of them.
+fn rates(response: &Response, name: &str, rows: usize) -> Vec<f64> {
+    let (values, curve) = (column(response, name), &response.curve);
+    (rows..curve.len())
+        .map(|row| (values[row] - values[row - rows]) / (curve[row].time_s - curve[row - rows].time_s))
+        .collect()
+}
+
+#[test]
+fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
+    let cube = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
+    let beam = beam(Method::FITTED, 16.0, 4.0);
+    for (meshed, kind, control, name) in [
+        (&cube, TestKind::Compression, Control::LateralStrain, "lateral_strain"),
+        (&beam, TestKind::Bending, Control::CrackMouth, "crack_mouth_mm"),
+    ] {
+        let led = meshed.solve(&brittle(), &Test { kind, control, ..Test::default() });
+        let gauges = if kind == TestKind::Bending {
+            vec![Gauge::CrackMouth { name: name.to_owned() }]
+        } else {
+            vec![Gauge::LateralStrain { name: name.to_owned() }]
+        };
+        let plain = meshed.solve(&brittle(), &Test { kind, control: Control::Steady, gauges, ..Test::default() });
+        // Rates over a twentieth of the test, from the end of the ramp to the peak, and at most.
+        let figures = |response: &Response| {
+            let rates = rates(response, name, response.curve.len() / 20);
+            let most = rates.iter().copied().fold(0.0, f64::max);
+            (most, response.result.figures.peak_mpa)
+        };
+        let ((led_rate, led_peak), (rate, peak)) = (figures(&led), figures(&plain));
+        assert!(led_rate < 0.6 * rate, "{kind:?} {led_rate} {rate}");
+        assert!((led_peak / peak - 1.0).abs() < 0.03, "{kind:?} {led_peak} {peak}");
+        assert!(led.result.energy_balance_error < 1e-3 && led.result.ended == meso_solve::Ended::Completed);
+    }
+}
+
+#[test]
+fn halves_that_are_glued_to_plates_shear_the_plane_between_them() {
+    let meshed = Meshed::mortar([18.0, 6.0, 12.0], Method::FITTED, 3.0);
+    let response = meshed.solve(&brittle(), &Test { kind: TestKind::Shear, law: LawName::Meso, ..Test::default() });
+    let result = &response.result;
+    let ratio = result.figures.peak_mpa / brittle().mortar_strength.tensile_mpa;
+    assert!((0.7..2.0).contains(&ratio) && result.figures.softened, "{ratio} {result:?}");
+    assert!(result.energy_balance_error < 1e-3 && result.kinetic_over_internal_to_half_peak < 0.01, "{result:?}");
+    let forces = ["bottom_n", "top_n"].map(|name| column(&response, name).iter().sum::<f64>());
+    assert!((forces[0] / forces[1] - 1.0).abs() < 0.01, "{forces:?}");
 }
 
 #[test]
 fn two_pairs_of_plates_press_in_their_ratio_of_stresses() {
     let meshed = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
     for (ratio, factor) in [(0.5, 0.0), (1.0, 1.16)] {
-        let test = Test { kind: TestKind::Biaxial, stress_ratio: Some(ratio), friction: 0.0, ..Test::default() };
+        let test = Test { kind: TestKind::Biaxial, stress_ratio: Some(ratio), friction: Some(0.0), ..Test::default() };
         let response = meshed.solve(&brittle(), &test);
         let figures = response.result.figures;
         let peak = response.curve.iter().position(|row| row.stress_mpa == figures.peak_mpa).unwrap();
@@ -322,11 +405,10 @@ fn a_free_body_expands_without_stress() {
         let test = expansion(Expansion { mortar: 1e-3, ..Expansion::default() });
         let response = meshed.watched(&brittle(), &test, &Silent, &most);
         let stress = *most.0.borrow() / (brittle().mortar.youngs_modulus_mpa * 1e-3);
-        // Single precision leaves 1e-5.
-        assert!(stress < 2e-5, "{method:?} {stress:e}");
+        assert!(stress < 1e-6, "{method:?} {stress:e}");
         for name in ["strain_x", "strain_y", "strain_z"] {
             let strain = *column(&response, name).last().unwrap();
-            assert!((strain / 1e-3 - 1.0).abs() < 1e-4, "{name} {strain}");
+            assert!((strain / 1e-3 - 1.0).abs() < 1e-6, "{name} {strain}");
         }
     }
 }
@@ -352,12 +434,73 @@ fn two_phases_expand_as_levin_says() {
     assert!((across / (1e-3 / 3.0) - 1.0).abs() < 5e-3, "{across}");
 }
 
+/// Mean pressure in the aggregate at the last frame, MPa.
+struct Squeezed<'a>(&'a Meshed, RefCell<f64>);
+
+impl Observer for Squeezed<'_> {
+    fn frame(&self, frame: &Frame) {
+        let mesh = &self.0.mesh;
+        let stress = frame.cells(|point| point.stress);
+        let mut sums = [0.0; 2];
+        for (cell, stress) in stress.iter().enumerate().filter(|(cell, _)| mesh.phase[*cell] == Phase::Aggregate) {
+            let volume = volume(&mesh.cell(cell).iter().map(|&node| mesh.points[node as usize]).collect::<Vec<_>>());
+            let pressure = -f64::from(stress[0] + stress[1] + stress[2]) / 3.0;
+            sums = [sums[0] + volume * pressure, sums[1] + volume];
+        }
+        *self.1.borrow_mut() = sums[0] / sums[1];
+    }
+}
+
+/// Volume of a tetrahedron, mm3.
+fn volume(corners: &[Vec3]) -> f64 {
+    (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).dot(&(corners[3] - corners[0])).abs() / 6.0
+}
+
+#[test]
+fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame() {
+    let mut meshed =
+        Meshed::of(&[], Specimen::Sphere { diameter_mm: 24.0 }, options(Method::FITTED, 1.5, ItzForm::None));
+    let centre = 0.5 * (meshed.specimen.aabb().min + meshed.specimen.aabb().max);
+    let corners = |cell: &[u32], points: &[Vec3]| cell.iter().map(|&node| points[node as usize]).collect::<Vec<_>>();
+    let (mut inner, mut all) = (0.0, 0.0);
+    for cell in 0..meshed.mesh.cell_count() {
+        let corners = corners(meshed.mesh.cell(cell), &meshed.mesh.points);
+        all += volume(&corners);
+        if (corners.iter().sum::<Vec3>() / 4.0 - centre).norm() < 7.0 {
+            meshed.mesh.phase[cell] = Phase::Aggregate;
+            inner += volume(&corners);
+        }
+    }
+    let share = inner / all;
+    assert!((share / (7.0_f64 / 12.0).powi(3) - 1.0).abs() < 0.05, "{share}");
+    for stiffness in [26e3, 40e3] {
+        let mut materials = brittle();
+        materials.aggregate = materials.mortar;
+        materials.aggregate.youngs_modulus_mpa = stiffness;
+        let (nu, shell) = (materials.mortar.poisson_ratio, materials.mortar.youngs_modulus_mpa);
+        // Timoshenko and Goodier, Sec. 136: strain of the sphere and of the shell's inside under the pressure 1.
+        let sphere = (1.0 - 2.0 * nu) / stiffness;
+        let shell = (share * (1.0 - 2.0 * nu) + 0.5 * (1.0 + nu)) / (shell * (1.0 - share));
+        let expected = 1e-3 / (sphere + shell);
+        let seen = Squeezed(&meshed, RefCell::default());
+        let test = Test {
+            smoothing: Some(Smoothing::None),
+            ..expansion(Expansion { aggregate: 1e-3, ..Expansion::default() })
+        };
+        meshed.watched(&materials, &test, &Silent, &seen);
+        let found = *seen.1.borrow();
+        assert!((found / expected - 1.0).abs() < 0.01, "{stiffness} {found} {expected}");
+    }
+}
+
 #[test]
 fn a_killed_test_of_every_kind_goes_on_to_the_same_curve() {
     let meshed = cylinder(12.0, 12.0, 3.0);
-    for kind in [TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting, TestKind::Expansion] {
+    let kinds = [TestKind::Compression, TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting, TestKind::Expansion];
+    for kind in kinds {
+        let control = if kind == TestKind::Compression { Control::LateralStrain } else { Control::Servo };
         let expansion = (kind == TestKind::Expansion).then(|| Expansion { mortar: 1e-4, ..Expansion::default() });
-        let test = Test { kind, expansion, duration_s: Some(1e-4), rows: 100, ..Test::default() };
+        let test = Test { kind, control, expansion, duration_s: Some(1e-4), rows: 100, ..Test::default() };
         let whole = meshed.solve(&brittle(), &test);
         let killed = crate::checkpoint::Killed::default();
         meshed.watched(&brittle(), &test, &killed, &killed);
@@ -380,7 +523,13 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
     for (test, specimen, text) in [
         (of(TestKind::Bending), &cube, "the specimen has no notch"),
         (Test { span_mm: Some(60.0), ..of(TestKind::Bending) }, &cube, "the rollers must stand on the beam"),
-        (of(TestKind::Biaxial), &cylinder, "no plane sides for the second pair of plates"),
+        (of(TestKind::Biaxial), &cylinder, "no plane sides for its plates"),
+        (of(TestKind::Shear), &cylinder, "no plane sides for its plates"),
+        (
+            Test { control: Control::CrackMouth, ..Test::default() },
+            &cube,
+            "test.control is crack-mouth; the specimen has no notch",
+        ),
         (of(TestKind::Expansion), &cube, "it needs a table [expansion]"),
         (Test { pressure_mpa: Some(-1.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -1"),
     ] {
@@ -395,7 +544,9 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
 
 #[test]
 fn recipes_of_all_named_tests_are_valid() {
-    for kind in ["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion"] {
+    let kinds =
+        ["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"];
+    for kind in kinds {
         let kind: TestKind = serde_json::from_str(&format!("{kind:?}")).unwrap();
         let test: Test = meso_core::spec::options_from_toml(&kind.recipe()).unwrap();
         assert_eq!(test.kind, kind);

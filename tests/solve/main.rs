@@ -11,6 +11,9 @@ mod deck_reader;
 mod determinism;
 mod elastic;
 mod from_deck;
+mod hostile;
+#[path = "../hostile/solver.rs"]
+mod hostile_solver;
 mod loads;
 mod refusals;
 mod samples;

@@ -25,7 +25,7 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
         (Test { strain: Some(5e-324), ..base.clone() }, "and single precision carries no smaller ones"),
         (Test { strain: Some(9.9e-13), ..base.clone() }, "test.strain is"),
         (Test { strain: Some(f64::NAN), ..base.clone() }, "test.strain is NaN"),
-        (Test { friction: -0.1, ..base.clone() }, "test.friction is -0.1; it must be 0 to 10"),
+        (Test { friction: Some(-0.1), ..base.clone() }, "test.friction is -0.1; it must be 0 to 10"),
         (Test { ramp: 0.0, ..base.clone() }, "test.ramp is 0"),
         (Test { hourglass: 2.0, ..base.clone() }, "test.hourglass is 2"),
         (Test { time_step_s: Some(-1.0), ..base.clone() }, "test.time_step_s is -1"),

@@ -26,7 +26,8 @@ fn a_block_of_stone_breaks_at_its_strength_under_every_law() {
         [(Method::VOXEL, 3.0, none), (Method::FITTED, 3.0, none), (Method::FITTED, 3.0, edges)]
     {
         for law in [LawName::Cdp, LawName::Cdpm2] {
-            let test = Test { law, friction: 0.0, smoothing: Some(smoothing), strain: Some(0.006), ..Test::default() };
+            let test =
+                Test { law, friction: Some(0.0), smoothing: Some(smoothing), strain: Some(0.006), ..Test::default() };
             let peak = block(method, size).solve(&with(stone.clone()), &test).result.figures.peak_mpa;
             assert!((peak / 120.0 - 1.0).abs() < 0.05, "{method:?} {law:?} {peak}");
         }

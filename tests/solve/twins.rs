@@ -17,6 +17,7 @@ const DECK_ALONE: [&str; 1] = ["plasticity.viscosity_s"];
 fn keys(value: &Value, name: &str) -> Vec<String> {
     match value {
         Value::Object(table) => table.iter().flat_map(|(key, value)| keys(value, &format!("{name}.{key}"))).collect(),
+        Value::Array(values) => (0..values.len()).flat_map(|i| keys(&values[i], &format!("{name}.{i}"))).collect(),
         // Values that are absent have no number to change.
         Value::Null => Vec::new(),
         _ => vec![name.trim_start_matches('.').to_owned()],
@@ -26,7 +27,7 @@ fn keys(value: &Value, name: &str) -> Vec<String> {
 /// The default materials with the value of `key` 4 % larger.
 fn changed(key: &str) -> Materials {
     let mut all = serde_json::to_value(Materials::default()).unwrap();
-    let place = key.split('.').fold(&mut all, |table, part| &mut table[part]);
+    let place = all.pointer_mut(&format!("/{}", key.replace('.', "/"))).unwrap();
     *place = (1.04 * place.as_f64().unwrap()).into();
     serde_json::from_value(all).unwrap()
 }

@@ -1,7 +1,7 @@
 //! CaseState of a case by its folder, whole, torn or damaged.
 
 use crate::plan;
-use meso_study::{Case, CaseOutcome, CaseState, MODEL, RECORD, Record, Status};
+use meso_study::{CURVE, Case, CaseOutcome, CaseState, MODEL, RECORD, Record, Status};
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -90,6 +90,25 @@ fn a_record_with_a_flipped_bit_never_counts() {
         }
     }
     assert!(refused > 1200, "{refused}");
+}
+
+/// A fit reads the curve of a case: 500 flipped bits.
+#[test]
+fn a_curve_with_a_flipped_bit_is_not_the_recorded_one() {
+    let (folder, case) = done();
+    let path = folder.path().join(CURVE);
+    let mut curve = b"strain,stress_mpa\n0.0,0.0\n0.001,31.25\n0.002,30.5\n0.003,12.75\n".to_vec();
+    std::fs::write(&path, &curve).unwrap();
+    let record = Record::new(&case, "", Ok(Map::new()).into(), folder.path()).unwrap();
+    assert!(record.has_curve(folder.path()));
+    for bit in 0..8 * curve.len() {
+        curve[bit / 8] ^= 1 << (bit % 8);
+        std::fs::write(&path, &curve).unwrap();
+        assert!(!record.has_curve(folder.path()), "bit {bit}");
+        curve[bit / 8] ^= 1 << (bit % 8);
+    }
+    std::fs::remove_file(&path).unwrap();
+    assert!(!record.has_curve(folder.path()));
 }
 
 #[test]

@@ -50,7 +50,7 @@ impl Files for Told<'_> {
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.
 pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecError>) -> Result<T, Failure> {
-    let bytes = read(path, LONGEST_SPEC)?;
+    let bytes = read(path, LONGEST_SPEC, "a spec")?;
     let name = name(path);
     let text = String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();
@@ -60,6 +60,11 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
         let message = format!("{name}: {error}");
         if error.is_late { Failure::Late(message) } else { Failure::Usage(message) }
     })
+}
+
+/// Reads the bytes of a table, as long as a spec's may be.
+pub(crate) fn table(path: &Path) -> Result<Vec<u8>, Failure> {
+    read(path, LONGEST_SPEC, "a table")
 }
 
 /// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. A file
@@ -79,9 +84,9 @@ fn name(path: &Path) -> String {
     if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
 }
 
-fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
+fn read(path: &Path, limit: u64, kind: &str) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
-    read_rest(path, source(path)?, &mut bytes, limit, "a spec")?;
+    read_rest(path, source(path)?, &mut bytes, limit, kind)?;
     Ok(bytes)
 }
 

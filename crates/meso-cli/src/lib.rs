@@ -8,6 +8,7 @@ mod failure;
 mod inputs;
 mod interrupt;
 mod outputs;
+mod own_folder;
 mod progress;
 mod room;
 mod stderr;

@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
 pub mod check;
+mod distinct;
 pub mod model;
 pub mod packing;
 pub mod recipes;

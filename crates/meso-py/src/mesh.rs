@@ -296,7 +296,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// test : str
-    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion".
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional

@@ -6,30 +6,25 @@
 //! [`Observer`], and the [`Response`] holds the curve and its figures. [`solve`] is all three in one.
 
 mod assemble;
-mod block;
 #[cfg(test)]
 mod dice;
-mod element;
 mod error;
 pub mod footing;
-mod lanes;
-pub mod law;
 mod march;
-pub mod real;
 pub mod results;
 mod sample;
 mod test;
 
 pub use error::SolveError;
-pub use lanes::InstructionSet;
 pub use march::{
-    BeyondPeak, Ended, Energies, Extra, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run,
-    Summary, checkpoint_note, device,
+    BeyondPeak, Ended, Energies, Extra, Figures, Frame, Lateral, Mean, Observer, PhaseResult, Point, Response, Row,
+    Run, Summary, checkpoint_note, device,
 };
+pub use meso_element::{InstructionSet, LawName, law, real};
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use test::{
-    Along, Control, Expansion, Gauge, Interface, LawName, Rule, Side, Smoothing, Strip, SupportSpec, Test, TestKind,
-    Turn, TurnOf,
+    Along, Control, Expansion, Gauge, Interface, Rule, Side, Smoothing, Strip, SupportSpec, Test, TestKind, Turn,
+    TurnOf,
 };
 
 use meso_concrete::watch::Watch;
@@ -41,7 +36,7 @@ use meso_mesh::materials::Materials;
 /// The first value out of its range, with the accepted range.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
-    Ok(block::matter::validate(materials, test.law)?)
+    Ok(meso_element::block::matter::validate(materials, test.law)?)
 }
 
 /// Tests `sample`.

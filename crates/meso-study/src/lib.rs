@@ -22,7 +22,7 @@ pub use ensemble::{REPLICATE, ensemble};
 pub use folder::{TABLES, save_tables};
 pub use names::{NameError, Names};
 pub use plan::{Axis, MOST_CASES, Plan, PlanError, Planning};
-pub use record::{CaseOutcome, CaseState, Failed, MODEL, RECORD, Record, Status};
+pub use record::{CURVE, CaseOutcome, CaseState, Failed, MODEL, RECORD, Record, Status};
 pub use results::{of_packing, of_summary};
 pub use run::{Again, RunError, StudyRun, Tally};
 pub use student::quantile_975;

@@ -11,12 +11,13 @@ pub const MOST_CASES: usize = 1_000_000;
 /// Number of cases planned between two reports: about 50 ms.
 const REPORT: usize = 1000;
 /// Options outside the spec whose axes change the task, not the spec.
-const TASKS: [&str; 2] = ["mesh", "solve"];
+const TASKS: [&str; 3] = ["mesh", "solve", "test"];
 
 /// An option and its values, e.g. `grading.d_max_mm` and 16, 20.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Dotted path of the option in a SPEC.toml; `mesh.` and `solve.` are flags of these commands.
+    /// Dotted path of the option in a SPEC.toml; `mesh.` and `solve.` are flags of these commands, `test.` is a key of a
+    /// TEST.toml.
     pub key: String,
     /// Values, in their order.
     pub values: Vec<Value>,

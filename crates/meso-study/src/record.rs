@@ -13,6 +13,8 @@ use std::path::Path;
 pub const RECORD: &str = "case.json";
 /// Name of the saved model in a case's folder.
 pub const MODEL: &str = "model.json";
+/// Name of a test's curve in a case's folder.
+pub const CURVE: &str = "curve.csv";
 
 /// The result of a case. It holds no times, so that a case has the same record wherever it ran.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +44,9 @@ pub struct Record {
     /// SHA-256 of the saved model, which other work may start from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_sha256: Option<String>,
+    /// SHA-256 of the curve of a test, which a fit reads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve_sha256: Option<String>,
     /// SHA-256 of this record as compact JSON with an empty `sha256`. A damaged record counts as absent.
     #[serde(default)]
     pub sha256: String,
@@ -110,11 +115,11 @@ impl Record {
             results: results.unwrap_or_default(),
             files: files(folder)?,
             model_sha256: None,
+            curve_sha256: None,
             sha256: String::new(),
         };
-        if record.files.contains_key(MODEL) {
-            record.model_sha256 = Some(model_digest(folder)?);
-        }
+        let hash = |name| record.files.contains_key(name).then(|| digest_of(folder, name)).transpose();
+        (record.model_sha256, record.curve_sha256) = (hash(MODEL)?, hash(CURVE)?);
         record.sha256 = record.seal();
         Ok(record)
     }
@@ -145,12 +150,17 @@ impl Record {
 
     /// Whether the saved model in `folder` is the recorded one, byte for byte.
     pub(crate) fn has_model(&self, folder: &Path) -> bool {
-        self.model_sha256.is_some() && model_digest(folder).ok() == self.model_sha256
+        self.model_sha256.is_some() && digest_of(folder, MODEL).ok() == self.model_sha256
+    }
+
+    /// Whether the curve in `folder` is the recorded one, byte for byte.
+    pub fn has_curve(&self, folder: &Path) -> bool {
+        self.curve_sha256.is_some() && digest_of(folder, CURVE).ok() == self.curve_sha256
     }
 }
 
-fn model_digest(folder: &Path) -> io::Result<String> {
-    Ok(digest(&std::fs::read(folder.join(MODEL))?))
+fn digest_of(folder: &Path, name: &str) -> io::Result<String> {
+    Ok(digest(&std::fs::read(folder.join(name))?))
 }
 
 impl CaseState {

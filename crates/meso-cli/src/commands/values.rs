@@ -18,6 +18,11 @@ pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1, u32::MAX)
 }
 
+/// A number of packings, each of which is tested many times.
+pub(super) fn packings(text: &str) -> Result<u32, String> {
+    whole(text, 1, 10_000)
+}
+
 /// A whole number; ranges are the options' business.
 pub(super) fn whole_number(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| "it must be a whole number, not below 0".to_owned())

@@ -1,7 +1,7 @@
 //! Laws as code of a device: the engine's laws, run once over numbers that write down what is done with them.
 //!
 //! A law over [`Traced`] leaves a tape of operations, each exactly rounded; [`Law::code`] prints it in C. There is no second
-//! text of a law: a constant that changes in `meso-solve/src/law` changes the device's code.
+//! text of a law: a constant that changes in `meso-element/src/law` changes the device's code.
 
 #[cfg(test)]
 mod interpret;

@@ -9,7 +9,6 @@
 //!
 //! `.json.gz` is the same text, compressed in members of 1 MB (RFC 1952), which `gunzip` and Python's `gzip` read as one.
 
-mod distinct;
 mod gzip;
 mod polygons;
 mod read;

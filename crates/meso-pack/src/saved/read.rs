@@ -3,7 +3,8 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::polygons::Polygons;
-use super::{VERSION, distinct, gzip, seal};
+use super::{VERSION, gzip, seal};
+use crate::distinct;
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};

@@ -4,6 +4,7 @@ use super::SpecError;
 use super::files::Files;
 use super::messages::found;
 use super::tree::{Node, Value};
+use crate::distinct;
 use meso_collision::geometry::{TriangleMesh, convex_hull};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Template;
@@ -257,7 +258,12 @@ enum Grain {
 fn listed(bytes: &[u8]) -> Result<Vec<Grain>, String> {
     // Some programs begin a text with its byte order.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
+    let mut reader = serde_json::Deserializer::from_slice(bytes);
+    let tree = distinct::value(&mut reader).and_then(|tree| reader.end().map(|()| tree));
+    let tree = tree.map_err(|error| match error.is_data() {
+        true => error.to_string(),
+        false => format!("it is not JSON: {error}"),
+    })?;
     let (Listed::Bare(grains) | Listed::Grains { grains } | Listed::Model { aggregates: grains }) =
         serde_json::from_value(tree).map_err(|_| NO_LIST)?;
     if grains.is_empty() { Err("it has no grains".to_owned()) } else { Ok(grains) }

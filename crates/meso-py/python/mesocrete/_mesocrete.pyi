@@ -759,7 +759,7 @@ class Mesh:
 
     def solve(
         self,
-        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion"] = "compression",
+        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"] = "compression",
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
@@ -772,7 +772,7 @@ class Mesh:
         Parameters
         ----------
         test : str
-            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending" or "expansion".
+            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion".
         friction : float
             Coulomb's coefficient between plates and specimen in compression.
         strain : float, optional

@@ -249,6 +249,11 @@ class Test:
         return {"test": "bending", "span_mm": span_mm, **options}
 
     @staticmethod
+    def shear(**options: object) -> dict[str, object]:
+        """Return plates glued to the upper left and the lower right half, which move past each other."""
+        return {"test": "shear", **options}
+
+    @staticmethod
     def expansion(
         mortar: float = 0.0, aggregate: float = 0.0, fibre: float = 0.0, **options: object
     ) -> dict[str, object]:

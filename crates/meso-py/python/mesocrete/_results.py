@@ -461,6 +461,17 @@ class BeyondPeak(TypedDict):
     """Share of the peak that is left where this work ends: 0.2, or more where the test ends earlier."""
 
 
+class Lateral(TypedDict):
+    """Lateral figures of a specimen that is pressed."""
+
+    poisson_ratio: NotRequired[float | None]
+    """Lateral over axial strain from the first row to 30 % of the peak."""
+    lateral_strain_at_peak: NotRequired[float | None]
+    """Lateral strain at the peak, positive where the specimen widens."""
+    least_volume_over_peak: NotRequired[float | None]
+    """Stress at which the volume is least, over the peak; beyond it the specimen dilates."""
+
+
 class Energies(TypedDict):
     """Energies at the end of a test, mJ."""
 
@@ -491,7 +502,7 @@ class PhaseResult(TypedDict):
     """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
 
-class TestResult(CurveFigures, BeyondPeak):
+class TestResult(CurveFigures, BeyondPeak, Lateral):
     """Content of `result.json`, without seconds."""
 
     version: str

@@ -681,7 +681,7 @@ class SolveTurn(TypedDict, total=False):
 class SolveOptions(TypedDict, total=False):
     """A test of a specimen. Whatever is absent takes its default from the mesh and the kind of test."""
 
-    control: Literal["servo", "steady"]
+    control: Literal["servo", "crack-mouth", "lateral-strain", "steady"]
     """How the plates keep their speed."""
     duration_s: float | None
     """Time of the whole test at the plates' full speed, s."""
@@ -689,10 +689,14 @@ class SolveOptions(TypedDict, total=False):
     """Strains of the phases that have no stress; they grow before the path begins."""
     frames: int
     """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
-    friction: float
-    """Coulomb's coefficient between plates and specimen; in tension the plates are glued on."""
+    friction: float | None
+    """Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the
+    plates are glued on."""
     gauges: Sequence[SolveGauge]
     """Gauges, each a column of the curve; those of the named test where none are given."""
+    history: str | None
+    """A CSV file with turns instead, beside the TEST.toml: a column named strain, stress_mpa or opening_mm, a row for each
+    turn."""
     hourglass: float
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface

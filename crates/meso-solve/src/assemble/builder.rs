@@ -2,13 +2,13 @@
 
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{MOST_NODES, Patch, Patches, band};
+use crate::assemble::tet::{Shape, corners};
 use crate::assemble::weight::facing;
-use crate::block::{Block, Cells, EMPTY, Group, eights};
-use crate::element::face::Faces;
-use crate::element::hex::Hexes;
-use crate::element::tet::{Shape, corners};
-use crate::element::uniform::{Tets, Uniform};
-use crate::lanes::{Eight, LANES};
+use meso_element::block::{Batch, Block, EMPTY, Group, eights};
+use meso_element::face::Faces;
+use meso_element::hex::Hexes;
+use meso_element::lanes::{LANES, Octet};
+use meso_element::uniform::{Tets, Uniform};
 use meso_mesh::materials::regular_edge;
 use meso_mesh::{CellKind, Mesh, Phase};
 
@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
         }
         if !faces.is_empty() {
             let is_quad = mesh.kind == CellKind::Hexahedron;
-            let kind = if is_quad { Cells::Quads(self.faces(faces)) } else { Cells::Triangles(self.faces(faces)) };
+            let kind = if is_quad { Batch::Quads(self.faces(faces)) } else { Batch::Triangles(self.faces(faces)) };
             groups.push(self.group((Phase::Itz, Phase::Itz as u16), kind, faces));
         }
         Block { nodes: self.nodes, groups }
@@ -118,12 +118,12 @@ impl<'a> Builder<'a> {
         (phase, self.parts.common.place(phase, mesh.owner[cell as usize]))
     }
 
-    fn group(&self, (phase, matter): (Phase, u16), cells: Cells, numbers: &[u32]) -> Group {
+    fn group(&self, (phase, matter): (Phase, u16), cells: Batch, numbers: &[u32]) -> Group {
         let count = eights(numbers.len());
         let remembered = cells.remembered(&self.parts.common.matter[usize::from(matter)]);
         let mut numbers = numbers.to_vec();
         numbers.resize(count * LANES, EMPTY);
-        let memory = vec![Eight::default(); count * remembered];
+        let memory = vec![Octet::default(); count * remembered];
         Group { phase, matter, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
     }
 
@@ -145,9 +145,9 @@ impl<'a> Builder<'a> {
         numbers.chunks(LANES).map(fill).collect()
     }
 
-    fn tets(&self, cells: &[u32]) -> Cells {
+    fn tets(&self, cells: &[u32]) -> Batch {
         let sample = self.parts.sample;
-        Cells::Tets(self.eights(cells, |eight: &mut Tets, lane, cell, used| {
+        Batch::Tets(self.eights(cells, |eight: &mut Tets, lane, cell, used| {
             let nodes = self.cell(cell);
             let shape = Shape::of(&corners(sample.mesh, cell));
             let width = sample.band_factor * regular_edge(sample.mesh.kind, shape.volume);
@@ -163,15 +163,15 @@ impl<'a> Builder<'a> {
         matters.sort_by_key(|&matter| order(matter));
         matters.dedup();
         for matter in matters {
-            let mut add = |places: &[u32], cells: Cells| {
+            let mut add = |places: &[u32], cells: Batch| {
                 let numbers: Vec<u32> = places.iter().map(|&place| own.numbers[place as usize]).collect();
                 groups.extend((!numbers.is_empty()).then(|| self.group(matter, cells, &numbers)));
             };
             let [small, middle, large] =
                 [(4, 8), (9, 9), (10, MOST_NODES)].map(|(a, b)| own.of(self.parts, matter, a, b));
-            add(&small, Cells::Patches8(self.uniform(own, &small)));
-            add(&middle, Cells::Patches9(self.uniform(own, &middle)));
-            add(&large, Cells::Patches12(self.uniform(own, &large)));
+            add(&small, Batch::Patches8(self.uniform(own, &small)));
+            add(&middle, Batch::Patches9(self.uniform(own, &middle)));
+            add(&large, Batch::Patches12(self.uniform(own, &large)));
         }
     }
 
@@ -186,8 +186,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    fn hexes(&self, cells: &[u32]) -> Cells {
-        Cells::Hexes(self.eights(cells, |eight: &mut Hexes, lane, cell, used| {
+    fn hexes(&self, cells: &[u32]) -> Batch {
+        Batch::Hexes(self.eights(cells, |eight: &mut Hexes, lane, cell, used| {
             let nodes = self.cell(cell);
             eight.set(lane, std::array::from_fn(|corner| self.local(nodes[corner])), used);
         }))

@@ -8,10 +8,10 @@
 //! K area dt^2 / 2 of each node's mass, and a fifth more for its damper; the solid elements have some to spare.
 
 use crate::assemble::patches::Patch;
-use crate::block::matter::Matter;
-use crate::element::hex::BoxShape;
-use crate::element::tet::Shape;
+use crate::assemble::tet::Shape;
 use meso_collision::math::{Mat3, Vec3};
+use meso_element::block::matter::Matter;
+use meso_element::hex::BoxShape;
 
 /// Step over the stable one.
 pub(crate) const SAFETY: f64 = 0.98;
@@ -71,7 +71,8 @@ pub(crate) fn tet_metric(corners: &[Vec3; 4]) -> (Mat3, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::matter::Behaviour;
+    use meso_element::bending::Bending;
+    use meso_element::block::matter::Behaviour;
     use meso_mesh::materials::Elastic;
 
     #[test]
@@ -114,5 +115,35 @@ mod tests {
         let bulk = 3e4 / (3.0 * (1.0 - 0.4));
         let square: f64 = 9.0 * bulk / (2e-9 * 3.0);
         assert!((need.stable_s * square.sqrt() / 2.0 - 1.0).abs() < 1e-12, "{need:?}");
+    }
+
+    /// Largest stiffness of an amplitude, N/mm, by power iteration.
+    fn stiffest(shape: &BoxShape, elastic: &Elastic) -> f64 {
+        let bending = Bending::<f64>::new(shape, elastic);
+        let mut amplitudes = [[1.0, 0.9, 0.8, 0.7], [0.9, 1.0, 0.7, 0.8], [0.8, 0.7, 1.0, 0.9]];
+        let mut stiffness = 0.0;
+        for _ in 0..2000 {
+            let forces = bending.forces(&amplitudes);
+            stiffness = forces.as_flattened().iter().map(|f| f * f).sum::<f64>().sqrt();
+            amplitudes = forces.map(|row| row.map(|f| f / stiffness));
+        }
+        stiffness
+    }
+
+    #[test]
+    fn no_amplitude_is_faster_than_the_bound_of_the_constant_strains() {
+        for nu in [-0.3, 0.0, 0.2, 0.4, 0.49] {
+            for edges in [[1.0; 3], [1.0, 1.0, 5.0], [1.0, 5.0, 5.0], [1.0, 2.0, 3.0]] {
+                let (shape, elastic) = (
+                    BoxShape { edges },
+                    Elastic { youngs_modulus_mpa: 7e4, poisson_ratio: nu, density_t_per_mm3: 2.6e-9 },
+                );
+                let matter = Matter::of(elastic, Behaviour::Elastic);
+                let need = Need::of(&matter, &box_metric(&shape), 8, shape.volume(), 1e-7);
+                // Eight nodes share the mass, and an amplitude is eight displacements.
+                let square = 64.0 * stiffest(&shape, &elastic) / need.mass;
+                assert!(square.sqrt() < 2.0 / need.stable_s, "{nu} {edges:?}: {square} {}", need.stable_s);
+            }
+        }
     }
 }

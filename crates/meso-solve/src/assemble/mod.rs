@@ -5,6 +5,7 @@ pub(crate) mod mass;
 mod order;
 pub(crate) mod parts;
 pub(crate) mod patches;
+pub(crate) mod tet;
 mod weight;
 
 use crate::assemble::builder::{Builder, OwnPatches};
@@ -12,12 +13,12 @@ use crate::assemble::order::{along_curve, key};
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{Numbered, Patches};
 use crate::assemble::weight::Weight;
-use crate::block::{BLOCK, Block, Cells};
-use crate::element::hex::BoxShape;
-use crate::element::uniform::Uniform;
 use crate::error::SolveError;
 use crate::test::Smoothing;
 use meso_collision::math::{Aabb, Vec3};
+use meso_element::block::{BLOCK, Batch, Block};
+use meso_element::hex::BoxShape;
+use meso_element::uniform::Uniform;
 use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
@@ -143,12 +144,12 @@ fn widest(blocks: &[Block], parts: &Parts) -> [f64; 5] {
     for group in blocks.iter().flat_map(|block| &block.groups) {
         let widest = &mut widest[group.phase as usize];
         match &group.cells {
-            Cells::Tets(cells) => *widest = widest.max(most(cells)),
-            Cells::Patches8(cells) => *widest = widest.max(most(cells)),
-            Cells::Patches9(cells) => *widest = widest.max(most(cells)),
-            Cells::Patches12(cells) => *widest = widest.max(most(cells)),
-            Cells::Hexes(_) => *widest = parts.common.band_mm,
-            Cells::Triangles(_) | Cells::Quads(_) => {}
+            Batch::Tets(cells) => *widest = widest.max(most(cells)),
+            Batch::Patches8(cells) => *widest = widest.max(most(cells)),
+            Batch::Patches9(cells) => *widest = widest.max(most(cells)),
+            Batch::Patches12(cells) => *widest = widest.max(most(cells)),
+            Batch::Hexes(_) => *widest = parts.common.band_mm,
+            Batch::Triangles(_) | Batch::Quads(_) => {}
         }
     }
     widest

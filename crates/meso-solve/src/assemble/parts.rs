@@ -1,8 +1,8 @@
 //! Input of an assembly.
 
-use crate::block::Common;
 use crate::sample::Sample;
 use crate::test::Smoothing;
+use meso_element::block::Common;
 
 /// A mesh and the choices that its elements depend on.
 pub(crate) struct Parts<'a> {

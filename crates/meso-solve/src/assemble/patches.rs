@@ -6,7 +6,7 @@
 //! between stiff grains are too strong, and patches much less so. There, every edge has a patch; here edges are left
 //! out while each tetrahedron has two, which costs a third of the time and relieves more (docs/engine.md).
 
-use crate::element::tet::{Shape, corners};
+use crate::assemble::tet::{Shape, corners};
 use meso_collision::math::{Mat3, Vec3};
 use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;

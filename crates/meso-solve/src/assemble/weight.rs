@@ -3,10 +3,10 @@
 use crate::assemble::mass::{Need, box_metric, tet_metric};
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{Patch, Patches};
-use crate::element::face::DAMPED;
-use crate::element::tet::corners;
+use crate::assemble::tet::corners;
 use crate::error::SolveError;
 use meso_collision::math::{Mat3, Vec3};
+use meso_element::face::DAMPED;
 use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 

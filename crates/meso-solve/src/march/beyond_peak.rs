@@ -50,7 +50,8 @@ fn until(falling: &[[f64; 2]], stress: f64) -> Option<Vec<[f64; 2]>> {
 
 /// Area under a curve of displacement and stress.
 fn work(curve: &[[f64; 2]]) -> f64 {
-    curve.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum()
+    // A sum of nothing is -0.
+    curve.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum::<f64>() + 0.0
 }
 
 #[cfg(test)]

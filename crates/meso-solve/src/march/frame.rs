@@ -1,11 +1,8 @@
 //! The fields of a moment, computed on demand.
 
-use crate::block::matter::LawTask;
-use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch, without};
-use crate::element::uniform::Uniform;
-use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
-use crate::law::{Law, Tensor};
 use crate::march::run::Run;
+use meso_element::block::Block;
+use meso_element::block::probe::{Element, Point};
 use meso_mesh::Mesh;
 use rayon::prelude::*;
 
@@ -13,23 +10,6 @@ use rayon::prelude::*;
 pub struct Frame<'a> {
     run: &'a Run<'a>,
     number: u32,
-}
-
-/// The state of a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Point {
-    /// xx yy zz xy yz zx, MPa; tension is positive.
-    pub stress: [f32; 6],
-    /// 1 less the share of the stiffness that is left.
-    pub damage: f32,
-    /// Damage in tension, 0 to 1.
-    pub tension: f32,
-    /// Damage in compression, 0 to 1.
-    pub compression: f32,
-    /// Opening of its crack, mm.
-    pub opening_mm: f32,
-    /// Energy per volume that unloading would give back, N/mm2.
-    pub stored: f32,
 }
 
 impl<'a> Frame<'a> {
@@ -84,7 +64,7 @@ impl<'a> Frame<'a> {
         // A few blocks at a time, so that little is held twice.
         for blocks in self.run.blocks.chunks(64) {
             let probe = |block: &Block| {
-                let points = self.run.set.run(Probe { block, common, displacement });
+                let points = self.run.set.probe(block, common, displacement);
                 points.into_iter().map(|(element, point)| (element, of(&point))).collect::<Vec<_>>()
             };
             let parts: Vec<Vec<(Element, T)>> = blocks.par_iter().map(probe).collect();
@@ -132,100 +112,4 @@ impl Mean for Point {
         self.opening_mm.add(&other.opening_mm, share);
         self.stored.add(&other.stored, share);
     }
-}
-
-/// The cell or patch of a point, by its number.
-#[derive(Clone, Copy, Debug)]
-enum Element {
-    Cell(u32),
-    Patch(u32),
-}
-
-/// Asks the elements of a block.
-struct Probe<'a> {
-    block: &'a Block,
-    common: &'a Common,
-    displacement: &'a [[f64; 3]],
-}
-
-impl Task for Probe<'_> {
-    type Output = Vec<(Element, Point)>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        let Self { block, common, displacement } = self;
-        let mut scratch = Scratch::new();
-        scratch.take_in(block, displacement);
-        let mut points = Vec::new();
-        for group in &block.groups {
-            let matter = &common.matter[usize::from(group.matter)];
-            points.extend(matter.law::<L, _>(GroupProbe { group, common, u: &scratch.u }));
-        }
-        points
-    }
-}
-
-struct GroupProbe<'a> {
-    group: &'a Group,
-    common: &'a Common,
-    u: &'a Vectors,
-}
-
-impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
-    type Output = Vec<(Element, Point)>;
-
-    #[inline(always)]
-    fn run<W: Law<L>>(self, law: &W) -> Self::Output {
-        let Self { group, common, u } = self;
-        let strains: Vec<(Tensor<L>, L)> = match &group.cells {
-            Cells::Tets(cells) => strains(cells, u),
-            Cells::Patches8(cells) => strains(cells, u),
-            Cells::Patches9(cells) => strains(cells, u),
-            Cells::Patches12(cells) => strains(cells, u),
-            Cells::Hexes(cells) => {
-                cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()
-            }
-            Cells::Triangles(_) | Cells::Quads(_) => Vec::new(),
-        };
-        let remembered = group.memory.len() / strains.len().max(1);
-        let free = common.free.map(|free| L::splat(free[group.phase as usize]));
-        let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
-        let mut points = Vec::with_capacity(strains.len() * LANES);
-        for (i, (strain, width)) in strains.iter().enumerate() {
-            let memory = &group.memory[i * remembered..(i + 1) * remembered];
-            let eight = answer(law, &without(*strain, free), *width, memory);
-            let numbers = group.numbers[i * LANES..][..LANES].iter().zip(eight);
-            points.extend(
-                numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (element(number), point)),
-            );
-        }
-        points
-    }
-}
-
-/// Strains and widths of crack bands.
-#[inline(always)]
-fn strains<L: Lanes, const N: usize>(cells: &[Uniform<N>], u: &Vectors) -> Vec<(Tensor<L>, L)> {
-    cells.iter().map(|cells| (cells.strain(u), L::load(&cells.width))).collect()
-}
-
-#[inline(always)]
-fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[Eight]) -> [Point; LANES] {
-    let mut history = crate::block::history::<L, W>(memory);
-    let response = law.stress(strain, &mut history, width);
-    let state = law.state(strain, &history, width);
-    let stress = response.stress.map(L::eight);
-    // Laws lose stiffness or strength.
-    let weakened = L::splat(0.0).lt(state.weakened);
-    let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
-    let [damage, tension, compression, opening, stored] =
-        [damage, state.tension, state.compression, state.opening, state.stored].map(L::eight);
-    std::array::from_fn(|lane| Point {
-        stress: stress.map(|s| s.0[lane]),
-        damage: damage.0[lane],
-        tension: tension.0[lane],
-        compression: compression.0[lane],
-        opening_mm: opening.0[lane],
-        stored: stored.0[lane],
-    })
 }

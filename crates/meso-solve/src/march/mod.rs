@@ -4,6 +4,7 @@ mod beyond_peak;
 mod curve;
 mod frame;
 mod gauges;
+mod lateral;
 mod nodes;
 mod observer;
 mod path;
@@ -14,7 +15,9 @@ mod supports;
 
 pub use beyond_peak::BeyondPeak;
 pub use curve::{Extra, Figures, Row};
-pub use frame::{Frame, Mean, Point};
+pub use frame::{Frame, Mean};
+pub use lateral::Lateral;
+pub use meso_element::block::probe::Point;
 pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::{Run, checkpoint_note, device};

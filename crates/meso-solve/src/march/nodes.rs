@@ -1,8 +1,8 @@
 //! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
-use crate::block::Block;
 use crate::march::supports::contact::{Motion, Touched};
 use crate::march::supports::{MOST, Supports};
+use meso_element::block::Block;
 use rayon::prelude::*;
 
 /// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.

@@ -73,6 +73,12 @@ impl Path {
         self.speed * s * s * (3.0 - 2.0 * s)
     }
 
+    /// Whether the path has just begun at the time `t`: the specimen is sound until a quarter of the ramp, which goes 0.5 % of
+    /// the way.
+    pub(crate) fn begins(&self, t: f64) -> bool {
+        t < self.lead_s + 0.25 * self.ramp_s
+    }
+
     /// Share of the loads at the time `t`.
     pub(crate) fn share(&self, t: f64) -> f64 {
         if t < self.lead_s { smoother(t / self.lead_s) } else { 1.0 }

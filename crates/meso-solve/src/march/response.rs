@@ -1,11 +1,13 @@
 //! Response of a specimen to a test.
 
-use crate::element::tet::{Shape, corners};
+use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
 use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
+use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, LawName, Smoothing, TestKind};
+use crate::test::{Control, Gauge, Smoothing, TestKind};
+use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -70,6 +72,9 @@ pub struct Summary {
     /// Figures of the curve beyond its peak.
     #[serde(flatten)]
     pub beyond_peak: BeyondPeak,
+    /// Figures of a gauge of lateral strain on a specimen that is pressed.
+    #[serde(flatten)]
+    pub lateral: Lateral,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
     /// Largest kinetic over internal energy until the stress has fallen to half its peak.
@@ -160,7 +165,7 @@ impl Response {
         let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
-            friction: run.test.friction,
+            friction: run.test.friction(),
             control: run.test.control,
             law: run.test.law,
             smoothing: run.test.smoothing(run.sample.mesh.kind),
@@ -173,6 +178,7 @@ impl Response {
             added_mass_percent: run.added_mass_percent(),
             figures: Figures::of(rows),
             beyond_peak: BeyondPeak::of(rows, run.supports.length_mm),
+            lateral: lateral(run),
             kinetic_over_internal_max: largest(rows, kinetic),
             kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
             energy_balance_error: balance_error(rows),
@@ -214,6 +220,17 @@ fn balance_error(rows: &[Row]) -> f64 {
     let work = rows.iter().map(|row| row.external.abs()).fold(0.0, f64::max);
     let off = |row: &Row| (row.external - row.internal - row.kinetic - row.friction_work).abs();
     if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
+}
+
+/// Figures of the first gauge of lateral strain, if the specimen is pressed along one axis.
+fn lateral(run: &Run) -> Lateral {
+    let is_lateral = |gauge: &Gauge| matches!(gauge, Gauge::LateralStrain { .. });
+    let is_free = run.supports.sign < 0.0 && run.test.kind != TestKind::Biaxial;
+    let gauge = run.test.gauges().into_iter().find(is_lateral).filter(|_| is_free);
+    let (rows, extra) = (&run.state.rows, run.extra());
+    let column = gauge.and_then(|gauge| extra.names.iter().position(|name| name == gauge.name()));
+    let all = |column: usize| (0..rows.len()).map(|row| extra.row(row)[column]).collect::<Vec<f64>>();
+    column.map_or_else(Lateral::default, |column| Lateral::of(rows, &all(column)))
 }
 
 /// Damage beyond which a cell of stone is broken.
@@ -261,6 +278,7 @@ impl Summary {
     fn warn(&mut self, run: &Run) {
         self.mesh_warnings = self.warnings.len();
         self.warn_of_the_laws(run);
+        self.warn_of_strips(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -271,13 +289,13 @@ impl Summary {
         self.warn_of_speed();
         if self.hourglass_over_internal > HOURGLASS {
             let share = 100.0 * self.hourglass_over_internal;
-            let way_out = "take smaller elements or a smaller test.hourglass";
+            let way_out = "take smaller elements or less hourglass stiffness";
             self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
         }
         if self.energy_balance_error > BALANCE {
             let share = 100.0 * self.energy_balance_error;
             self.errors
-                .push(format!("the energy balance is off by {share:.2} % of the work; shorten test.time_step_s"));
+                .push(format!("the energy balance is off by {share:.2} % of the work; take a smaller time step"));
         }
     }
 
@@ -288,7 +306,7 @@ impl Summary {
             let share = 100.0 * share;
             format!(
                 "the test was not quasi-static before its peak: its kinetic energy was {share:.1} % of the internal energy, so \
-                 its strength is that of a fast test; lengthen test.duration_s"
+                 its strength is that of a fast test; take a longer duration"
             )
         })
     }
@@ -303,15 +321,31 @@ impl Summary {
         let reached = format!("the kinetic energy reached {share:.1} % of the internal energy");
         // No row to half the peak: it broke within the ramp.
         let text = if before > SLOW || before == 0.0 {
-            format!("{reached}; lengthen test.duration_s")
+            format!("{reached}; take a longer duration")
         } else {
             let before = 100.0 * before;
             format!(
                 "{reached}, {before:.1} % until the stress had fallen to half its peak; to calm the collapse beyond, \
-                 lengthen test.duration_s"
+                 take a longer duration"
             )
         };
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
+    }
+
+    /// Warns of splitting strips that are narrower than two elements: one row of nodes cuts into the specimen like a wedge.
+    fn warn_of_strips(&mut self, run: &Run) {
+        let size = run.sample.element_size_mm;
+        let Some(width) = run.test.splitting_strip_mm(&run.sample.geometry()).filter(|width| *width < 2.0 * size)
+        else {
+            return;
+        };
+        let rounded = |mm: f64| (1e3 * mm).round() / 1e3;
+        self.warnings.push(format!(
+            "the strips are {} mm wide and the elements {size} mm, so that fewer than three rows of nodes lie under a strip \
+             and cut into the specimen; take elements of {} mm",
+            rounded(width),
+            rounded(0.5 * width)
+        ));
     }
 
     /// Warns of bands that are too wide for the energy of cracking or crushing.

@@ -7,6 +7,9 @@
 //!    stop suddenly send waves through the specimen, and its curve descends in stairs.
 //! 2. If the specimen collapses nevertheless, they almost stop.
 //!
+//! A control by a gauge takes the place of the first: the plates move so fast that the gauge moves as fast as it did while
+//! the specimen was sound.
+//!
 //! Elastic energy grows until the peak, and until then the plates keep their speed. The constants were chosen among 17
 //! rules (`benches/results/servo_rules.csv`).
 
@@ -24,6 +27,51 @@ const SLOWEST: f64 = 0.02;
 const LAG: f64 = 0.001;
 /// Time constant of the mean of the plates' power, over the duration of the test: a sound wave's way through a cube.
 const MEAN: f64 = 0.01;
+
+/// Time constant of the mean motion of a gauge, over the duration of the test: five periods of a beam. A beam
+/// swings undamped; a servo that follows its every swing drives it.
+const SWING: f64 = 0.1;
+
+/// Follows the gauge that a test is controlled by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Follower {
+    /// Value of the gauge after the last step.
+    last: f64,
+    /// Mean changes of the gauge and of the path in a step, mm.
+    changes: [f64; 2],
+    /// Change of the gauge per mm of the path while the specimen is sound.
+    usual: f64,
+}
+
+impl Follower {
+    /// The state of numbers that [`values`](Self::values) gave.
+    pub(crate) const fn from_values([last, gauge, path, usual]: [f64; 4]) -> Self {
+        Self { last, changes: [gauge, path], usual }
+    }
+
+    /// The numbers that a checkpoint stores.
+    pub(crate) const fn values(&self) -> [f64; 4] {
+        [self.last, self.changes[0], self.changes[1], self.usual]
+    }
+
+    /// Takes in a step of a test of `steps`: the gauge's value after it, the place on the path and its change. While the
+    /// specimen `is_sound`, the usual motion is learnt.
+    ///
+    /// Returns the share of the speed at which the gauge keeps its usual rate.
+    pub(crate) fn follow(&mut self, value: f64, [travel, moved]: [f64; 2], is_sound: bool, steps: f64) -> f64 {
+        let change = value - std::mem::replace(&mut self.last, value);
+        for (mean, now) in self.changes.iter_mut().zip([change, moved]) {
+            *mean += (now - *mean) * within(SWING, steps);
+        }
+        if is_sound {
+            self.usual = if travel > 0.0 { value / travel } else { 0.0 };
+            return 1.0;
+        }
+        let [gauge, path] = self.changes;
+        let (ahead, usual) = (gauge * self.usual.signum(), (self.usual * path).abs());
+        if ahead > usual { (usual / ahead).max(SLOWEST) } else { 1.0 }
+    }
+}
 
 /// The servo's state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,10 +108,10 @@ impl Servo {
     }
 
     /// Follows a step of a test of `steps`: the elastic energy `stored` after it, the energy that cracks `spent` and the work
-    /// that the plates `supplied` in it, mJ.
+    /// that the plates `supplied` in it, mJ. A control by a gauge gives the share of the speed that it `allows`.
     ///
     /// A release at twice the rate of [`COLLAPSE`] gives a quarter of the speed.
-    pub(crate) fn follow(&mut self, stored: f64, spent: f64, supplied: f64, steps: f64) {
+    pub(crate) fn follow(&mut self, [stored, spent, supplied]: [f64; 3], allows: Option<f64>, steps: f64) {
         self.most = self.most.max(stored);
         self.supply += (supplied - self.supply) * within(MEAN, steps);
         // Energy that returns to the plates without a crack is vibration.
@@ -72,7 +120,7 @@ impl Servo {
         let softens = passed(share, SLOWING) * (1.0 - passed(share, RECOVERING));
         let most = COLLAPSE * self.most;
         let held = if released > most { (most / released).powi(2).max(SLOWEST) } else { 1.0 };
-        let wanted = held.min(1.0 - (1.0 - SOFTENING) * softens);
+        let wanted = held.min(allows.unwrap_or(1.0 - (1.0 - SOFTENING) * softens));
         self.pace += (wanted - self.pace) * within(LAG, steps);
     }
 }
@@ -105,8 +153,8 @@ mod tests {
     /// releases `released` mJ per duration of the test.
     fn pace(share: f64, released: f64, count: u32) -> f64 {
         let mut servo = Servo::default();
-        servo.follow(8.0, 0.0, 0.0, STEPS);
-        (0..count).for_each(|_| servo.follow(8.0 * share, released / STEPS, 0.0, STEPS));
+        servo.follow([8.0, 0.0, 0.0], None, STEPS);
+        (0..count).for_each(|_| servo.follow([8.0 * share, released / STEPS, 0.0], None, STEPS));
         servo.pace
     }
 
@@ -135,13 +183,43 @@ mod tests {
         assert!((way(1) - 2.0 / 3.0).abs() < 1e-12 && (way(3) - 8.0 / 27.0).abs() < 1e-12, "{} {}", way(1), way(3));
     }
 
+    /// Share of the speed after a gauge went `slope` times as fast as usual for a tenth of a test, swinging about its way.
+    fn allowed(slope: f64) -> f64 {
+        let (mut follower, mut value, mut share) = (Follower::default(), 0.0, 1.0);
+        for step in 1..=1500 {
+            let is_sound = step <= 1000;
+            value += if is_sound { 0.5 } else { 0.5 * slope };
+            let swing = 3.0 * f64::from(step).sin();
+            share = follower.follow(value + swing, [f64::from(step), 1.0], is_sound, STEPS);
+        }
+        share
+    }
+
+    #[test]
+    fn a_gauge_that_goes_faster_than_in_a_sound_specimen_slows_the_plates() {
+        assert_eq!([allowed(0.5), allowed(-5.0)], [1.0; 2]);
+        for slope in [2.0, 5.0, 20.0] {
+            // The mean of 300 steps has forgotten all but a fifth of the sound steps.
+            let mean = slope + (1.0 - slope) * (-500.0_f64 / 300.0).exp();
+            assert!((allowed(slope) * mean - 1.0).abs() < 0.02, "{slope}: {}", allowed(slope));
+        }
+        assert_eq!(allowed(1e4), SLOWEST);
+    }
+
+    #[test]
+    fn the_servo_takes_the_share_that_a_gauge_allows() {
+        let mut servo = Servo::default();
+        (0..500).for_each(|_| servo.follow([4.0, 0.0, 0.0], Some(0.3), STEPS));
+        assert!((servo.pace - 0.3).abs() < 1e-12, "{}", servo.pace);
+    }
+
     #[test]
     fn vibration_is_no_release() {
         // With and without cracks that the plates' mean power feeds.
         for (spent, supplied) in [(0.0, [9.0, -9.0]), (0.1, [0.25, -0.05])] {
             let mut servo = Servo::default();
-            (0..300).for_each(|i| servo.follow(8.0, 0.0, supplied[i % 2], STEPS));
-            (0..500).for_each(|i| servo.follow(8.0, spent, supplied[i % 2], STEPS));
+            (0..300).for_each(|i| servo.follow([8.0, 0.0, supplied[i % 2]], None, STEPS));
+            (0..500).for_each(|i| servo.follow([8.0, spent, supplied[i % 2]], None, STEPS));
             assert_eq!(servo.pace, 1.0, "{spent}");
         }
     }

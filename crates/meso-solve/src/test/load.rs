@@ -179,6 +179,11 @@ pub enum Gauge {
 }
 
 impl Gauge {
+    /// Whether another gauge is of its kind.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
     /// Name of its column.
     pub fn name(&self) -> &str {
         let (Self::Lvdt { name, .. }

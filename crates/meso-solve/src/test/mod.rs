@@ -1,5 +1,6 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
+mod history;
 pub(crate) mod load;
 pub(crate) mod named;
 mod recipes;
@@ -7,9 +8,9 @@ mod recipes;
 pub use load::{Along, Expansion, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 
 use crate::error::{SolveError, TEST};
-use crate::lanes::InstructionSet;
 use crate::sample::Geometry;
 use meso_concrete::OutOfRange;
+use meso_element::{InstructionSet, LawName};
 use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -21,8 +22,9 @@ use std::f64::consts::PI;
 pub struct Test {
     /// The named test, which gives supports, gauges and history unless they are given.
     pub kind: TestKind,
-    /// Coulomb's coefficient between plates and specimen; in tension the plates are glued on.
-    pub friction: f64,
+    /// Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the
+    /// plates are glued on.
+    pub friction: Option<f64>,
     /// Strain of the test at the end; 0.005 in compression, 0.0005 in tension.
     pub strain: Option<f64>,
     /// Time of the whole test at the plates' full speed, s.
@@ -59,6 +61,9 @@ pub struct Test {
     pub supports: Vec<SupportSpec>,
     /// Places at which the path turns; straight on to `strain` where none are given.
     pub turns: Vec<Turn>,
+    /// A CSV file with turns instead, beside the TEST.toml: a column named strain, stress_mpa or opening_mm, a row for each
+    /// turn.
+    pub history: Option<String>,
     /// Gauges, each a column of the curve; those of the named test where none are given.
     pub gauges: Vec<Gauge>,
     /// The instruction set; absent, the machine's best. The results are the same bytes.
@@ -86,6 +91,8 @@ pub enum TestKind {
     Cyclic,
     /// Phases that swell or shrink, without a support.
     Expansion,
+    /// Glued to the left half of the upper side and the right half of the lower side, which move past each other.
+    Shear,
 }
 
 /// How the plates keep their speed.
@@ -95,23 +102,12 @@ pub enum TestKind {
 pub enum Control {
     /// They slow down while the specimen breaks.
     Servo,
+    /// The crack mouth opens no faster than in a sound specimen.
+    CrackMouth,
+    /// The specimen widens no faster than a sound one.
+    LateralStrain,
     /// Whatever happens, as in a deck.
     Steady,
-}
-
-/// The law of mortar and ITZ; aggregates and fibres are elastic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum LawName {
-    /// Linear elasticity.
-    Elastic,
-    /// Concrete damaged plasticity, as in the decks.
-    Cdp,
-    /// CDPM2, with the parameters of its paper beside those of `[materials]`.
-    Cdpm2,
-    /// Mortar between grains: cracks by the signs of stress, and crushing that leaves friction.
-    Meso,
 }
 
 /// Where strains belong to.
@@ -138,7 +134,7 @@ impl Default for Test {
     fn default() -> Self {
         Self {
             kind: TestKind::Compression,
-            friction: 0.1,
+            friction: None,
             strain: None,
             duration_s: None,
             time_step_s: None,
@@ -157,6 +153,7 @@ impl Default for Test {
             expansion: None,
             supports: Vec::new(),
             turns: Vec::new(),
+            history: None,
             gauges: Vec::new(),
             instruction_set: None,
         }
@@ -205,7 +202,8 @@ impl Test {
             TestKind::Triaxial => 0.01,
             TestKind::Tension => 0.0005,
             TestKind::Splitting => 0.0015,
-            TestKind::Bending => 0.002,
+            TestKind::Bending => 0.006,
+            TestKind::Shear => 0.002,
         })
     }
 
@@ -216,6 +214,7 @@ impl Test {
         self.duration_s.unwrap_or_else(|| match self.kind {
             TestKind::Tension => paced(TENSION_PACE, height_mm),
             TestKind::Splitting => paced(SPLITTING_PACE, length_mm),
+            TestKind::Shear => paced(SPLITTING_PACE, height_mm),
             TestKind::Bending => BENDING_PERIODS * self.period_s(geometry) * (self.strain() / 0.002).max(0.25),
             TestKind::Expansion => LEAST_PACE * height_mm,
             _ => paced(COMPRESSION_PACE, height_mm),
@@ -277,15 +276,25 @@ impl Test {
         self.turns.clone()
     }
 
-    /// Gauges of the test.
+    /// Gauges of the test, with the one that controls it.
     pub(crate) fn gauges(&self) -> Vec<Gauge> {
-        if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() }
+        let mut gauges = if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() };
+        if let Some(own) = self.control.gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
+            gauges.push(own);
+        }
+        gauges
+    }
+
+    /// Place of the gauge that controls the path, among all gauges.
+    pub(crate) fn leader(&self) -> Option<usize> {
+        self.control.gauge().and_then(|own| self.gauges().iter().position(|gauge| own.is_like(gauge)))
     }
 
     /// Whether the curve has columns of gauges and supports.
     pub(crate) fn has_extra(&self) -> bool {
         let is_plain = matches!(self.kind, TestKind::Compression | TestKind::Tension);
         !(is_plain
+            && self.control.gauge().is_none()
             && self.expansion.is_none()
             && self.supports.is_empty()
             && self.gauges.is_empty()
@@ -310,7 +319,7 @@ impl Test {
             (LEAST_STRAIN..=0.1).contains(&strain),
             "it must be 1e-12 to 0.1: strains are small, and single precision carries no smaller ones; the test gives the sign",
         )?;
-        TEST.require("friction", self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
+        TEST.require("friction", self.friction(), (0.0..=10.0).contains(&self.friction()), "it must be 0 to 10")?;
         TEST.require("ramp", self.ramp, (0.01..=1.0).contains(&self.ramp), "it must be 0.01 to 1")?;
         let hourglass = self.hourglass;
         TEST.require(
@@ -349,6 +358,10 @@ impl Test {
                 "it needs a table [expansion] with the strain of a phase; mesocrete init --test expansion writes one";
             return Err(TEST.error("kind", "expansion", why));
         }
+        if let Some(name) = &self.history {
+            let why = "only a TEST.toml has it, and then no turns; give the turns themselves";
+            return Err(TEST.error("history", name, why));
+        }
         self.supports.iter().try_for_each(SupportSpec::validate)?;
         for turn in &self.turns {
             TEST.require("turns.at", turn.at, turn.at.is_finite(), "it must be a number")?;
@@ -358,6 +371,17 @@ impl Test {
         names.sort_unstable();
         let twice = names.windows(2).find(|pair| pair[0] == pair[1]);
         twice.map_or(Ok(()), |pair| Err(TEST.error("gauges", pair[0], "names of gauges and supports must differ")))
+    }
+}
+
+impl Control {
+    /// The gauge that controls the path.
+    fn gauge(self) -> Option<Gauge> {
+        match self {
+            Self::Steady | Self::Servo => None,
+            Self::CrackMouth => Some(Gauge::CrackMouth { name: "crack_mouth_mm".to_owned() }),
+            Self::LateralStrain => Some(Gauge::LateralStrain { name: "lateral_strain".to_owned() }),
+        }
     }
 }
 

@@ -6,8 +6,9 @@ use crate::test::TestKind;
 const COMMON: &str = "\
 # strain = 0.005            # at the end
 # friction = 0.1            # between plates and specimen
-# law = \"cdp\"               # elastic, cdp or cdpm2
-# control = \"servo\"         # or steady
+# law = \"cdp\"               # elastic, cdp, cdpm2 or meso
+# control = \"servo\"         # or steady, crack-mouth, lateral-strain
+# history = \"turns.csv\"     # turns of the path: a column strain, stress_mpa or opening_mm
 
 # Gauges are further columns of curve.csv.
 # [[gauges]]
@@ -52,6 +53,10 @@ impl TestKind {
             Self::Expansion => (
                 "Phases swell or shrink in a specimen without supports.",
                 "kind = \"expansion\"\n[expansion]\naggregate = 1e-4            # linear strains; shrinkage is negative\nmortar = 0.0\n",
+            ),
+            Self::Shear => (
+                "Plates glued to the upper left and the lower right half move past each other along z.",
+                "kind = \"shear\"\n",
             ),
         };
         let (options, tables) = own.split_once("[expansion]").map_or((own, None), |(a, b)| (a, Some(b)));

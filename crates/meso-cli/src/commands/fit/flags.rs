@@ -1,5 +1,6 @@
 //! Flags of `mesocrete fit`.
 
+use crate::commands::shared::Writing;
 use crate::commands::{names, values};
 use meso_solve::{LawName, Test};
 use std::path::PathBuf;
@@ -15,7 +16,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "DIR", default_value = "fit")]
     pub(super) output: PathBuf,
     /// Number of packings, of successive seeds from the spec's on; their scatter is the uncertainty
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = values::count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = values::packings, allow_negative_numbers = true)]
     pub(super) seeds: u32,
     /// Most steps after the first five points; each tests every packing once
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = values::whole_number, allow_negative_numbers = true)]
@@ -24,7 +25,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     pub(super) materials: Option<PathBuf>,
     /// Friction between plates and specimen
-    #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
+    #[arg(long, value_name = "MU", default_value_t = Test::default().friction(), value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
     pub(super) friction: f64,
     /// Mean axial strain at the end [default: 1.15 times the last one of the curve]
@@ -45,7 +46,6 @@ pub(crate) struct Args {
     /// Number of threads of a test; when absent the cores are shared among the tests at the same time
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     pub(super) threads: Option<u16>,
-    /// Print only warnings and errors
-    #[arg(short, long)]
-    pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) writing: Writing,
 }

@@ -16,9 +16,10 @@ pub(super) fn values(of: &Strength) -> Vec<f64> {
 
 /// The point itself, or one beside it whose curve rises to its peak.
 pub(super) fn feasible(base: &Materials, point: &[f64]) -> Vec<f64> {
-    let softest = base.mortar.youngs_modulus_mpa.min(base.itz.youngs_modulus_mpa);
+    let of_itz = base.itz_strength_ratio / base.itz.youngs_modulus_mpa;
+    let most = point[0] * of_itz.max(1.0 / base.mortar.youngs_modulus_mpa);
     let mut point = point.to_vec();
-    point[1] = point[1].max(LEAST_BEND * point[0] / softest);
+    point[1] = point[1].max(LEAST_BEND * most);
     point
 }
 

@@ -130,6 +130,11 @@ impl MeshFlags {
         Ok(())
     }
 
+    /// Whether a size of elements is given.
+    pub(crate) fn has_size(&self) -> bool {
+        self.element_size_mm.is_some()
+    }
+
     /// Whether a file has the materials.
     pub(crate) fn has_materials(&self) -> bool {
         self.materials.is_some()

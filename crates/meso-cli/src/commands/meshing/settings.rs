@@ -8,7 +8,7 @@ use crate::{inputs, room};
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
-use meso_core::mesh::{ItzForm, Joined, MeshOptions, MethodName, Purpose, Room};
+use meso_core::mesh::{ItzForm, Joined, MeshError, MeshOptions, MethodName, Purpose, Room};
 use meso_core::spec::options_from_toml;
 use meso_core::{Spec, Watch};
 use meso_gmsh::Gmsh;
@@ -95,13 +95,16 @@ impl Meshing {
         self.mesh.options(self.purpose(), &Itz::default()).map(drop)
     }
 
-    /// Refuses flags that suit no packing of `spec`. It opens no file and looks for no gmsh.
+    /// Refuses flags that suit no packing of `spec`. It opens no file and looks for no gmsh. A default size is no flag.
     pub(crate) fn validate_for(&self, spec: &Spec, writes_deck: bool) -> Result<(), Failure> {
         let options = self.mesh.options(self.purpose(), &spec.itz)?;
         if !self.mesh.has_materials() {
             self.validate_deck(&self.deck(spec, &options)?, &options, writes_deck)?;
         }
-        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))
+        match options.validate(&spec.specimen) {
+            Err(MeshError::Option(wrong)) if wrong.key == "element_size_mm" && !self.mesh.has_size() => Ok(()),
+            suits => suits.map_err(|error| wrong_mesh(&error)),
+        }
     }
 
     /// Everything for packings of `spec`; flags of decks are refused where no deck is written.

@@ -5,7 +5,7 @@ use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
 use meso_gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -19,7 +19,7 @@ pub(crate) struct Args {
     #[arg(help = format!("The test: {}; or a file of its supports, loads, turns and gauges, see `mesocrete init --test`", names::list::<TestKind>()))]
     pub(super) test: TestText,
     #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Friction between plates and specimen; in tension the plates are glued on [default: {}]", Test::default().friction))]
+    #[arg(help = format!("Friction between plates and specimen; in tension the plates are glued on [default: {}; 0.5 in splitting]", Test::default().friction()))]
     pub(super) friction: Option<f64>,
     /// Plates of brushes or teflon: a friction of 0.005
     #[arg(long, conflicts_with = "friction")]
@@ -31,13 +31,18 @@ pub(crate) struct Args {
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) strain: Option<f64>,
     #[arg(long, value_parser = names::parser::<LawName>())]
-    #[arg(help = format!("The law of mortar and ITZ [default: {}]", names::of(&Test::default().law)))]
+    #[arg(help = format!(
+        "The law of mortar and ITZ: cdp is the twin of a deck, meso suits curves beyond the peak and specimens under \
+         pressure [default: {}]",
+        names::of(&Test::default().law)
+    ))]
     pub(super) law: Option<LawName>,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
     #[arg(hide_short_help = true)]
     pub(super) smoothing: Option<Smoothing>,
-    /// Plates that slow down while the specimen breaks, or keep their speed as in a deck [default: servo]
+    /// Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in a
+    /// deck [default: servo]
     #[arg(long, value_name = "HOW", value_parser = names::parser::<Control>())]
     #[arg(hide_short_help = true)]
     pub(super) control: Option<Control>,
@@ -90,15 +95,21 @@ pub(crate) struct Args {
 pub(super) enum TestText {
     Named(TestKind),
     File(PathBuf),
+    /// The test of a study.
+    Tree(Box<Test>),
 }
 
 impl TestText {
     fn read(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
-        let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        if is_file {
+        if is_toml(&path) {
             return Ok(Self::File(path));
         }
         names::read(text).map(Self::Named).map_err(|why| format!("{why}, or a TEST.toml"))
     }
+}
+
+/// Whether a file is described by its ending: a spec, or a test.
+pub(crate) fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }

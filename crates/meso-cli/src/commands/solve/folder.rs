@@ -4,10 +4,9 @@
 //! from the frames that a killed one left. A checkpoint has length and hash of each frame before it.
 
 use crate::failure::Failure;
-use crate::interrupt;
 use crate::outputs::{Target, Unit};
+use crate::own_folder::OwnFolder;
 use meso_core::mesh::Mesh;
-use meso_files::lock::{self, Held};
 use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Taken};
 use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
@@ -36,9 +35,7 @@ pub(super) struct Folder {
     /// Number of frames that could not be written.
     lost: usize,
     /// Keeps other processes out.
-    _own: Own,
-    /// Whether it was made here; taken away again where nothing comes into it.
-    made: Option<Made>,
+    _own: OwnFolder,
 }
 
 /// A frame, and the file that it has in the folder.
@@ -62,34 +59,6 @@ impl Contents {
     }
 }
 
-/// The lock on a folder; a signal that ends the process removes its hidden file.
-struct Own(Held);
-
-impl Own {
-    fn of(folder: &Path) -> Result<Self, Failure> {
-        let mut hidden = interrupt::hold();
-        let held = lock::hold(folder).map_err(|error| Failure::Run(error.to_string()))?;
-        hidden.push(held.path().to_owned());
-        Ok(Self(held))
-    }
-}
-
-impl Drop for Own {
-    fn drop(&mut self) {
-        interrupt::hold().retain(|path| path != self.0.path());
-    }
-}
-
-/// A folder that was made here.
-struct Made(PathBuf);
-
-impl Drop for Made {
-    fn drop(&mut self) {
-        // One that holds something stays.
-        let _ = std::fs::remove_dir(&self.0);
-    }
-}
-
 /// Remains of a killed run: its frames, and the engine's state after them.
 pub(super) struct Kept {
     pub(super) path: PathBuf,
@@ -108,8 +77,6 @@ pub(super) struct Note {
 impl Folder {
     /// Looks at the folder before any work, and makes it where it is not there.
     pub(super) fn open(path: &Path, keeps: bool, resumes: bool, force: bool) -> Result<Self, Failure> {
-        let made = make(path)?;
-        let own = Own::of(path)?;
         let mut folder = Self {
             path: path.to_owned(),
             force: force || resumes,
@@ -119,8 +86,7 @@ impl Folder {
             frames: Vec::new(),
             taken: Taken::default(),
             lost: 0,
-            _own: own,
-            made,
+            _own: OwnFolder::open(path)?,
         };
         let checkpoint = path.join(CHECKPOINT);
         if checkpoint.exists() && !folder.force {
@@ -264,7 +230,6 @@ impl Folder {
         let checkpoint = self.path.join(CHECKPOINT);
         let done = if is_complete && checkpoint.exists() { Some(checkpoint) } else { None };
         remove(stale.into_iter().chain(done))?;
-        drop(self.made.take());
         let names = ResultFile::ALL.map(|file| file.name().to_owned()).into_iter().chain(own);
         Ok(names.map(|name| self.path.join(name)).collect())
     }
@@ -275,16 +240,4 @@ fn remove(paths: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
         std::fs::remove_file(&path).map_err(|error| Failure::file(&path, &error))?;
     }
     Ok(())
-}
-
-/// Makes the folder, if it is not there; it must have a place.
-fn make(path: &Path) -> Result<Option<Made>, Failure> {
-    match std::fs::metadata(path) {
-        Ok(kind) if kind.is_dir() => Ok(None),
-        Ok(_) => Err(Failure::Run(format!("{} is not a folder; name a folder for the results", path.display()))),
-        Err(_) => {
-            std::fs::create_dir(path).map_err(|error| Failure::file(path, &error))?;
-            Ok(Some(Made(path.to_owned())))
-        }
-    }
 }

@@ -6,5 +6,6 @@ mod run;
 mod settings;
 mod watch;
 
-pub(crate) use flags::Args;
+pub(crate) use flags::{Args, is_toml};
 pub(crate) use run::run;
+pub(crate) use settings::take_history;

@@ -121,11 +121,11 @@ impl Args {
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         // A servo adds steps while the specimen breaks.
-        let at_least = if asked.control == Control::Servo { "at least " } else { "" };
+        let at_least = if asked.control != Control::Steady { "at least " } else { "" };
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         stderr::line(format!(
             "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
-            asked.friction,
+            asked.friction(),
             run.time_step_s(),
             run.added_mass_percent(),
             run.bytes() as f64 / 1e6
@@ -200,7 +200,7 @@ fn flag(result: &Summary) {
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
     if let Some(text) = result.dynamic_before_the_peak() {
-        stderr::line(format!("warning: {}", with_flags(&text)));
+        stderr::line(format!("warning: {text}"));
     }
     if !quiet && result.test != TestKind::Expansion {
         stderr::line(format!(
@@ -217,19 +217,10 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     }
     // Warnings of the mesh were printed before the first step.
     let late = result.warnings.iter().skip(result.mesh_warnings);
-    late.for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
-    result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
+    late.for_each(|warning| stderr::line(format!("warning: {warning}")));
+    result.errors.iter().for_each(|error| stderr::line(format!("error: {error}")));
     if result.ended == Ended::Stopped {
         let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;
         stderr::line(format!("stopped after {share:.0} % of the strain; the curve is valid until there"));
     }
-}
-
-/// The engine speaks of `test.time_step_s`, the user typed `--time-step`.
-fn with_flags(text: &str) -> String {
-    let flags = ["duration_s", "time_step_s", "friction", "strain", "frames"];
-    flags.iter().fold(text.to_owned(), |text, key| {
-        let flag = key.trim_end_matches("_s").replace('_', "-");
-        text.replace(&format!("test.{key}"), &format!("--{flag}"))
-    })
 }

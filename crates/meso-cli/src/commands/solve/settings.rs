@@ -1,6 +1,6 @@
 //! The test, the mesh and the spec that the flags of `mesocrete solve` ask for.
 
-use super::flags::{Args, TestText};
+use super::flags::{Args, TestText, is_toml};
 use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
 use crate::failure::Failure;
@@ -8,12 +8,14 @@ use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
-use meso_core::spec::options_from_toml;
+use meso_core::spec::{Files as _, options_from_toml, options_from_value};
 use meso_core::{Spec, SpecError};
+use meso_files::Beside;
 use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
 use meso_solve::{Geometry, Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
+use serde_json::Value;
 use std::path::Path;
 
 /// Friction of brushes and teflon (van Mier et al. 1997).
@@ -24,10 +26,11 @@ impl Args {
     pub(super) fn test(&self) -> Result<Test, Failure> {
         let test = match &self.test {
             TestText::Named(kind) => Test { kind: *kind, ..Test::default() },
-            TestText::File(path) => inputs::toml(path, options_from_toml)?,
+            TestText::File(path) => of_file(path)?,
+            TestText::Tree(test) => (**test).clone(),
         };
         Ok(Test {
-            friction: if self.brush { BRUSH } else { self.friction.unwrap_or(test.friction) },
+            friction: if self.brush { Some(BRUSH) } else { self.friction.or(test.friction) },
             strain: self.strain.or(test.strain),
             duration_s: self.duration.or(test.duration_s),
             time_step_s: self.time_step.or(test.time_step_s),
@@ -38,6 +41,13 @@ impl Args {
             smoothing: self.smoothing.or(test.smoothing),
             ..test
         })
+    }
+
+    /// Sets the test of a study, by the keys of a TEST.toml.
+    pub(crate) fn set_test(&mut self, tree: &Value) -> Result<(), Failure> {
+        let test = options_from_value(tree).map_err(|error| Failure::Usage(format!("[test] {error}")))?;
+        self.test = TestText::Tree(Box::new(test));
+        Ok(())
     }
 
     /// Refuses flags that do not suit packings of `spec`, before one is packed.
@@ -116,7 +126,7 @@ impl Args {
 
     /// Whether there is no saved model yet.
     pub(super) fn packs(&self) -> bool {
-        self.model.as_deref().is_none_or(is_spec)
+        self.model.as_deref().is_none_or(is_toml)
     }
 
     /// Use of the mesh: a user who names no specimen makes a first test.
@@ -170,13 +180,46 @@ impl Args {
     }
 }
 
-fn is_spec(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+/// The test of a TEST.toml, with the table of its history, which lies beside it.
+fn of_file(path: &Path) -> Result<Test, Failure> {
+    let mut test: Test = inputs::toml(path, options_from_toml)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let read = |name: &str| {
+        let bytes = Beside(folder).read(name).map_err(|error| error.to_string())?;
+        String::from_utf8(bytes).map_err(|_| "it is not UTF-8; save it as plain text".to_owned())
+    };
+    test.take_history(read).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    Ok(test)
+}
+
+/// Replaces the history in the tree of the TEST.toml at `path` by its turns.
+pub(crate) fn take_history(tree: &mut Value, path: &Path) -> Result<(), Failure> {
+    if tree.get("history").is_none() {
+        return Ok(());
+    }
+    let turns = of_file(path)?.turns;
+    if let Value::Object(keys) = tree {
+        keys.remove("history");
+        let turns = serde_json::to_value(turns).map_err(|error| Failure::Run(error.to_string()))?;
+        keys.insert("turns".to_owned(), turns);
+    }
+    Ok(())
 }
 
 /// Keys of a TEST.toml that have no flag.
-const OF_FILES: [&str; 9] =
-    ["ramp", "rows", "hourglass", "stress_ratio", "strip_mm", "span_mm", "expansion", "supports", "turns"];
+const OF_FILES: [&str; 11] = [
+    "ramp",
+    "rows",
+    "hourglass",
+    "stress_ratio",
+    "strip_mm",
+    "span_mm",
+    "expansion",
+    "supports",
+    "turns",
+    "history",
+    "gauges",
+];
 
 /// Turns an error of the engine into wrong usage; a value of the test has a flag.
 pub(super) fn wrong(error: &SolveError) -> Failure {

@@ -1,7 +1,8 @@
 //! STUDY.toml: the options that vary, and the steps after each packing.
 
-use super::beside;
 use super::steps::{Given, Steps};
+use super::{beside, flag_files};
+use crate::commands::solve;
 use crate::failure::Failure;
 use crate::inputs;
 use meso_core::SpecError;
@@ -14,9 +15,6 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// A flag whose value is a file that determines the result.
-const FILE_FLAG: &str = "materials";
 
 /// Most cases of a study that is read for its own sake.
 const MOST_ALONE: usize = 50;
@@ -31,6 +29,7 @@ struct Content {
     over: Map<String, Value>,
     mesh: Option<Map<String, Value>>,
     solve: Option<Map<String, Value>>,
+    test: Option<Value>,
 }
 
 /// A STUDY.toml and its place.
@@ -64,9 +63,15 @@ impl StudyFile {
         for (name, flags) in [("mesh", content.mesh), ("solve", content.solve)] {
             task.extend(flags.map(|flags| (name.to_owned(), Value::Object(flags))));
         }
+        if let Some(test) = content.test {
+            let is_clear = task.get("solve").is_some_and(|solve| solve.get("test").is_none());
+            let why = "test is the test of [solve], which must be there, without a test of its own";
+            is_clear.then_some(()).ok_or_else(|| wrong(why.to_owned()))?;
+            task.insert("test".to_owned(), test_tree(test, path)?);
+        }
         for axis in &axes {
             let section = axis.key.split('.').next().unwrap_or_default();
-            if ["mesh", "solve"].contains(&section) && !task.contains_key(section) {
+            if ["mesh", "solve", "test"].contains(&section) && !task.contains_key(section) {
                 return Err(wrong(format!("over.{} changes [{section}], which is not there; add it", axis.key)));
             }
         }
@@ -77,13 +82,14 @@ impl StudyFile {
     pub(super) fn alone(text: &str) -> Result<Option<Self>, Failure> {
         let wrong = |error: SpecError| Failure::Usage(error.to_string());
         let content: Content = options_from_toml(text).map_err(wrong)?;
-        if content.spec.as_ref().is_some_and(Value::is_string) {
+        if [&content.spec, &content.test].into_iter().flatten().any(Value::is_string) {
             return Ok(None);
         }
         let study = Self::of(content, Path::new("STUDY.toml"))?;
         let cases = study.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul);
-        let names_files =
-            study.task.to_string().contains(FILE_FLAG) || study.axes.iter().any(|axis| axis.key.ends_with(FILE_FLAG));
+        let mut values = study.task.to_string();
+        study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.key, axis.values));
+        let names_files = values.contains("materials") || values.to_lowercase().contains(".toml");
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 
@@ -155,16 +161,44 @@ impl Planning for Completing<'_> {
 
     fn complete(&mut self, task: &mut Value) -> Result<(), String> {
         for section in ["mesh", "solve"] {
-            let Some(file) = task[section][FILE_FLAG].as_str() else { continue };
-            let path = beside(self.study, file);
-            if !self.digests.contains_key(&path) {
-                // A pipe or a device would be read without end.
-                let bytes = Beside(Path::new("")).read(&path.to_string_lossy()).map_err(|error| error.to_string())?;
-                self.digests.insert(path.clone(), digest(&bytes));
+            for flag in flag_files::FLAGS {
+                let files = flag_files::of(flag, &task[section][flag]);
+                let hashes = files.map(|file| self.hash(file)).collect::<Result<Vec<_>, _>>()?;
+                if !hashes.is_empty() {
+                    task[section][flag_files::hash_key(flag)] = hashes.join(" ").into();
+                }
             }
-            task[section]["materials-sha256"] = self.digests[&path].clone().into();
         }
         Ok(())
+    }
+}
+
+/// The tree of a test: a table, or the content of a TEST.toml.
+fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
+    match test {
+        Value::String(name) => {
+            let file = beside(path, &name);
+            let mut tree: Value = inputs::toml(&file, options_from_toml)?;
+            solve::take_history(&mut tree, &file)?;
+            Ok(tree)
+        }
+        Value::Object(_) => Ok(test),
+        other => {
+            let why = format!("test is {other}; it must be a [test] table or the name of a TEST.toml");
+            Err(Failure::Usage(format!("{}: {why}", path.display())))
+        }
+    }
+}
+
+impl Completing<'_> {
+    fn hash(&mut self, file: &str) -> Result<String, String> {
+        let path = beside(self.study, file);
+        if let Some(known) = self.digests.get(&path) {
+            return Ok(known.clone());
+        }
+        // A pipe or a device would be read without end.
+        let bytes = Beside(Path::new("")).read(&path.to_string_lossy()).map_err(|error| error.to_string())?;
+        Ok(self.digests.entry(path).or_insert(digest(&bytes)).clone())
     }
 }
 

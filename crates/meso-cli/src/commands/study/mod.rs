@@ -1,6 +1,7 @@
 //! `mesocrete study`: every combination of some options, one folder each, and one table of all.
 
 mod file;
+mod flag_files;
 mod steps;
 
 use super::values;
@@ -91,6 +92,12 @@ pub(crate) fn cases(
     let given = Given { threads: shared_threads(jobs, threads), gmsh: None };
     let plan = checked_plan(file, out, &given, &shown)?;
     drive(file, &plan, out, &Working { given, jobs, again: Again::Failed }, &shown)
+}
+
+/// Refuses a study that another command made, where a flag of a case is wrong.
+pub(crate) fn check(file: &StudyFile, out: &Path) -> Result<(), Failure> {
+    let given = Given { threads: None, gmsh: None };
+    checked_plan(file, out, &given, &Shown::new(true)).map(drop)
 }
 
 /// How cases are worked on.

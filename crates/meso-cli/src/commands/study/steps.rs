@@ -1,6 +1,6 @@
 //! The steps of each case: pack, write, mesh, solve. Flags in a study are the commands' own.
 
-use super::beside;
+use super::{beside, flag_files};
 use crate::commands::{mesh, solve};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{Target, Unit};
@@ -75,7 +75,8 @@ impl Steps {
             line.args.validate().map(|()| line.args)
         });
         let solve = solve_line.map(|line| -> Result<_, Failure> {
-            let line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            let mut line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            case.task.get("test").map_or(Ok(()), |test| line.args.set_test(test))?;
             line.args.validate_alone().map(|()| line.args)
         });
         let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
@@ -211,7 +212,7 @@ fn words(
         {
             return Err(Failure::Usage(format!("[{section}] {key} is set by the study; remove it")));
         }
-        if flag == "materials-sha256" {
+        if flag_files::is_hash(&flag) {
             continue;
         }
         let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
@@ -222,8 +223,8 @@ fn words(
                     Names::default().claim("[mesh] output", name).map_err(|error| Failure::Usage(error.to_string()))?;
                     line.push(format!("--output={}", folder.join(name).display()));
                 }
-                (Value::String(file), _) if flag == "materials" => {
-                    line.push(format!("--materials={}", beside(study, file).display()));
+                (Value::String(file), _) if flag_files::is_file(&flag, file) => {
+                    line.push(format!("--{flag}={}", beside(study, file).display()));
                 }
                 (Value::String(text), _) => line.push(format!("--{flag}={text}")),
                 (value, _) => line.push(format!("--{flag}={value}")),

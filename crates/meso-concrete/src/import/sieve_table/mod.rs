@@ -11,6 +11,7 @@ mod text;
 mod words;
 
 pub use cells::SieveUnit;
+pub use text::decode;
 
 use readings::Analysis;
 use sheet::Sheet;

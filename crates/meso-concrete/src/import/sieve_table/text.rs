@@ -9,8 +9,11 @@ pub(super) struct Row {
     pub(super) cells: Vec<String>,
 }
 
-/// The file as text: UTF-8, UTF-16 with its mark, or Latin-1.
-pub(super) fn decode(bytes: &[u8]) -> Result<String, String> {
+/// A table's file as text: UTF-8, UTF-16 with its mark, or Latin-1.
+///
+/// # Errors
+/// A workbook, damaged UTF-16, and bytes that are no text.
+pub fn decode(bytes: &[u8]) -> Result<String, String> {
     if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
         return Err("it is a workbook; save its sheet as CSV, or read the .xlsx with Python".to_owned());
     }

@@ -4,18 +4,18 @@
 //! SHA-256 of all bytes before it. The mesh is not in it; whoever resumes builds the same run anew.
 
 use super::{Run, Since, State};
-use crate::block::{Block, Common, Group};
 use crate::error::SolveError;
-use crate::lanes::LANES;
 use crate::march::curve::Row;
 use crate::march::path::Leg;
-use crate::march::servo::Servo;
+use crate::march::servo::{Follower, Servo};
 use crate::march::supports::{Held, MOST};
+use meso_element::block::{Block, Common, Group};
+use meso_element::lanes::LANES;
 use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 9;
+const VERSION: u64 = 10;
 /// Bytes of a SHA-256.
 const SEAL: usize = 32;
 const DAMAGED: &str = "the file is cut off or damaged";
@@ -58,6 +58,7 @@ impl Run<'_> {
         let State { external, internal, friction, kinetic, spent, .. } = *state;
         numbers(out, &[external, internal, friction, kinetic, spent])?;
         numbers(out, &state.servo.values())?;
+        numbers(out, &state.follower.values())?;
         numbers(out, &state.leg.values())?;
         numbers(out, state.held.as_flattened())?;
         numbers(out, &state.forces)?;
@@ -105,7 +106,12 @@ impl Run<'_> {
         let (step, rows) = (word(from)?, word(from)?);
         let [time, progress, added, speed, travel] = some(from)?;
         let [external, internal, friction, kinetic, spent] = some(from)?;
-        let (servo, leg) = (Servo::from_values(some(from)?), Leg::from_values(some(from)?));
+        let (servo, follower) = (Servo::from_values(some(from)?), Follower::from_values(some(from)?));
+        let values = some(from)?;
+        let leg = Leg::from_values(values);
+        if leg.values().map(f64::to_bits) != values.map(f64::to_bits) {
+            return Err(damaged());
+        }
         let mut held = [Held::default(); MOST];
         fill(from, held.as_flattened_mut())?;
         let (forces, since) = (some(from)?, some(from)?);
@@ -120,6 +126,7 @@ impl Run<'_> {
             added,
             speed,
             servo,
+            follower,
             travel,
             leg,
             held,
@@ -141,7 +148,7 @@ impl Run<'_> {
         fill(from, self.nodes.displacement.as_flattened_mut())?;
         fill(from, self.nodes.velocity.as_flattened_mut())?;
         for group in self.blocks.iter_mut().flat_map(|block| &mut block.groups) {
-            group.take_in(from)?;
+            take_in(group, from)?;
         }
         sealed.finish()
     }
@@ -252,21 +259,20 @@ fn size(block: &Block) -> u64 {
     block.groups.iter().map(|group| (group.memory.len() * 8 + group.phase as usize) as u64).sum()
 }
 
-impl Group {
-    fn take_in(&mut self, from: &mut dyn Read) -> Result<(), SolveError> {
-        let mut sums = [0.0; 3];
-        fill(from, &mut sums)?;
-        let [dissipated, stored, lost] = sums;
-        (self.dissipated, self.hourglass) = (dissipated, [stored, lost]);
-        for eight in &mut self.memory {
-            let mut bytes = [0; 4 * LANES];
-            read(from, &mut bytes)?;
-            for (x, bytes) in eight.0.iter_mut().zip(bytes.as_chunks().0) {
-                *x = f32::from_le_bytes(*bytes);
-            }
+/// Reads the state of a group's elements.
+fn take_in(group: &mut Group, from: &mut dyn Read) -> Result<(), SolveError> {
+    let mut sums = [0.0; 3];
+    fill(from, &mut sums)?;
+    let [dissipated, stored, lost] = sums;
+    (group.dissipated, group.hourglass) = (dissipated, [stored, lost]);
+    for eight in &mut group.memory {
+        let mut bytes = [0; 4 * LANES];
+        read(from, &mut bytes)?;
+        for (x, bytes) in eight.0.iter_mut().zip(bytes.as_chunks().0) {
+            *x = f32::from_le_bytes(*bytes);
         }
-        Ok(())
     }
+    Ok(())
 }
 
 fn words(out: &mut impl Write, words: &[u64]) -> io::Result<()> {

@@ -3,20 +3,20 @@
 //! [`Run::upload`] gives a run as plain data, [`Run::hand_to`] hands its steps to a [`Device`]. A device computes the bytes
 //! that the processor would: rows, frames, checkpoints and the response are made here, of the state that it gives back.
 
-pub use crate::block::matter::LawTask;
-pub use crate::block::spent;
 pub use crate::march::nodes::SPAN;
+pub use meso_element::block::matter::LawTask;
+pub use meso_element::block::spent;
 
 use super::{Run, Since, State};
-use crate::block::{Block, Cells, Group};
-use crate::element::uniform::Uniform;
 use crate::error::SolveError;
-use crate::lanes::LANES;
 use crate::march::servo::Servo;
 use crate::march::supports::MOST;
-use crate::real::Real;
 use crate::test::load::Rule;
 use crate::test::{Control, Test};
+use meso_element::block::{Batch, Block, Group};
+use meso_element::lanes::LANES;
+use meso_element::real::Real;
+use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
 
 /// Refuses tests that devices cannot take yet, as far as the test's options and the mesh's kind tell; one function, which the
@@ -313,11 +313,11 @@ impl Elements<'_> {
     /// Nodes of each beside the first one.
     pub fn others(&self) -> usize {
         match &self.0.cells {
-            Cells::Tets(_) => 3,
-            Cells::Patches8(_) => 7,
-            Cells::Patches9(_) => 8,
-            Cells::Patches12(_) => 11,
-            Cells::Hexes(_) | Cells::Triangles(_) | Cells::Quads(_) => 0,
+            Batch::Tets(_) => 3,
+            Batch::Patches8(_) => 7,
+            Batch::Patches9(_) => 8,
+            Batch::Patches12(_) => 11,
+            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => 0,
         }
     }
 
@@ -328,11 +328,11 @@ impl Elements<'_> {
             cells.iter().for_each(|cells| cells.words(out));
         }
         match &self.0.cells {
-            Cells::Tets(cells) => all(cells, out),
-            Cells::Patches8(cells) => all(cells, out),
-            Cells::Patches9(cells) => all(cells, out),
-            Cells::Patches12(cells) => all(cells, out),
-            Cells::Hexes(_) | Cells::Triangles(_) | Cells::Quads(_) => {}
+            Batch::Tets(cells) => all(cells, out),
+            Batch::Patches8(cells) => all(cells, out),
+            Batch::Patches9(cells) => all(cells, out),
+            Batch::Patches12(cells) => all(cells, out),
+            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => {}
         }
     }
 

@@ -13,20 +13,21 @@ pub use checkpoint::checkpoint_note;
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
-use crate::block::matter::{self, Matter};
-use crate::block::{Block, Common, PHASES, Pass, Scratch};
-use crate::element::face::CohesionValues;
 use crate::error::SolveError;
-use crate::lanes::InstructionSet;
 use crate::march::curve::{Extra, Row};
 use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::Nodes;
 use crate::march::path::{Leg, Path};
-use crate::march::servo::Servo;
+use crate::march::servo::{Follower, Servo};
 use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
 use crate::test::load::TurnOf;
-use crate::test::{Control, LawName, Smoothing, Test};
+use crate::test::{Control, Smoothing, Test};
+use meso_element::LawName;
+use meso_element::block::matter::{self, Matter};
+use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
+use meso_element::face::CohesionValues;
+use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
@@ -51,6 +52,8 @@ pub struct Run<'a> {
     pub(crate) supports: Supports,
     pub(crate) path: Path,
     pub(crate) gauges: Vec<Reader>,
+    /// Place of the gauge that controls the path, among all.
+    leader: Option<usize>,
     pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
     pub(crate) state: State,
@@ -86,6 +89,8 @@ pub(crate) struct State {
     /// Speed of the path in the last step, mm/s.
     pub(crate) speed: f64,
     pub(crate) servo: Servo,
+    /// The gauge that the test is controlled by.
+    pub(crate) follower: Follower,
     /// Place on the path, mm: of two plates, the way of one against the other in the test's sense.
     pub(crate) travel: f64,
     /// Where a path with turns is.
@@ -132,19 +137,21 @@ impl<'a> Run<'a> {
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
         let (mesh, geometry) = (sample.mesh, sample.geometry());
-        let common = common(&sample, &materials.in_mesh(mesh), test)?;
+        let mut common = common(&sample, &materials.in_mesh(mesh), test)?;
         let plan = test.plan(&geometry)?;
         let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
         let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
+        common.free = test.expansion.map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
         let (length_mm, axis) = (plan.length_mm, plan.axis);
         let supports = Supports::new(&sample, plan, &number, &mass, e_mpa)?;
         let setter = Setter { sample: &sample, axis, sign: supports.sign, has_path: test.has_path(), number: &number };
-        let gauges = setter.all(&test.gauges())?;
+        let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
         sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
@@ -168,6 +175,7 @@ impl<'a> Run<'a> {
             supports,
             path,
             gauges,
+            leader,
             set,
             outline,
             state,
@@ -232,20 +240,30 @@ impl<'a> Run<'a> {
         state.added += 1.0 - pace;
         let spent = self.spent.iter().sum::<f64>();
         state.spent += spent;
-        if self.test.control == Control::Servo {
-            let stored = state.external - state.friction - state.spent;
-            state.servo.follow(stored, spent, sums.external - sums.friction, steps);
-            if !self.path.turns.is_empty() {
-                state.servo.give_back();
-            }
+        if self.test.control != Control::Steady {
+            self.hold_back([spent, sums.external - sums.friction], steps);
+        }
+    }
+
+    /// Lets the servo follow a step in which cracks `spent` and the plates `supplied` energy.
+    fn hold_back(&mut self, [spent, supplied]: [f64; 2], steps: f64) {
+        let Self { state, path, leader, gauges, nodes, outline, .. } = self;
+        let stored = state.external - state.friction - state.spent;
+        let allows = leader.map(|gauge| {
+            let (value, moved) = (gauges[gauge].read(&nodes.displacement), state.speed * outline.dt);
+            let is_sound = path.begins(state.progress * outline.dt);
+            state.follower.follow(value, [state.travel, moved], is_sound, steps)
+        });
+        state.servo.follow([stored, spent, supplied], allows, steps);
+        if !path.turns.is_empty() {
+            state.servo.give_back();
         }
     }
 
     /// Lets the phases expand to their strains at the present displacements.
     fn expand(&mut self) {
-        if let Some(expansion) = &self.test.expansion {
-            let share = self.path.share(self.state.progress * self.outline.dt);
-            self.common.free = Some(expansion.at(share));
+        if let (Some(expansion), Some(free)) = (&self.test.expansion, &mut self.common.free) {
+            free.set(expansion.at(self.path.share(self.state.progress * self.outline.dt)));
         }
     }
 
@@ -310,7 +328,7 @@ impl<'a> Run<'a> {
             rest = more;
         }
         blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
-            SCRATCH.with_borrow_mut(|scratch| *spent = set.run(Pass { block, common, displacement, out, scratch }));
+            SCRATCH.with_borrow_mut(|scratch| *spent = set.step(Pass { block, common, displacement, out, scratch }));
         });
     }
 

@@ -202,9 +202,18 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
         ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
     ];
+    let lateral = [
+        ("Poisson's ratio to 30 % of the peak", result.lateral.poisson_ratio.map(|x| format!("{x:.3}"))),
+        ("lateral strain at the peak", result.lateral.lateral_strain_at_peak.map(|x| format!("{x:.5}"))),
+        ("stress of least volume over the peak", result.lateral.least_volume_over_peak.map(|x| format!("{x:.3}"))),
+    ];
+    let lateral: Vec<(&str, String)> = lateral.into_iter().filter_map(|(name, value)| Some((name, value?))).collect();
     let stone = result.broken_stone.map(|share| ("aggregates that broke, by volume", percent(share)));
     writeln!(out, "<h2>Figures</h2>\n<div class=\"split\">\n<div class=\"wide\"><table>")?;
-    rows.iter().chain(&stone).try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
+    rows.iter()
+        .chain(&lateral)
+        .chain(&stone)
+        .try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
     writeln!(
         out,
         "</table></div>\n<div class=\"wide\"><table><tr><th>phase<th>of specimen<th>exact<th>dissipated, mJ"

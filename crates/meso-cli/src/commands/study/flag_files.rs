@@ -1,0 +1,34 @@
+//! Files that the flags of a study's steps name: each lies beside the study, and its content is part of the case.
+
+use crate::commands::solve;
+use serde_json::Value;
+use std::path::Path;
+
+/// Flags whose value may be a file that determines the result.
+pub(super) const FLAGS: [&str; 2] = ["materials", "test"];
+/// Ending of the key with a file's hash.
+const HASH: &str = "-sha256";
+
+/// The files that the values of a flag name.
+pub(super) fn of<'a>(flag: &'a str, value: &'a Value) -> impl Iterator<Item = &'a str> {
+    let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+    values.iter().filter_map(Value::as_str).filter(move |text| is_file(flag, text))
+}
+
+/// Whether the value of a flag is a file; a test has a name or a file.
+pub(super) fn is_file(flag: &str, value: &str) -> bool {
+    match flag {
+        "test" => solve::is_toml(Path::new(value)),
+        _ => FLAGS.contains(&flag),
+    }
+}
+
+/// The key of a task with the hash of a flag's file.
+pub(super) fn hash_key(flag: &str) -> String {
+    format!("{flag}{HASH}")
+}
+
+/// Whether a key of a task is such a hash.
+pub(super) fn is_hash(key: &str) -> bool {
+    key.strip_suffix(HASH).is_some_and(|flag| FLAGS.contains(&flag))
+}

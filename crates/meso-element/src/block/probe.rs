@@ -1,0 +1,125 @@
+//! The state of a block's elements, computed on demand.
+
+use super::matter::LawTask;
+use super::{Batch, Block, Common, EMPTY, Group, Scratch, history, without};
+use crate::lanes::{LANES, Lanes, Octet, Task, Vectors};
+use crate::law::{Law, Tensor};
+use crate::uniform::Uniform;
+
+/// The state of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point {
+    /// xx yy zz xy yz zx, MPa; tension is positive.
+    pub stress: [f32; 6],
+    /// 1 less the share of the stiffness that is left.
+    pub damage: f32,
+    /// Damage in tension, 0 to 1.
+    pub tension: f32,
+    /// Damage in compression, 0 to 1.
+    pub compression: f32,
+    /// Opening of its crack, mm.
+    pub opening_mm: f32,
+    /// Energy per volume that unloading would give back, N/mm2.
+    pub stored: f32,
+}
+
+/// The cell or patch of a point, by its number.
+#[derive(Clone, Copy, Debug)]
+pub enum Element {
+    /// A cell of the mesh.
+    Cell(u32),
+    /// A patch of cells that share their mean strain.
+    Patch(u32),
+}
+
+/// Asks the elements of a block.
+pub struct Probe<'a> {
+    /// Its elements.
+    pub block: &'a Block,
+    /// Materials and shapes.
+    pub common: &'a Common,
+    /// Of all nodes, mm.
+    pub displacement: &'a [[f64; 3]],
+}
+
+impl Task for Probe<'_> {
+    type Output = Vec<(Element, Point)>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self { block, common, displacement } = self;
+        let mut scratch = Scratch::new();
+        scratch.take_in(block, displacement, common.free.as_ref());
+        let mut points = Vec::new();
+        for group in &block.groups {
+            let matter = &common.matter[usize::from(group.matter)];
+            points.extend(matter.law::<L, _>(GroupProbe { group, common, u: &scratch.u }));
+        }
+        points
+    }
+}
+
+struct GroupProbe<'a> {
+    group: &'a Group,
+    common: &'a Common,
+    u: &'a Vectors,
+}
+
+impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
+    type Output = Vec<(Element, Point)>;
+
+    #[inline(always)]
+    fn run<W: Law<L>>(self, law: &W) -> Self::Output {
+        let Self { group, common, u } = self;
+        let strains: Vec<(Tensor<L>, L)> = match &group.cells {
+            Batch::Tets(cells) => strains(cells, u),
+            Batch::Patches8(cells) => strains(cells, u),
+            Batch::Patches9(cells) => strains(cells, u),
+            Batch::Patches12(cells) => strains(cells, u),
+            Batch::Hexes(cells) => {
+                cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()
+            }
+            Batch::Triangles(_) | Batch::Quads(_) => Vec::new(),
+        };
+        let remembered = group.memory.len() / strains.len().max(1);
+        let free = common.over(group.phase);
+        let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
+        let mut points = Vec::with_capacity(strains.len() * LANES);
+        for (i, (strain, width)) in strains.iter().enumerate() {
+            let memory = &group.memory[i * remembered..(i + 1) * remembered];
+            let eight = answer(law, &without(*strain, free), *width, memory);
+            let numbers = group.numbers[i * LANES..][..LANES].iter().zip(eight);
+            points.extend(
+                numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (element(number), point)),
+            );
+        }
+        points
+    }
+}
+
+/// Strains and widths of crack bands.
+#[inline(always)]
+fn strains<L: Lanes, const N: usize>(cells: &[Uniform<N>], u: &Vectors) -> Vec<(Tensor<L>, L)> {
+    cells.iter().map(|cells| (cells.strain(u), L::load(&cells.width))).collect()
+}
+
+#[inline(always)]
+fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[Octet]) -> [Point; LANES] {
+    let mut history = history::<L, W>(memory);
+    let response = law.stress(strain, &mut history, width);
+    let state = law.state(strain, &history, width);
+    let stress = response.stress.map(L::eight);
+    // Laws lose stiffness or strength.
+    let weakened = L::splat(0.0).lt(state.weakened);
+    let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
+    let [damage, tension, compression, opening, stored] =
+        [damage, state.tension, state.compression, state.opening, state.stored].map(L::eight);
+    std::array::from_fn(|lane| Point {
+        stress: stress.map(|s| s.0[lane]),
+        damage: damage.0[lane],
+        tension: tension.0[lane],
+        compression: compression.0[lane],
+        opening_mm: opening.0[lane],
+        stored: stored.0[lane],
+    })
+}

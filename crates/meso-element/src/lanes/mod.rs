@@ -1,0 +1,110 @@
+//! Eight elements at a time: registers of f32, chosen at run time, the same bits on every instruction set.
+//!
+//! The width is eight everywhere, so that forces are summed in one order. AVX-512 would bring 32 registers alone, which
+//! gain nothing. Other machines take the portable lanes, which compilers turn into NEON on arm64.
+//!
+//! All functions are inlined into one that was compiled for the instruction set; a call left standing would be correct
+//! and slow.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use crate::real::Real;
+use meso_collision::simd::Isa;
+use portable::Portable;
+use serde::{Deserialize, Serialize};
+
+/// Elements side by side.
+pub const LANES: usize = 8;
+
+/// Eight numbers in memory, aligned for one load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct Octet(pub [f32; LANES]);
+
+impl Octet {
+    /// Their sum, in f64 and in their order.
+    pub fn sum(&self) -> f64 {
+        self.0.iter().map(|&x| f64::from(x)).sum()
+    }
+}
+
+/// Vectors of a block's nodes; the fourth number is padding. As many as a u16 can name: no index needs a check.
+pub type Vectors = [[f32; 4]; 1 << 16];
+
+/// Zeros; pages that no block reaches never become resident.
+pub fn vectors() -> Box<Vectors> {
+    let zeros = vec![[0.0f32; 4]; 1 << 16].into_boxed_slice();
+    zeros.try_into().expect("a vector of that length")
+}
+
+/// A register of eight f32.
+pub trait Lanes: Real + 'static {
+    /// From memory.
+    fn load(from: &Octet) -> Self;
+    /// To memory.
+    fn store(self, to: &mut Octet);
+    /// x, y and z of eight nodes.
+    fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3];
+    /// Adds x, y and z to eight nodes, one after the other.
+    fn scatter(nodes: &mut Vectors, at: &[u16; LANES], vector: [Self; 3]);
+
+    /// To memory, as a value.
+    #[inline(always)]
+    fn eight(self) -> Octet {
+        let mut eight = Octet::default();
+        self.store(&mut eight);
+        eight
+    }
+}
+
+/// Work on lanes. Give `run` and all that it calls `#[inline(always)]`.
+pub trait Task {
+    /// The answer.
+    type Output;
+    /// Does the work with registers `L`.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// An instruction set that the engine has code for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum InstructionSet {
+    /// Instructions of every machine; NEON on arm64.
+    Portable,
+    /// AVX2 and FMA.
+    Avx2,
+}
+
+impl InstructionSet {
+    /// Instruction sets of this machine, slowest first.
+    pub fn available() -> Vec<Self> {
+        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2)];
+        let best = Isa::best();
+        all.into_iter().filter(|(_, isa)| *isa <= best).map(|(set, _)| set).collect()
+    }
+
+    /// The fastest one of this machine.
+    pub fn best() -> Self {
+        *Self::available().last().expect("portable is always there")
+    }
+
+    /// This one where the machine has it, else the best.
+    pub fn or_best(self) -> Self {
+        if Self::available().contains(&self) { self } else { Self::best() }
+    }
+
+    /// Runs `task`, compiled for this set, which must come from [`available`](Self::available).
+    #[inline]
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        match self {
+            Self::Portable => task.run::<Portable>(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => x86::on_avx2(task),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 => task.run::<Portable>(),
+        }
+    }
+}

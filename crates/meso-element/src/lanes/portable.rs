@@ -1,0 +1,149 @@
+//! Lanes as an array, for compilers to turn into registers.
+
+use super::{LANES, Lanes, Octet, Vectors};
+use crate::real::Real;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// Eight f32.
+#[derive(Clone, Copy)]
+pub(super) struct Portable([f32; LANES]);
+
+/// Where a comparison holds.
+#[derive(Clone, Copy)]
+pub(super) struct Mask([bool; LANES]);
+
+impl Portable {
+    #[inline(always)]
+    fn each(self, of: impl Fn(f32) -> f32) -> Self {
+        Self(self.0.map(of))
+    }
+
+    #[inline(always)]
+    fn with(self, other: Self, of: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|lane| of(self.0[lane], other.0[lane])))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $name:ident) => {
+        impl $trait for Portable {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                self.with(other, $trait::$name)
+            }
+        }
+    };
+}
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl Neg for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.each(Neg::neg)
+    }
+}
+
+macro_rules! logic {
+    ($trait:ident, $name:ident) => {
+        impl $trait for Mask {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self(std::array::from_fn(|lane| self.0[lane].$name(other.0[lane])))
+            }
+        }
+    };
+}
+logic!(BitAnd, bitand);
+logic!(BitOr, bitor);
+
+impl Not for Mask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(self.0.map(Not::not))
+    }
+}
+
+impl Real for Portable {
+    type Mask = Mask;
+    const SINGLE: bool = true;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value as f32; LANES])
+    }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane].mul_add(b.0[lane], c.0[lane])))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.with(other, Real::min)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.with(other, Real::max)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.each(f32::abs)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.each(f32::sqrt)
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        self.each(f32::round_ties_even)
+    }
+    #[inline(always)]
+    fn pow2(self) -> Self {
+        self.each(Real::pow2)
+    }
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        let parts = self.0.map(Real::split);
+        (Self(parts.map(|part| part.0)), Self(parts.map(|part| part.1)))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask {
+        Mask(std::array::from_fn(|lane| self.0[lane] < other.0[lane]))
+    }
+    #[inline(always)]
+    fn select(mask: Mask, a: Self, b: Self) -> Self {
+        Self(std::array::from_fn(|lane| if mask.0[lane] { a.0[lane] } else { b.0[lane] }))
+    }
+    #[inline(always)]
+    fn any(mask: Mask) -> bool {
+        mask.0.contains(&true)
+    }
+}
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn load(from: &Octet) -> Self {
+        Self(from.0)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Octet) {
+        to.0 = self.0;
+    }
+    #[inline(always)]
+    fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3] {
+        std::array::from_fn(|axis| Self(std::array::from_fn(|lane| nodes[at[lane] as usize][axis])))
+    }
+    #[inline(always)]
+    fn scatter(nodes: &mut Vectors, at: &[u16; LANES], [x, y, z]: [Self; 3]) {
+        for lane in 0..LANES {
+            let node = &mut nodes[at[lane] as usize];
+            let vector = [x.0[lane], y.0[lane], z.0[lane], 0.0];
+            *node = std::array::from_fn(|i| node[i] + vector[i]);
+        }
+    }
+}

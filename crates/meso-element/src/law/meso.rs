@@ -1,0 +1,394 @@
+//! Mortar between stiff grains: cracks by principal stress, and crushing that takes cohesion and leaves friction.
+//!
+//! The law is plasticity on two surfaces, in effective stress s: stress is g s, with the stiffness g that crushing leaves.
+//! p is the mean of s, q its Mises stress, s1 >= s2 >= s3 are its principal values, P = g <-s1> is the least confinement,
+//! h the width of the band, L = max(h, crushing length).
+//!
+//! ```text
+//! g         max(y, 0.1)
+//! cracks    R_i = g s_i - f_t y_t(kt) y(kc) <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
+//! crushing  F = g (q + 3 alpha p + beta <s1> - gamma <-s1> / (1 + P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
+//!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1),  beta = (1 - alpha) rise / f_s - (1 + alpha)
+//!           N = 1.5 dev s / q + tan(psi) / 3,  tan psi = y tan(psi_0) / ((1 + P / f_c) (1 + A P / f_c))
+//!           d kc = <-N_3> / (1 + A P / f_c) per step of flow
+//! y_t       crack law of fib Model Code 2010, 5.1.8.2, on the width h
+//! y         exp(-<kc - peak> L f_c / G_c)
+//! ```
+//!
+//! 1. A crack opens without lateral strain, carries no tension whatever the compression along it is, and leaves the
+//!    strength along it.
+//! 2. `rise` is the rising branch of the decks. Beyond the peak the surface shrinks towards its cone: cohesion and tensile
+//!    strength go, friction stays. The share y of cohesion that is left scales the dilation, too.
+//! 3. Crushing costs 1 + A P / f_c times as much strain under confinement.
+//! 4. Its energy counts on the band L, which small elements share: their curve is one of strain.
+//! 5. gamma falls to half at P = f_c, as the compressive meridian of tests bends.
+//! 6. f_s, 1.5 f_t, says how much strength lateral tension costs: a third at a twentieth of the compression, as Kupfer,
+//!    Hilsdorf and Ruesch (1969) found. Its surface lies outside the cracks' near tension.
+//!
+//! The cracks' return is closed: all principal stresses fall by m, those above t = f_t y_t y / g further to it, with
+//!
+//! ```text
+//! m = b sum <s_i - t - m>,  b = nu / (1 - 2 nu),  so  m = max over n = 0..3 of b (s_1 + .. + s_n - n t) / (1 + n b)
+//! ```
+//!
+//! A step has three parts:
+//!
+//! 1. The trial stress returns to the cracks.
+//! 2. The cone's flow begins there.
+//! 3. The trial stress less this flow returns to the cracks. The flow lowers s1, so this return is the shorter one.
+//!
+//! Closed loops never give energy back, in steps of any size: g only falls, and each flow works against the stress at the
+//! end of its step, cracks against t, and the cone's since dilation fades faster than friction. With the return of part 1,
+//! whose openings the dilation of part 2 closes again, cracks would work against a pressure that they make themselves.
+
+use super::curves::{Crack, Rise};
+use super::elastic::{elastic_part, energy};
+use super::invariants::{Invariants, split};
+use super::{Hooke, Law, PointResponse, State, Tensor, cdp, softening};
+use crate::real::Real;
+use meso_concrete::OutOfRange;
+use meso_mesh::materials::{self, Materials, Mesoscale, Strength};
+
+/// Parameters, as registers.
+#[derive(Clone, Copy, Debug)]
+pub struct Meso<R> {
+    elastic: Hooke<R>,
+    /// 1 / (3 K), 1 / (2 G), both per MPa.
+    per_volume: R,
+    per_shear: R,
+    /// K and 3 G, MPa.
+    bulk: R,
+    three_shear: R,
+    /// b / (1 + n b) for n = 1, 2, 3.
+    shares: [R; 3],
+    /// tan(psi_0).
+    dilation: R,
+    three_alpha: R,
+    one_less_alpha: R,
+    one_more_alpha: R,
+    gamma: R,
+    /// (1 - alpha) / f_s
+    beta_slope: R,
+    /// 1 / f_c, and f_t, MPa.
+    per_strength: R,
+    tensile: R,
+    rise: Rise<R>,
+    crack: Crack<R>,
+    /// A / f_c, per MPa.
+    ductility: R,
+    /// f_c / G_c, per mm, and the least band, mm.
+    per_crushing_opening: R,
+    length: R,
+    /// Widest bands of cracking and of crushing, mm.
+    widest: [R; 2],
+    widest_mm: [f64; 2],
+}
+
+/// Newton's steps of the cone's return.
+const STEPS: usize = 2;
+/// f_s over f_t.
+const SHEARED: f64 = 1.5;
+/// Least share of the cohesion.
+const LEAST_COHESION: f64 = 1e-3;
+/// Least share of the stiffness: crushed mortar is loose.
+const LEAST_STIFFNESS: f64 = 0.1;
+
+/// Finds out whether the law can have these values.
+///
+/// # Errors
+/// Names the first one that it cannot have.
+pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
+    cdp::validate(materials)?;
+    materials.validate_mesoscale()
+}
+
+impl<R: Real> Meso<R> {
+    /// The law of a phase with these values, which [`validate`] has seen.
+    pub fn new(elastic: &materials::Elastic, strength: &Strength, biaxial_ratio: f64, own: &Mesoscale) -> Self {
+        let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
+        let (bulk, shear) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+        let (fc, ft, kc) = (strength.compressive_mpa, strength.tensile_mpa, own.meridian_ratio);
+        let (alpha, b) = (cdp::alpha(biaxial_ratio), nu / (1.0 - 2.0 * nu));
+        let opening = strength.crushing_energy_n_per_mm / fc;
+        let snapping = [Crack::<R>::snapping_mm(strength, e), opening / (fc / e)];
+        let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
+        let splat = R::splat;
+        Self {
+            elastic: Hooke::new(elastic),
+            per_volume: splat(1.0 / (3.0 * bulk)),
+            per_shear: splat(1.0 / (2.0 * shear)),
+            bulk: splat(bulk),
+            three_shear: splat(3.0 * shear),
+            shares: [1.0, 2.0, 3.0].map(|n| splat(b / (1.0 + n * b))),
+            dilation: splat(libm::tan(own.dilation_angle_deg.to_radians())),
+            three_alpha: splat(3.0 * alpha),
+            one_less_alpha: splat(1.0 - alpha),
+            one_more_alpha: splat(1.0 + alpha),
+            gamma: splat(3.0 * (1.0 - kc) / (2.0 * kc - 1.0)),
+            beta_slope: splat((1.0 - alpha) / (SHEARED * ft)),
+            per_strength: splat(1.0 / fc),
+            tensile: splat(ft),
+            rise: Rise::new(strength, e),
+            crack: Crack::new(strength, e),
+            ductility: splat(own.confined_ductility / fc),
+            per_crushing_opening: splat(1.0 / opening),
+            length: splat(own.crushing_length_mm),
+            widest: widest_mm.map(splat),
+            widest_mm,
+        }
+    }
+}
+
+/// A stress by its tensor and its principal values.
+#[derive(Clone, Copy)]
+struct Stress<R> {
+    mean: R,
+    mises: R,
+    deviator: Tensor<R>,
+    /// Principal deviators in falling order, MPa.
+    principal: [R; 3],
+}
+
+impl<R: Real> Stress<R> {
+    /// This stress less `share` of the deviator of `of`, which has its axes, and less a mean stress; its Mises stress stays
+    /// the former one.
+    #[inline(always)]
+    fn less(&self, of: &Self, share: R, mean: R) -> Self {
+        let mut deviator = self.deviator;
+        for i in 0..6 {
+            deviator[i] = (-share).mul_add(of.deviator[i], deviator[i]);
+        }
+        let mut principal = self.principal;
+        for i in 0..3 {
+            principal[i] = (-share).mul_add(of.principal[i], principal[i]);
+        }
+        Self { mean: self.mean - mean, mises: self.mises, deviator, principal }
+    }
+}
+
+/// Start and direction of the cone's flow.
+#[derive(Clone, Copy)]
+struct Flow<R> {
+    /// Mises, mean and largest principal stress.
+    from: [R; 3],
+    /// How fast each of the three falls.
+    fall: [R; 3],
+    /// Crushing strain at the start, and per step of flow.
+    crushed: R,
+    harden: R,
+    /// Share of the effective strength at the start, and its softening per crushing strain.
+    left: R,
+    per_scale: R,
+    /// gamma at the confinement of the start.
+    gamma: R,
+}
+
+impl<R: Real> Meso<R> {
+    /// Softening of crushing on this width, per strain.
+    #[inline(always)]
+    fn per_scale(&self, width: R) -> R {
+        width.max(self.length).min(self.widest[1]) * self.per_crushing_opening
+    }
+
+    /// Share of the cohesion that is left.
+    #[inline(always)]
+    fn cohesion(&self, crushed: R, per_scale: R) -> R {
+        let share = (-((crushed - self.rise.peak) * per_scale)).exp();
+        share.max(R::splat(LEAST_COHESION)).min(R::splat(1.0))
+    }
+
+    /// Share of the stiffness that is left beside this share of the cohesion.
+    #[inline(always)]
+    fn stiffness(left: R) -> R {
+        left.max(R::splat(LEAST_STIFFNESS))
+    }
+
+    /// Share of tension that cracks leave.
+    #[inline(always)]
+    fn bridged(&self, cracked: R, width: R) -> R {
+        self.crack.integrity(cracked, width.min(self.widest[0]))
+    }
+
+    /// Weight of a tensile largest stress.
+    #[inline(always)]
+    fn beta(&self, risen: R) -> R {
+        self.beta_slope.mul_add(risen, -self.one_more_alpha).positive()
+    }
+
+    /// Where a point can yield or has softened: F without gamma, and with s1 at most p + 2 q / 3.
+    #[inline(always)]
+    fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
+        let zero = R::splat(0.0);
+        let risen = self.rise.at(crushed).0;
+        let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean);
+        let pressed = self.three_alpha.mul_add(of.mean, of.mises);
+        let bound = self.beta(risen).mul_add(largest.positive(), pressed) - self.one_less_alpha * risen;
+        zero.lt(bound) | self.tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
+    }
+
+    /// Return to the cracks: the stress after it, and the largest of the openings.
+    #[inline(always)]
+    fn open(&self, trial: Stress<R>, strength: R) -> (Stress<R>, R) {
+        let (zero, third) = (R::splat(0.0), R::splat(1.0 / 3.0));
+        let above = trial.mean - strength;
+        let [first, second, last] = trial.principal.map(|d| d + above);
+        let opens = zero.lt(first);
+        // Seldom anywhere.
+        if !R::any(opens) {
+            return (trial, zero);
+        }
+        let (two, three) = (first + second, first + second + last);
+        let [a, b, c] = self.shares;
+        let m = (a * first).max(b * two).max(c * three).positive();
+        let after = [first, second, last].map(|s| (s - m).min(zero));
+        let sum = (after[0] + after[1] + after[2]) * third;
+        let principal = after.map(|s| s - sum);
+        let [x, y, z] = principal;
+        let mises = (R::splat(1.5) * x.mul_add(x, y.mul_add(y, z * z))).sqrt();
+        let mut deviator = split(above - m, &trial.deviator, &trial.principal, zero, R::splat(1.0));
+        #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
+        for i in 0..6 {
+            let own = if i < 3 { deviator[i] - sum } else { deviator[i] };
+            deviator[i] = R::select(opens, own, trial.deviator[i]);
+        }
+        let pick = |a: R, b: R| R::select(opens, a, b);
+        let stress = Stress {
+            mean: pick(sum + strength, trial.mean),
+            mises: pick(mises, trial.mises),
+            deviator,
+            principal: [0, 1, 2].map(|i| pick(principal[i], trial.principal[i])),
+        };
+        (stress, pick((first - m) * self.per_shear, zero))
+    }
+
+    /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
+    #[inline(always)]
+    fn excess(&self, of: &Flow<R>, flow: R) -> (R, R) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let hardened = of.harden * flow;
+        let crushed = of.crushed + hardened;
+        let (risen, rising) = self.rise.at(crushed);
+        // Steps are small: the exponential's first terms.
+        let x = (hardened * of.per_scale).min(one);
+        let softens = self.rise.peak.lt(crushed);
+        let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
+        let strength = risen * of.left * share;
+        let slope = R::select(softens, -(strength * of.per_scale), rising);
+        let [mises, mean, largest] = [0, 1, 2].map(|i| (-of.fall[i]).mul_add(flow, of.from[i]));
+        let tensile = zero.lt(largest);
+        let weight = R::select(tensile, self.beta(risen), of.gamma);
+        let pressed = self.three_alpha.mul_add(mean, mises);
+        let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
+        let lift = R::select(tensile, self.beta_slope * largest * rising, zero) - self.one_less_alpha * slope;
+        let fall = self.three_alpha.mul_add(of.fall[1], of.fall[0]);
+        (excess, weight.mul_add(of.fall[2], fall) - lift * of.harden)
+    }
+
+    /// Start and direction of the cone's flow from `stress`.
+    #[inline(always)]
+    fn flow(&self, stress: &Stress<R>, crushed: R, left: R, per_scale: R) -> Flow<R> {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let largest = stress.mean + stress.principal[0];
+        let stiffness = Self::stiffness(left);
+        let confined = stiffness * (-largest).positive();
+        let bent = self.per_strength.mul_add(confined, one);
+        let costly = self.ductility.mul_add(confined, one);
+        let size = stress.mises.max(R::splat(1e-8));
+        // All quotients by one division.
+        let over = one / (bent * costly * size);
+        let per_mises = bent * costly * over;
+        let tan = self.dilation * left * (size * over);
+        let [first, _, last] = stress.principal.map(|d| R::splat(1.5) * d * per_mises);
+        let mean_fall = self.bulk * tan;
+        let least = tan.mul_add(R::splat(1.0 / 3.0), last);
+        Flow {
+            from: [stress.mises, stress.mean, largest],
+            fall: [self.three_shear, mean_fall, (R::splat(2.0 / 3.0) * self.three_shear).mul_add(first, mean_fall)],
+            crushed,
+            harden: (-least).positive() * (bent * size * over),
+            left: left / stiffness,
+            per_scale: R::select(left.lt(R::splat(LEAST_STIFFNESS)), per_scale, zero),
+            gamma: self.gamma * (costly * size * over),
+        }
+    }
+
+    /// Length of the cone's flow.
+    #[inline(always)]
+    fn back(&self, of: &Flow<R>) -> R {
+        let mut flow = R::splat(0.0);
+        for _ in 0..STEPS {
+            let (excess, fall) = self.excess(of, flow);
+            flow = (flow + excess / fall).positive();
+        }
+        flow
+    }
+}
+
+/// Where the two hardening strains stand in a history, after the plastic strain.
+const CRACKED: usize = 6;
+const CRUSHED: usize = 7;
+
+impl<R: Real> Law<R> for Meso<R> {
+    /// Plastic strain, then the strains of cracking and of crushing.
+    type History = [R; 8];
+
+    fn virgin() -> [R; 8] {
+        [R::splat(0.0); 8]
+    }
+
+    #[inline(always)]
+    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let stress = self.elastic.of(&elastic_part(strain, history));
+        let invariants = Invariants::of(&stress);
+        let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
+        if !R::any(active) {
+            return PointResponse { stress, integrity: one };
+        }
+        let Invariants { mean, deviator, mises } = invariants;
+        let scale = R::splat(2.0 / 3.0) * mises;
+        let trial = Stress { mean, mises, deviator, principal: invariants.shape().map(|y| scale * y) };
+        let per_scale = self.per_scale(width);
+        let left = self.cohesion(history[CRUSHED], per_scale);
+        let strength = self.tensile * (left / Self::stiffness(left)) * self.bridged(history[CRACKED], width);
+        let (cracked, _) = self.open(trial, strength);
+        let flow = self.flow(&cracked, history[CRUSHED], left, per_scale);
+        let length = self.back(&flow);
+        let share = length * self.three_shear / cracked.mises.max(R::splat(1e-8));
+        let (end, opened) = self.open(trial.less(&cracked, share.min(one), flow.fall[1] * length), strength);
+
+        history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
+        history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
+        let integrity = Self::stiffness(self.cohesion(history[CRUSHED], per_scale));
+
+        let volumetric = (mean - end.mean) * self.per_volume;
+        let mut nominal = stress;
+        for i in 0..6 {
+            let own = end.deviator[i];
+            let lost = (deviator[i] - own) * self.per_shear;
+            let (flowed, whole) = if i < 3 { (lost + volumetric, own + end.mean) } else { (lost + lost, own) };
+            // A point at rest has the same bits as where all of its register are.
+            nominal[i] = R::select(active, integrity * whole, stress[i]);
+            history[i] = history[i] + R::select(active, flowed, zero);
+        }
+        PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
+    }
+
+    fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
+        let one = R::splat(1.0);
+        let bridged = self.bridged(history[CRACKED], width);
+        let left = self.cohesion(history[CRUSHED], self.per_scale(width));
+        let stress = self.stress(strain, &mut { *history }, width).stress;
+        State {
+            tension: one - bridged,
+            compression: one - left,
+            weakened: (-bridged).mul_add(left, one),
+            opening: width.min(self.widest[0]) * (one - bridged).mul_add(self.crack.elastic_strain, history[CRACKED]),
+            stored: energy(&stress, &elastic_part(strain, history)),
+        }
+    }
+
+    fn widest_mm(&self) -> [f64; 2] {
+        self.widest_mm
+    }
+}

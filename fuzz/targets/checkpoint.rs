@@ -1,0 +1,7 @@
+#![no_main]
+
+#[path = "../../tests/hostile/solver.rs"]
+#[allow(dead_code)]
+mod solver;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| solver::checkpoint(bytes));
