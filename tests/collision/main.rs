@@ -3,6 +3,7 @@
 mod answers;
 mod batches;
 mod bodies;
+mod dented;
 mod dice;
 mod erosion;
 mod exact;

@@ -127,16 +127,11 @@ fn grains_in_json_may_be_bare_lists_of_vertices() {
 }
 
 #[test]
-fn a_grain_that_is_not_convex_is_rejected_by_name() {
+fn a_grain_without_a_closed_surface_is_rejected_by_name() {
     let (dented, cube) = (pyramid(-0.5), cube_stl());
     let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
     let beyond = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,1,9]]}]";
     for (name, bytes, part) in [
-        (
-            "dented.stl",
-            dented.as_bytes(),
-            "dented.stl: it is not convex: it fills 50.0 % of its hull; shape.hull = true takes its hull",
-        ),
         ("open.stl", open.as_bytes(), "open.stl: its surface is open"),
         (
             "short.stl",
@@ -159,6 +154,64 @@ fn a_grain_that_is_not_convex_is_rejected_by_name() {
     }
     let error = library(&[("stones/readme.txt", b"")], "stones").unwrap_err();
     assert!(error.contains("the folder holds no file that ends in .stl, .ply, .obj, .off or .json"), "{error}");
+}
+
+#[test]
+fn a_grain_with_dents_is_taken_as_it_is_and_its_hull_on_request() {
+    let dented = pyramid(-0.5);
+    let files = [("stones/dented.stl", dented.as_bytes())];
+    let spec = library(&files, "stones").unwrap();
+    // Half of its hull, which has a volume of 4/3 over the cube of its longest edge.
+    let volume = spec.shape.grains[0].relative_volume();
+    assert!(spec.shape.has_dents() && (volume - 2.0 / 3.0 / 8.0_f64.powf(1.5)).abs() < 1e-12, "{volume}");
+    let again = Spec::from_value(&serde_json::to_value(&spec).unwrap()).unwrap();
+    assert_eq!(again, spec);
+    let text = format!("{SMALL}shape = {{ library = 'stones', hull = true }}\n");
+    assert!(!Spec::from_toml_with(&text, &mut Folder(&files)).unwrap().shape.has_dents());
+}
+
+#[test]
+fn surfaces_that_cross_themselves_are_rejected_with_the_place() {
+    let two = "[{\"vertices\": [[0,0,0],[3,0,0],[0,3,0],[0,0,3],[1,1,1],[-3,1,1],[1,-3,1],[1,1,-3]], \"faces\": \
+        [[0,2,1],[0,1,3],[0,3,2],[1,2,3],[4,5,6],[4,7,5],[4,6,7],[5,7,6]]}]";
+    let error = library(&[("two.json", two.as_bytes())], "two.json").unwrap_err();
+    assert!(error.contains("grain 0: its surface crosses itself near ["), "{error}");
+}
+
+/// A stone with a dent: degree 2 makes a peanut.
+const PEANUT: &str = "0 0 10 0\n1 0 0 0\n1 1 0 0\n2 0 4 0\n2 1 0.1 0.3\n2 2 0.4 -0.2\n2 -2 0.4 0.2\n";
+
+fn peanut(options: &str) -> Result<Spec, String> {
+    let text = format!(
+        "fraction = 0.3\nspecimen = {{ kind = 'cube', side_mm = 60 }}\n[grading]\nd_min_mm = 8\nsize = 'sieve'\n{options}"
+    );
+    Spec::from_toml_with(&text, &mut Folder(&[("a.dat", PEANUT.as_bytes())])).map_err(|error| error.to_string())
+}
+
+#[test]
+fn stones_of_harmonics_are_packed_with_their_dents_and_proved_apart() {
+    for options in ["", "[placement]\nstrategy = 'take-and-place'\n", "[specimen]\n"] {
+        let options = if options.starts_with("[spec") { "" } else { options };
+        let spec = peanut(&format!("{options}[shape]\nkind = 'harmonics'\npath = 'a.dat'\ntriangles = 80\n")).unwrap();
+        let model = pack(&spec, &Silent).unwrap();
+        assert_eq!(check::check(&model).findings, [], "{options}");
+        assert!((model.report.fraction - 0.3).abs() < 0.01, "{options}: {}", model.report.fraction);
+        for body in model.aggregates.iter().map(|aggregate| &aggregate.body) {
+            assert!(!body.is_convex() && body.volume() < 0.99 * body.hull().unwrap().volume());
+        }
+    }
+}
+
+#[test]
+fn coefficients_that_make_no_stone_are_refused_with_the_place() {
+    let stone = |text: &str, options: &str| {
+        let spec = format!("{SMALL}[shape]\nkind = 'harmonics'\npath = 'a.dat'\n{options}");
+        Spec::from_toml_with(&spec, &mut Folder(&[("a.dat", text.as_bytes())])).unwrap_err().to_string()
+    };
+    assert!(stone("0 0 1 0\n1 0 x 0\n", "").contains("line 2: `1 0 x 0` is not a coefficient"));
+    assert!(stone("0 0 1 0\n2 0 1 0\n", "").contains("it has no coefficient n = 1, m = 0"));
+    assert!(stone("0 0 1 0\n1 0 9 0\n1 1 0 0\n", "").contains("its radius is -"));
+    assert!(stone(PEANUT, "degree = 0\n").contains("shape.degree is 0; it must be a whole number from 1 to 40"));
 }
 
 #[test]

@@ -6,6 +6,7 @@
 // No environment, clock, file, print or mathematics of the platform: the list stands in `crates/clippy.toml`.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
+pub mod dents;
 pub mod geometry;
 pub mod gjk;
 pub mod lanes;

@@ -16,7 +16,7 @@ pub enum Images {
     None,
     /// Every image that reaches into the specimen, whole.
     Whole,
-    /// Every image that reaches into the specimen, cut at its faces: opposite faces match.
+    /// Every image that reaches into the specimen, cut at its faces: opposite faces match. Aggregates with dents stay whole.
     Cut,
 }
 
@@ -33,8 +33,9 @@ impl Images {
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
         let image = |shift: Vec3| {
             // Cut before translation, so that the parts on both sides of a face have the same corners there.
+            let is_cut = self == Self::Cut && aggregate.body.is_convex();
             let part = clipped(&aggregate.body, &domain.moved(&-shift))?;
-            let body = if self == Self::Cut { part } else { aggregate.body.clone() };
+            let body = if is_cut { part } else { aggregate.body.clone() };
             Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
         };
         period.shifts(&aggregate.body.aabb(), domain).into_iter().filter_map(image).collect()

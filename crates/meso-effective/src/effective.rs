@@ -114,6 +114,9 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what)?;
     let values = &values;
+    if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
+        return Err(EffectiveError::Dents(body.id));
+    }
     if !specimen.container().is_box() {
         return Err(EffectiveError::Specimen(specimen.kind()));
     }

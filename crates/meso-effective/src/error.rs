@@ -11,6 +11,11 @@ pub enum EffectiveError {
     /// A specimen that is no box.
     #[error("specimen.kind is {0}; effective properties need a cube, a box or a prism")]
     Specimen(&'static str),
+    /// A body whose layers no planes bound.
+    #[error(
+        "aggregate {0} has dents; effective properties need convex aggregates: shape.hull = true packs their hulls"
+    )]
+    Dents(u32),
     /// The iterations did not reach the accuracy.
     #[error("after {iterations} iterations the error of the equations is still {reached:.1e} of the result; {fix}")]
     Diverged {

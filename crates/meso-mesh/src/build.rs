@@ -44,6 +44,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     let Parts { specimen, .. } = parts;
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
+    accepts_dents(&parts, options)?;
     report(watch, 0.02)?;
     // Where the specimen repeats itself, a body that crosses a face comes in again on the other side.
     let bodies = &BodyImages::of(&parts);
@@ -67,6 +68,25 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
         mesh.raise_order();
     }
     Ok(mesh)
+}
+
+/// Refuses methods that need plane offsets or facets where a body has dents.
+fn accepts_dents(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError> {
+    if parts.bodies.iter().all(|body| body.body.is_convex()) {
+        return Ok(());
+    }
+    let (name, itz) = (options.method.name(), options.itz);
+    let is_fitted = matches!(options.method, Method::Lattice { fit: Fit::Fitted, .. });
+    if name == MethodName::Conforming {
+        let way = "aggregates with dents take lattice or voxel; shape.hull = true packs their hulls";
+        return Err(MeshError::option("method", "conforming", way));
+    }
+    if is_fitted && itz == ItzForm::Solid {
+        let way =
+            "in a fitted lattice of aggregates with dents it must be cohesive, smeared or none; voxels take solid";
+        return Err(MeshError::option("itz", "solid", way));
+    }
+    Ok(())
 }
 
 /// Reports the share of meshing that is done.

@@ -1,23 +1,26 @@
 //! Which body holds a point: by the bodies' face planes one by one, and for all points of a grid by scanlines.
 //!
 //! A row of grid points parallel to x meets a convex body in one interval, cut out by the body's planes: nx x <= d -
-//! ny y - nz z. So a body costs its planes times its rows, and no point is ever tested against a body.
+//! ny y - nz z. So a body costs its planes times its rows, and no point is ever tested against a body. A body with dents
+//! meets a row in several intervals, and a shell of one point by point, by their depths.
 
 use crate::cells::{NO_BODY, Phase};
-use meso_collision::geometry::Plane;
+use meso_collision::geometry::{Plane, Triangles};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
 use std::borrow::Cow;
 
-/// A convex body by its face planes.
+/// A convex body by its face planes, or a body with dents by its surface.
 #[derive(Clone)]
 pub struct Facets {
     /// Phase of its inside.
     pub(crate) phase: Phase,
     pub(crate) aabb: Aabb,
     pub(crate) planes: Vec<Plane>,
+    /// The surface of a body with dents, of which the planes tell nothing.
+    dents: Option<Triangles>,
     /// Shell thickness in this mesh, mm; 0: no shell.
     pub(crate) shell: f64,
 }
@@ -27,18 +30,25 @@ impl Facets {
     pub fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
         let facets = |a: &Aggregate| {
             let planes = a.body.planes().collect();
-            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, shell: shell(a) }
+            let dents = (!a.body.is_convex()).then(|| a.body.surface());
+            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, shell: shell(a) }
         };
         parallel::map_each(aggregates, facets)
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
     pub fn height(&self, x: &Vec3) -> f64 {
-        Plane::height_over(&self.planes, x)
+        match &self.dents {
+            Some(surface) => -surface.depth(x),
+            None => Plane::height_over(&self.planes, x),
+        }
     }
 
     /// The part of the segment from `inside` to `outside` that lies within the body, 0 to 1.
     pub(crate) fn exit(&self, inside: &Vec3, outside: &Vec3) -> f64 {
+        if let Some(surface) = &self.dents {
+            return surface.exit(inside, outside);
+        }
         let direction = outside - inside;
         let mut exit: f64 = 1.0;
         for plane in &self.planes {
@@ -208,11 +218,29 @@ impl<'a> Scan<'a> {
             let [shell, core_value] = values(index);
             for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {
                 let row = &mut layer[j * self.grid.counts[0]..][..self.grid.counts[0]];
+                if let Some(surface) = &body.dents {
+                    self.paint_row(row, [j, k], (surface, body.shell), [shell, core_value]);
+                    continue;
+                }
                 let [outer, core] = body.intervals(self.grid.coordinate(1, j), z);
                 if body.shell > 0.0 {
                     row[self.grid.range(0, outer.low, outer.high)].fill(shell);
                 }
                 row[self.grid.range(0, core.low, core.high)].fill(core_value);
+            }
+        }
+    }
+}
+
+impl Scan<'_> {
+    /// Gives the points of a row in the shell and the core of a body with dents their values.
+    fn paint_row<T: Copy>(&self, row: &mut [T], [j, k]: [usize; 2], of: (&Triangles, f64), [shell, core]: [T; 2]) {
+        let ((surface, thickness), [y, z]) = (of, [self.grid.coordinate(1, j), self.grid.coordinate(2, k)]);
+        for [from, to] in surface.row(y, z) {
+            for i in self.grid.range(0, from, to) {
+                let point = || Vec3::new(self.grid.coordinate(0, i), y, z);
+                let is_deep = thickness == 0.0 || surface.nearest(&point()).is_none_or(|near| near.1 > thickness);
+                row[i] = if is_deep { core } else { shell };
             }
         }
     }

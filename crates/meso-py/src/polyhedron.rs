@@ -51,7 +51,7 @@ fn hull_error(error: &HullError) -> PyErr {
 /// A thickness out of range is a wrong value; an answer that cannot be trusted is an arithmetic failure.
 pub(crate) fn offset_error(error: &OffsetError) -> PyErr {
     match error {
-        OffsetError::Thickness { .. } => wrong_value(error.to_string()),
+        OffsetError::Thickness { .. } | OffsetError::NotConvex => wrong_value(error.to_string()),
         OffsetError::IllConditioned { .. } => PyArithmeticError::new_err(error.to_string()),
     }
 }

@@ -47,6 +47,9 @@ pub fn paragraph(model: &Model) -> String {
 fn shapes(spec: &Spec) -> String {
     let [fewest, most] = spec.shape.vertices;
     match spec.shape.kind {
+        ShapeKind::Library if spec.shape.has_dents() => {
+            "Aggregates are given grains, some with dents, scaled to their size.".to_owned()
+        }
         ShapeKind::Library => "Aggregates are the convex hulls of given grains, scaled to their size.".to_owned(),
         ShapeKind::Polyhedron => format!("Aggregates are random convex polyhedra with {fewest} to {most} vertices."),
         ShapeKind::Rounded => format!("Aggregates are rounded convex polyhedra with {fewest} to {most} vertices."),

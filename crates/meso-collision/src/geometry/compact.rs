@@ -4,17 +4,21 @@ use crate::geometry::Polyhedron;
 use crate::geometry::faces::{FaceList, Faces, Indices};
 use crate::math::{Aabb, Vec3};
 
-/// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
+/// A polyhedron whose vertices are f32 numbers, coordinate by coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompactPolyhedron {
     /// All lists, contiguous: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with
     /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Number of corners of all faces; with the number of vertices it determines the lists' layout.
+    /// Number of corners of all faces, with [`CONCAVE`] for a surface of triangles with dents; with the number of vertices
+    /// it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
+
+/// Flag beside the number of corners: no surface has as many.
+const CONCAVE: u32 = 1 << 31;
 
 /// Storage of the lists of faces.
 enum Width {
@@ -43,10 +47,10 @@ impl From<Polyhedron> for CompactPolyhedron {
         let mut compact = Self {
             lists: Box::default(),
             vertices: vertices.len() as u32,
-            corners: faces.corners as u32,
+            corners: faces.corners as u32 | if faces.is_convex { 0 } else { CONCAVE },
             volume: body.volume(),
         };
-        debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed convex surface");
+        debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed surface");
         let packed: Vec<u16> = match compact.width() {
             Width::Five => faces.byte_triangles().into_iter().flatten().map(packed).collect(),
             _ => Vec::new(),
@@ -95,19 +99,30 @@ impl CompactPolyhedron {
         all[axis * self.vertex_count()..].first_chunk()
     }
 
-    /// By Euler's formula: two faces meet at every edge, and so do two corners of faces for every edge.
+    /// False for a surface of triangles with dents.
+    pub fn is_convex(&self) -> bool {
+        self.corners & CONCAVE == 0
+    }
+
+    fn corner_count(&self) -> u32 {
+        self.corners & !CONCAVE
+    }
+
+    /// By Euler's formula: two faces meet at every edge, and so do two corners of faces for every edge. A surface with
+    /// dents may have handles, and consists of triangles.
     fn face_count(&self) -> usize {
-        (self.corners / 2 + 2 - self.vertices) as usize
+        let faces = if self.is_convex() { self.corners / 2 + 2 - self.vertices } else { self.corner_count() / 3 };
+        faces as usize
     }
 
     fn are_triangles(&self) -> bool {
-        self.corners as usize == 3 * self.face_count()
+        self.corner_count() as usize == 3 * self.face_count()
     }
 
     fn width(&self) -> Width {
         let last_vertex = self.vertices - 1;
         // Lists of other faces than triangles end with where each of them ends.
-        let most = if self.are_triangles() { last_vertex } else { last_vertex.max(self.corners) };
+        let most = if self.are_triangles() { last_vertex } else { last_vertex.max(self.corner_count()) };
         match most {
             _ if self.are_triangles() && last_vertex < 1 << FIVE => Width::Five,
             0..=0xff => Width::U8,
@@ -118,19 +133,21 @@ impl CompactPolyhedron {
 
     /// The faces, in the form that a body has which is worked with.
     pub(crate) fn faces(&self) -> FaceList {
-        let (lists, corners) = (&self.lists[3 * self.vertex_count()..], self.corners as usize);
+        let (lists, corners) = (&self.lists[3 * self.vertex_count()..], self.corner_count() as usize);
         let len = if self.are_triangles() { corners } else { corners + self.face_count() };
         let lists = match self.width() {
             Width::Five => {
                 let triangles: &[u16] = bytemuck::cast_slice(lists);
                 let corners = triangles[..self.face_count()].iter().flat_map(|&triangle| unpacked(triangle));
-                return FaceList::of_triangles(corners.collect());
+                let mut faces = FaceList::of_triangles(corners.collect());
+                faces.is_convex = self.is_convex();
+                return faces;
             }
             Width::U8 => Indices::U8(&bytemuck::cast_slice(lists)[..len]),
             Width::U16 => Indices::U16(&bytemuck::cast_slice(lists)[..len]),
             Width::U32 => Indices::U32(&lists[..len]),
         };
-        FaceList::from(Faces { lists, corners })
+        FaceList::from(Faces { lists, corners, is_convex: self.is_convex() })
     }
 
     /// Vertex positions, mm.

@@ -1,4 +1,4 @@
-//! Convex bodies: polyhedra, their hulls, offsets and the ellipsoids they are cut from.
+//! Bodies: convex polyhedra, their hulls, offsets and the ellipsoids they are cut from; closed surfaces of any shape.
 
 mod compact;
 pub mod ellipsoid;
@@ -23,8 +23,9 @@ pub use offset::OffsetError;
 pub use plane::Facet;
 pub use plane::Plane;
 pub use polyhedron::{MassProperties, Polyhedron};
+pub use surface::body_surface::BodySurface;
 pub use surface::box_tree::BoxTree;
 pub use surface::clip::clipped;
-pub use surface::nearest::{ConvexSurface, nearest_on_triangle};
-
+pub use surface::nearest::nearest_on_triangle;
 pub use surface::triangle_mesh::{SurfaceError, TriangleMesh};
+pub use surface::triangles::Triangles;

@@ -1,4 +1,4 @@
-//! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
+//! A polyhedron, convex unless it was made of a surface with dents: vertices and outward faces, with its exact integrals.
 
 use crate::geometry::exact::predicates::orient3d;
 use crate::geometry::faces::{Face, FaceList, Faces};
@@ -6,16 +6,18 @@ use crate::geometry::measure::facet_kernels::{Facets, Moment};
 use crate::geometry::measure::integrals;
 use crate::geometry::measure::tetrahedron::six_volumes;
 use crate::geometry::plane::{Facet, Plane};
+use crate::geometry::{HullError, TriangleMesh, Triangles, convex_hull};
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
 
 /// As many vertices as a byte can number.
 const BYTE_INDICES: usize = 256;
 
-/// A closed convex polyhedron.
+/// A closed polyhedron.
 ///
 /// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps its input as it is:
-/// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction.
+/// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction. Only
+/// [`Polyhedron::of_surface`] makes one that [is not](Polyhedron::is_convex); its planes then bound nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Box<[Vec3]>,
@@ -43,6 +45,41 @@ impl Polyhedron {
             ends.push(corners.len() as u32);
         }
         Self::from_lists(vertices.into_boxed_slice(), &corners, &ends)
+    }
+
+    /// The body inside a closed surface that need not be convex.
+    ///
+    /// Its triangles get the order of a tree of boxes, which every copy of the body keeps: see [`Triangles::in_order`].
+    pub fn of_surface(mesh: &TriangleMesh) -> Self {
+        let corners = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
+        let tree = Triangles::new(corners);
+        let ordered = tree.order().iter().map(|&t| mesh.triangles[t as usize]);
+        Self::from_parts(mesh.vertices.clone(), ordered).with_dents()
+    }
+
+    /// The body as one that need not be convex, whose faces must be triangles.
+    #[must_use]
+    pub fn with_dents(mut self) -> Self {
+        self.faces.is_convex = false;
+        self
+    }
+
+    /// False for a body with dents, even where it has none.
+    pub fn is_convex(&self) -> bool {
+        self.faces.is_convex
+    }
+
+    /// Its triangles, to be asked which points they hold and whether they are apart from others.
+    pub fn surface(&self) -> Triangles {
+        Triangles::in_order(self.triangles().map(|t| t.map(|i| self.vertices[i as usize])).collect())
+    }
+
+    /// The convex hull of its vertices.
+    ///
+    /// # Errors
+    /// Where they span no volume.
+    pub fn hull(&self) -> Result<Self, HullError> {
+        if self.is_convex() { Ok(self.clone()) } else { convex_hull(&self.vertices) }
     }
 
     /// Makes a polyhedron as [`Polyhedron::from_parts`] does, from the corners of all faces and where each face ends.
@@ -198,6 +235,9 @@ impl Polyhedron {
 
     /// True when the closed body has `point`; exact where the faces are plane to the last bit.
     pub fn contains(&self, point: &Vec3) -> bool {
+        if !self.is_convex() {
+            return self.surface().contains(point);
+        }
         self.faces().all(|face| {
             let [a, b, c] = [0, 1, 2].map(|k| &self.vertices[face.vertex(k) as usize]);
             orient3d(a, b, c, point) <= 0.0

@@ -1,7 +1,7 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
-use meso_collision::geometry::{CompactPolyhedron, HullError, convex_hull};
+use meso_collision::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
 use serde::{Deserialize, Serialize};
@@ -150,9 +150,21 @@ impl Grain {
         let mut vertices = turned(vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
         vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
         let body = convex_hull(&vertices)?;
-        let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
         let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
-        Ok(Self {
+        Ok(Self::around_origin(kind, (class, index), body, inner_radius))
+    }
+
+    /// The grain with dents that is `length` times as large as `unit`, in a random orientation, without ITZ.
+    pub(super) fn dented(ids: (u16, u32), unit: &Polyhedron, length: f64, stream: &mut Stream) -> Self {
+        let turn = stream.rotation().to_rotation_matrix().into_inner();
+        let body = unit.mapped(|vertex| narrowed(&snap(&(turn * (vertex * length)))));
+        let inner_radius = body.surface().depth(&Vec3::zeros());
+        Self::around_origin(Kind::Aggregate, ids, body, inner_radius)
+    }
+
+    fn around_origin(kind: Kind, (class, index): (u16, u32), body: Polyhedron, inner_radius: f64) -> Self {
+        let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        Self {
             kind,
             class,
             index,
@@ -161,6 +173,6 @@ impl Grain {
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),
             inner_radius: inner_radius as f32 * (1.0 - f32::EPSILON),
             body: body.into(),
-        })
+        }
     }
 }

@@ -1,19 +1,73 @@
-//! A user's own grains: convex polyhedra, scaled to the size that is asked for.
+//! A user's own grains: convex polyhedra and closed surfaces with dents, scaled to the size that is asked for.
 
-use meso_collision::geometry::{HullError, convex_hull, principal_axes};
+use meso_collision::dents::SelfCrossing;
+use meso_collision::geometry::{
+    HullError, MassProperties, Polyhedron, SurfaceError, TriangleMesh, Triangles, convex_hull, principal_axes,
+};
 use meso_collision::math::{Vec3, longest_distance};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
+use std::fmt;
 
-/// One grain of a library, of any size: the vertices of a convex polyhedron, mm.
+/// One grain of a library, of any size: the vertices of a convex polyhedron, or a closed surface of triangles, mm.
 ///
-/// In a spec it is the list of its vertices.
+/// In a spec it is the list of its vertices, or `{ vertices, faces }` where it has dents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     vertices: Vec<Vec3>,
+    /// Triangles of a surface with dents; none where the grain is the hull of its vertices.
+    triangles: Vec<[u32; 3]>,
     /// Corners scaled to size 1 and turned to the principal axes.
     unit: Vec<Vec3>,
+    dents: Option<Dents>,
 }
+
+/// A grain with dents whose longest distance of two vertices is 1, along its principal axes about a point inside of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dents {
+    /// The closed surface.
+    pub body: Polyhedron,
+    /// Side of the smallest square hole that it passes.
+    pub sieve_size: f64,
+}
+
+/// Why a surface is no grain.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TemplateError {
+    /// Vertices that span no volume.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// A surface that encloses no volume.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// More triangles than every copy of a grain may have.
+    #[error(
+        "it has {triangles} triangles, and a grain may have up to {MOST_TRIANGLES}; reduce it, or take its hull by shape.hull = true"
+    )]
+    TooMany {
+        /// Number of triangles.
+        triangles: usize,
+    },
+    /// A surface of more than one part.
+    #[error("its surface has {parts} parts; a grain has one, without a hollow")]
+    Parts {
+        /// Number of connected parts.
+        parts: usize,
+    },
+    /// A surface that crosses itself.
+    #[error("its surface crosses itself near {at:?}; shape.hull = true takes its hull")]
+    Crosses {
+        /// A corner of one of the triangles that cross, mm.
+        at: [f64; 3],
+    },
+}
+
+/// Most triangles of a grain: thousands of copies of it are packed.
+const MOST_TRIANGLES: usize = 20_000;
+/// The centre of mass stays the centre where it is at least this share as deep as the deepest point found.
+const DEEP: f64 = 0.5;
 
 impl Template {
     /// The hull of `vertices` (mm).
@@ -26,7 +80,34 @@ impl Template {
         let axes = principal_axes(&mass.inertia);
         let length = longest_distance(body.vertices());
         let along = |v: &Vec3| axes.transpose() * (v - mass.centroid) / length;
-        Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices })
+        Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices, triangles: Vec::new(), dents: None })
+    }
+
+    /// The grain inside a closed surface of any shape.
+    ///
+    /// # Errors
+    /// See [`TemplateError`].
+    pub fn of_surface(mesh: TriangleMesh) -> Result<Self, TemplateError> {
+        if mesh.triangles.len() > MOST_TRIANGLES {
+            return Err(TemplateError::TooMany { triangles: mesh.triangles.len() });
+        }
+        mesh.check_closed()?;
+        let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+        if let Some([first, _]) = (SelfCrossing { mesh: &mesh, facets: &facets }).find() {
+            return Err(TemplateError::Crosses { at: first[0].into() });
+        }
+        let parts = mesh.components().len();
+        if parts > 1 {
+            return Err(TemplateError::Parts { parts });
+        }
+        let dents = Dents::new(&mesh)?;
+        let TriangleMesh { vertices, triangles } = mesh;
+        Ok(Self { unit: dents.body.vertices().to_vec(), vertices, triangles, dents: Some(dents) })
+    }
+
+    /// The surface of a grain with dents.
+    pub fn dents(&self) -> Option<&Dents> {
+        self.dents.as_ref()
     }
 
     /// Corners as given, mm.
@@ -36,10 +117,13 @@ impl Template {
 
     /// Volume over the cube of the longest distance between two vertices.
     pub fn relative_volume(&self) -> f64 {
-        convex_hull(&self.unit).map_or(0.0, |body| body.volume())
+        match &self.dents {
+            Some(dents) => dents.body.volume(),
+            None => convex_hull(&self.unit).map_or(0.0, |body| body.volume()),
+        }
     }
 
-    /// Volume, surface and mean width over all directions, for a longest distance of 1.
+    /// Volume, surface and mean width over all directions, of the hull, for a longest distance of 1.
     pub fn measures(&self) -> (f64, f64, f64) {
         convex_hull(&self.unit).map_or((0.0, 0.0, 0.0), |body| (body.volume(), body.area(), mean_width(&self.unit)))
     }
@@ -47,6 +131,21 @@ impl Template {
     /// The vertices along its principal axes with `length` mm between the two that are farthest apart.
     pub(super) fn scaled_to(&self, length: f64) -> Vec<Vec3> {
         self.unit.iter().map(|vertex| vertex * length).collect()
+    }
+}
+
+impl Dents {
+    fn new(mesh: &TriangleMesh) -> Result<Self, HullError> {
+        let length = longest_distance(mesh.hull()?.vertices());
+        let given = Polyhedron::of_surface(mesh);
+        let MassProperties { centroid, inertia, .. } = given.mass_properties();
+        let surface = given.surface();
+        let (deepest, depth) = surface.deepest();
+        // A ring's centre of mass lies outside of it.
+        let centre = if surface.depth(&centroid) >= DEEP * depth { centroid } else { deepest };
+        let turn = principal_axes(&inertia).transpose();
+        let body = given.mapped(|v| turn * (v - centre) / length);
+        Ok(Self { sieve_size: body.sieve_size(), body })
     }
 }
 
@@ -69,14 +168,53 @@ fn mean_width(vertices: &[Vec3]) -> f64 {
 
 impl Serialize for Template {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.vertices.iter().map(|v| <[f64; 3]>::from(*v)))
+        let rows = self.vertices.iter().map(|v| <[f64; 3]>::from(*v));
+        if self.triangles.is_empty() {
+            return serializer.collect_seq(rows);
+        }
+        Closed { vertices: rows.collect(), faces: self.triangles.clone() }.serialize(serializer)
+    }
+}
+
+/// A surface with dents, as it stands in a spec.
+#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct Closed {
+    /// Corners, mm.
+    vertices: Vec<[f64; 3]>,
+    /// Triangles of the surface, counter-clockwise seen from outside.
+    faces: Vec<[u32; 3]>,
+}
+
+/// Reads both forms of a grain, each with its own errors.
+struct EitherForm;
+
+impl<'de> Visitor<'de> for EitherForm {
+    type Value = Template;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of vertices, or a table of vertices and faces")
+    }
+
+    fn visit_seq<S: SeqAccess<'de>>(self, list: S) -> Result<Template, S::Error> {
+        let rows = Vec::<[f64; 3]>::deserialize(SeqAccessDeserializer::new(list))?;
+        Template::new(rows.into_iter().map(Vec3::from).collect()).map_err(S::Error::custom)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, table: M) -> Result<Template, M::Error> {
+        let Closed { vertices, faces } = Closed::deserialize(MapAccessDeserializer::new(table))?;
+        if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
+            return Err(M::Error::custom(format!("a face names vertex {corner} of {}", vertices.len())));
+        }
+        let vertices = vertices.into_iter().map(Vec3::from).collect();
+        Template::of_surface(TriangleMesh { vertices, triangles: faces }).map_err(M::Error::custom)
     }
 }
 
 impl<'de> Deserialize<'de> for Template {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let rows = Vec::<[f64; 3]>::deserialize(deserializer)?;
-        Self::new(rows.into_iter().map(Vec3::from).collect()).map_err(serde::de::Error::custom)
+        deserializer.deserialize_any(EitherForm)
     }
 }
 
@@ -87,6 +225,7 @@ impl schemars::JsonSchema for Template {
     }
 
     fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        generator.subschema_for::<Vec<[f64; 3]>>()
+        let forms = [generator.subschema_for::<Vec<[f64; 3]>>(), generator.subschema_for::<Closed>()];
+        schemars::json_schema!({ "anyOf": forms })
     }
 }

@@ -17,8 +17,8 @@ pub use grain::Kind;
 pub use inclusions::Inclusions;
 pub use inclusions::{Cone, Fibres, Voids};
 pub use itz::Itz;
-pub use library::Template;
-pub use shape::{Shape, ShapeKind};
+pub use library::{Dents, Template, TemplateError};
+pub use shape::{Outline, Shape, ShapeKind};
 
 use meso_collision::geometry::{OffsetError, Polyhedron};
 
@@ -46,11 +46,14 @@ impl Aggregate {
         self.body.inward_offset(self.itz_thickness_mm)
     }
 
-    /// The volume inside a shell of `thickness` mm, mm3.
+    /// The volume inside a shell of `thickness` mm, mm3; sampled to some 1e-3 of the body where that has dents.
     ///
     /// # Errors
     /// Fails like [`core`](Self::core).
     pub fn core_volume(&self, thickness: f64) -> Result<f64, OffsetError> {
+        if thickness > 0.0 && !self.body.is_convex() {
+            return Ok(self.body.surface().eroded_volume(thickness));
+        }
         Ok(self.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
     }
 }

@@ -1,7 +1,7 @@
-//! Random convex aggregates: the paper's polyhedra (Sec. 2.1, Fig. 1), and the other shapes users ask for.
+//! Random aggregates: the paper's polyhedra (Sec. 2.1, Fig. 1), and the other shapes users ask for.
 
 use super::AspectRatio;
-use super::library::Template;
+use super::library::{Dents, Template};
 use super::random::Stream;
 use meso_collision::geometry::ellipsoid::Ellipsoid;
 use meso_collision::math::{Aabb, Vec3, longest_distance};
@@ -92,16 +92,33 @@ const ROUNDED_DRAWS: usize = 12;
 /// Corners of crushed rock lie at this share of the ellipsoid's radius, up to all of it.
 const LEAST_DEPTH: f64 = 0.75;
 
+/// Outline of a grain along its own axes, about a point inside of it.
+#[derive(Clone, Debug)]
+pub enum Outline<'a> {
+    /// Vertices of a convex polyhedron, mm.
+    Hull(Vec<Vec3>),
+    /// A surface with dents, of length 1.
+    Dents(&'a Dents),
+}
+
 impl Shape {
-    /// Draws the vertices (mm) of a grain whose longest axis 2a is `length` mm: along its own axes, about a point
-    /// inside of it.
+    /// True where a grain of the library has dents.
+    pub fn has_dents(&self) -> bool {
+        self.grains.iter().any(|grain| grain.dents().is_some())
+    }
+
+    /// Draws the outline of a grain whose longest axis 2a is `length` mm.
     ///
     /// `class_limit / vertex count` (mm) is the least spacing of the paper's random vertices.
-    pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Vec<Vec3> {
+    pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Outline<'_> {
         if self.kind == ShapeKind::Library {
-            let grain = stream.integer(0, self.grains.len() as u32 - 1);
-            return self.grains[grain as usize].scaled_to(length);
+            let grain = &self.grains[stream.integer(0, self.grains.len() as u32 - 1) as usize];
+            return grain.dents().map_or_else(|| Outline::Hull(grain.scaled_to(length)), Outline::Dents);
         }
+        Outline::Hull(self.random_outline(length, class_limit, stream))
+    }
+
+    fn random_outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Vec<Vec3> {
         let ellipsoid = self.ellipsoid(length, stream);
         let count = stream.integer(self.vertices[0], self.vertices[1]) as usize;
         match self.kind {

@@ -3,7 +3,7 @@
 use super::grain::{Grain, Kind};
 use super::inclusions::{self, Inclusions};
 use super::random::{Draw, Stream};
-use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
+use super::{Grading, Itz, Outline, Shape, SizeClass, SizeDefinition};
 use crate::parallel;
 use crate::stop;
 use meso_collision::geometry::{HullError, convex_hull};
@@ -91,12 +91,20 @@ fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result
     stop::point();
     let stream = &mut Stream::new(mixture.seed, Draw::Take, class, u64::from(index));
     let size = mixture.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
-    let mut vertices = mixture.shape.outline(size, limits.d_min_mm, stream);
-    if mixture.grading.size == SizeDefinition::Sieve {
-        let scale = size / convex_hull(&vertices)?.sieve_size();
-        vertices.iter_mut().for_each(|vertex| *vertex *= scale);
-    }
-    let bare = Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?;
+    let is_sieved = mixture.grading.size == SizeDefinition::Sieve;
+    let bare = match mixture.shape.outline(size, limits.d_min_mm, stream) {
+        Outline::Hull(mut vertices) => {
+            if is_sieved {
+                let scale = size / convex_hull(&vertices)?.sieve_size();
+                vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+            }
+            Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?
+        }
+        Outline::Dents(dents) => {
+            let length = if is_sieved { size / dents.sieve_size } else { size };
+            Grain::dented((class, index), &dents.body, length, stream)
+        }
+    };
     let drawn = stream.uniform(mixture.itz.thickness_mm[0], mixture.itz.thickness_mm[1]);
     let most = ITZ_LIMIT * f64::from(bare.inner_radius);
     Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })

@@ -1,8 +1,9 @@
-//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; and sieve tables of laboratories.
+//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; and sieve tables of laboratories.
 //!
 //! Formats of surfaces have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
+pub mod harmonics;
 mod mend;
 mod obj;
 mod off;

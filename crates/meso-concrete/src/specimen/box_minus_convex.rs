@@ -4,8 +4,7 @@
 //! touch a cutout is to meet it. Cutouts reach beyond the box, so that their other sides do not matter.
 
 use super::container::{Container, Obstacle, Surface};
-use super::facets::Facets;
-use meso_collision::geometry::{HullError, Plane, convex_hull};
+use meso_collision::geometry::{HullError, Plane, Triangles, convex_hull};
 use meso_collision::gjk;
 use meso_collision::math::{Aabb, Vec3};
 
@@ -25,7 +24,7 @@ struct Cutout {
     planes: Vec<Plane>,
     aabb: Aabb,
     /// Its faces in triangles.
-    facets: Facets,
+    facets: Triangles,
 }
 
 impl BoxMinusConvex {
@@ -45,7 +44,7 @@ impl Cutout {
     fn new(points: &[Vec3]) -> Result<Self, HullError> {
         let hull = convex_hull(points)?;
         let vertices = hull.vertices().to_vec();
-        let facets = Facets::new(hull.triangles().map(|t| t.map(|i| vertices[i as usize])).collect());
+        let facets = Triangles::new(hull.triangles().map(|t| t.map(|i| vertices[i as usize])).collect());
         Ok(Self { vertices, planes: hull.planes().collect(), aabb: hull.aabb(), facets })
     }
 

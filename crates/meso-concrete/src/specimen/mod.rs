@@ -9,7 +9,6 @@ mod convex;
 mod cuboid;
 mod cylinder;
 mod dogbone;
-mod facets;
 mod largest;
 mod notched;
 mod period;

@@ -1,18 +1,15 @@
 //! Any closed surface of triangles. A body is inside when one of its points is, and it meets no triangle.
 //!
-//! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
-//! of the triangles above a point by exact signs. To touch a triangle is to meet it.
+//! Both are exact, as [`Triangles`] answers them. To touch a triangle is to meet it.
 
 use super::box_minus_convex::{clear_of, within_box};
 use super::container::{Container, Obstacle, Surface};
-use super::facets::Facets;
 use super::largest::{self, Largest};
 use super::{ContainerError, Waiting};
 use crate::parallel;
-use meso_collision::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
-use meso_collision::gjk;
+use meso_collision::dents::SelfCrossing;
+use meso_collision::geometry::{HullError, Polyhedron, TriangleMesh, Triangles};
 use meso_collision::math::{Aabb, Vec3};
-use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -22,7 +19,7 @@ pub(super) struct Triangulated {
     mesh: TriangleMesh,
     volume: f64,
     size: Vec3,
-    facets: Facets,
+    facets: Triangles,
     /// Normal of every triangle, then those of the walls behind its reentrant edges and corners.
     outward: Vec<Vec<Vec3>>,
 }
@@ -32,7 +29,7 @@ impl Triangulated {
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
         let (size, outward) = (Aabb::around(&mesh.vertices).max, outward(&mesh, &corners));
-        Self { volume: mesh.volume(), mesh, size, facets: Facets::new(corners), outward }
+        Self { volume: mesh.volume(), mesh, size, facets: Triangles::new(corners), outward }
     }
 
     /// The nearest point of the surface and its distance, mm.
@@ -62,9 +59,7 @@ impl Triangulated {
             if is_late.load(Ordering::Relaxed) {
                 return Some(Err(ContainerError::Late { triangles, share: share() }));
             }
-            let a = a as u32;
-            let crosses = |&b: &u32| b > a && self.cross(a, b);
-            self.facets.around(a).filter(crosses).min().map(|b| Ok([a, b].map(|t| *self.facets.of(t))))
+            SelfCrossing { mesh: &self.mesh, facets: &self.facets }.of(a as u32).map(Ok)
         };
         parallel::find(triangles, first).transpose()
     }
@@ -80,85 +75,12 @@ impl Triangulated {
         }
         let wrong = |(component, volume): &(&u32, &f64)| {
             let corner = &self.mesh.vertices[**component as usize];
-            let others = self.windings(corner).filter(|&(t, ..)| of(t) != **component);
+            let others = self.facets.windings(corner).filter(|&(t, ..)| of(t) != **component);
             others.map(|(_, turns, _)| turns).sum::<i32>() != i32::from(**volume < 0.0)
         };
         let found = volumes.iter().filter(|_| volumes.len() > 1).find(wrong);
         found.map(|(component, _)| self.mesh.vertices[*component as usize])
     }
-
-    /// The triangles whose boxes reach above `point`, or hold it; how often each winds around the point, 1, 0 or -1;
-    /// and on which side of its plane that is. Every one above or below counts by its orientation, edges to one of
-    /// their two sides.
-    fn windings(&self, point: &Vec3) -> impl Iterator<Item = (u32, i32, f64)> {
-        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
-        let point = *point;
-        self.facets.meeting(upwards).map(move |t| {
-            let [a, b, c] = self.facets.of(t);
-            let (turns, side) = (turns_around(&[*a, *b, *c], &point), orient3d(a, b, c, &point));
-            // An upward triangle with the point below it has the point on its inner side.
-            let winds = (turns > 0 && side < 0.0) || (turns < 0 && side > 0.0);
-            (t, if winds { turns } else { 0 }, side)
-        })
-    }
-
-    /// Neighbours share their common corners or edge; any other common point is a crossing.
-    fn cross(&self, a: u32, b: u32) -> bool {
-        let [p, q] = [a, b].map(|t| &self.mesh.triangles[t as usize]);
-        let meets = |points: &[Vec3], t: u32| gjk::intersects(points, self.facets.of(t)).unwrap_or(true);
-        match p.iter().filter(|i| q.contains(i)).count() {
-            0 => meets(self.facets.of(a), b),
-            // The corner or edge opposite to the shared one, against the whole other triangle.
-            common @ (1 | 2) => {
-                let (own, other) = (self.opposite(a, b), self.opposite(b, a));
-                let (own, other) = (&own[..3 - common], &other[..3 - common]);
-                let part = self.is_beside(other, a) || self.is_beside(own, b);
-                let part = part || self.part_in_a_view(a, b, other) || self.part_in_a_view(b, a, own);
-                !part && (meets(own, b) || meets(other, a))
-            }
-            _ => true,
-        }
-    }
-
-    /// The corners of a triangle that another has not come first.
-    fn opposite(&self, of: u32, other: u32) -> [Vec3; 3] {
-        let (own, other) = (&self.mesh.triangles[of as usize], &self.mesh.triangles[other as usize]);
-        let (mut corners, mut found) = (*self.facets.of(of), 0);
-        for corner in (0..3).filter(|&corner| !other.contains(&own[corner])) {
-            corners.swap(found, corner);
-            found += 1;
-        }
-        corners
-    }
-
-    /// True when the points all lie off the plane of a triangle, on one side of it.
-    fn is_beside(&self, points: &[Vec3], t: u32) -> bool {
-        let [a, b, c] = self.facets.of(t);
-        let mut sides = points.iter().map(|point| orient3d(a, b, c, point));
-        let first = sides.next().unwrap_or(0.0);
-        first != 0.0 && sides.all(|side| side * first > 0.0)
-    }
-
-    /// True when an edge of `a` parts it from `b`, seen along an axis: the edge's line passes through all corners that
-    /// the two share, and those of `b` alone, `others`, lie strictly beyond it. This separates neighbours in one plane.
-    fn part_in_a_view(&self, a: u32, b: u32, others: &[Vec3]) -> bool {
-        let (own, corners) = (&self.mesh.triangles[a as usize], self.facets.of(a));
-        let is_shared = |corner: usize| self.mesh.triangles[b as usize].contains(&own[corner]);
-        let parts = |[from, to, rest]: [usize; 3], axis: usize| {
-            let turn = |point: &Vec3| orient2d(seen(&corners[from], axis), seen(&corners[to], axis), seen(point, axis));
-            let side = turn(&corners[rest]);
-            side != 0.0 && others.iter().all(|point| turn(point) * side < 0.0)
-        };
-        let passes =
-            |&[from, to, _]: &[usize; 3]| usize::from(is_shared(from)) + usize::from(is_shared(to)) == 3 - others.len();
-        let edges = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
-        edges.into_iter().filter(passes).any(|edge| (0..3).any(|axis| parts(edge, axis)))
-    }
-}
-
-/// A point as it is seen along an axis, from its upper end.
-fn seen(point: &Vec3, axis: usize) -> Coord<f64> {
-    Coord { x: point[(axis + 1) % 3], y: point[(axis + 2) % 3] }
 }
 
 impl Container for Triangulated {
@@ -203,21 +125,12 @@ impl Container for Triangulated {
         })
     }
 
-    /// True when the surface winds once around the point, or the point lies on it.
     fn contains(&self, point: &Vec3) -> bool {
-        let mut sum = 0;
-        for (t, turns, side) in self.windings(point) {
-            if side == 0.0 && gjk::intersects(std::slice::from_ref(point), self.facets.of(t)).unwrap_or(true) {
-                return true;
-            }
-            sum += turns;
-        }
-        sum > 0
+        self.facets.contains(point)
     }
 
     fn depth(&self, point: &Vec3) -> f64 {
-        let distance = self.nearest(point).1;
-        if self.contains(point) { distance } else { -distance }
+        self.facets.depth(point)
     }
 
     fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
@@ -293,23 +206,6 @@ fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
     parallel::map(mesh.triangles.len(), of_one)
 }
 
-/// How often a triangle seen from above turns around a point, 1, 0 or -1: its edges that cross the line to the right
-/// of the point, those upwards less those downwards. A point on an edge of two triangles counts to one of them.
-fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
-    let crossing = |k: usize| {
-        let (from, to) = (&triangle[k], &triangle[(k + 1) % 3]);
-        let left = || orient2d(seen(from, 2), seen(to, 2), seen(point, 2));
-        if from.y <= point.y && to.y > point.y {
-            i32::from(left() > 0.0)
-        } else if from.y > point.y && to.y <= point.y {
-            -i32::from(left() < 0.0)
-        } else {
-            0
-        }
-    };
-    (0..3).map(crossing).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -356,28 +252,5 @@ mod tests {
         });
         let found = Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing(patient);
         assert!(found.is_ok_and(|pair| pair.is_some()));
-    }
-
-    /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
-    #[test]
-    fn neighbours_that_a_view_parts_meet_nowhere_else() {
-        let mut stream = Stream::new(7, Draw::Sample, 0, 0);
-        let (mut parted, mut in_one_plane) = (0, 0);
-        for trial in 0..20_000 {
-            let mut point = || Vec3::new(4.0, 4.0, 2.0).map(|n| stream.uniform(0.0, n).floor());
-            let vertices: Vec<Vec3> = (0..5).map(|_| point()).collect();
-            let second = if trial % 2 == 0 { [0, 3, 4] } else { [1, 0, 3] };
-            let surface = Triangulated::new(TriangleMesh { vertices, triangles: vec![[0, 1, 2], second] });
-            let (own, others) = (surface.opposite(0, 1), surface.opposite(1, 0));
-            let count = 2 - trial % 2;
-            if surface.part_in_a_view(0, 1, &others[..count]) {
-                let meets = |points: &[Vec3], t: u32| gjk::intersects(points, surface.facets.of(t)).unwrap();
-                assert!(!meets(&own[..count], 1) && !meets(&others[..count], 0), "{surface:?}");
-                parted += 1;
-                let [a, b, c] = surface.facets.of(0);
-                in_one_plane += usize::from(others[..count].iter().all(|point| orient3d(a, b, c, point) == 0.0));
-            }
-        }
-        assert!(parted > 4000 && in_one_plane > 400, "{parted} {in_one_plane}");
     }
 }

@@ -12,7 +12,6 @@
 use crate::body_images::BodyImages;
 use crate::cells::{CellKind, Mesh, NO_BODY, Phase, pairs};
 use crate::tet::Incidence;
-use meso_collision::geometry::Plane;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use std::collections::{BTreeMap, BTreeSet};
@@ -159,9 +158,9 @@ fn left(mesh: &Mesh, bodies: &BodyImages, joined: &[(u32, u32)]) -> Vec<(u32, u3
     nodes.flat_map(|meet| meet.iter().copied().filter(move |(_, id)| Some(*id) != stays(meet))).collect()
 }
 
-/// How far `x` lies beyond the outermost plane of `body` or of its nearest image, mm; negative inside.
+/// How far `x` lies beyond `body` or its nearest image, mm; negative inside.
 fn beyond(bodies: &BodyImages, body: u32, x: &Vec3) -> f64 {
-    let beyond = |body: &Aggregate| Plane::height_over(body.body.planes(), x);
+    let beyond = |body: &Aggregate| body.body.height(x);
     bodies.images(body).iter().map(beyond).fold(f64::INFINITY, f64::min)
 }
 

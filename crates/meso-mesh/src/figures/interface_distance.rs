@@ -2,7 +2,7 @@
 
 use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners};
-use meso_collision::geometry::ConvexSurface;
+use meso_collision::geometry::BodySurface;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;
@@ -38,7 +38,7 @@ impl InterfaceDistance {
     /// Measures a mesh of `aggregates` in `specimen`; a solid ITZ counts by its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
         let bodies = BodyImages::of(&(aggregates, specimen).into());
-        let surfaces: Vec<_> = bodies.all.iter().map(|body| ConvexSurface::new(&body.body)).collect();
+        let surfaces: Vec<_> = bodies.all.iter().map(|body| BodySurface::new(&body.body)).collect();
         let distance = |&(node, body): &(u32, u32)| {
             stop::point();
             let images =

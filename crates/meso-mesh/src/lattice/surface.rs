@@ -2,7 +2,7 @@
 
 use crate::cells::NO_BODY;
 use crate::tet::TetMesh;
-use meso_collision::geometry::{Plane, Polyhedron};
+use meso_collision::geometry::{Plane, Polyhedron, nearest_on_triangle};
 use meso_collision::math::Vec3;
 
 /// Sine of the angle below which planes count as parallel.
@@ -11,6 +11,8 @@ const PARALLEL: f64 = 1e-3;
 /// Faces, edges and corners of a body.
 pub(super) struct Surface {
     planes: Vec<Plane>,
+    /// The triangle in each plane of a body with dents, beyond which the plane is no part of the surface.
+    triangles: Vec<[Vec3; 3]>,
     edges: Vec<Edge>,
     corners: Vec<Vec3>,
     /// mm3.
@@ -49,6 +51,7 @@ impl Surface {
         }
         Self {
             planes: body.planes().collect(),
+            triangles: if body.is_convex() { Vec::new() } else { body.triangles().map(|t| t.map(at)).collect() },
             edges: edges.into_iter().map(|edge| Edge::new(edge.map(at))).collect(),
             corners: body.vertices().to_vec(),
             volume: body.volume(),
@@ -73,37 +76,37 @@ impl Surface {
 
     /// `x` after the part of `step` that lies in all the faces at `x`, or `None` where that leaves the faces.
     pub(super) fn along_face(&self, x: &Vec3, step: &Vec3) -> Option<Vec3> {
-        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let at = self.faces_at(x);
         let step = match at[..] {
-            [plane] => step - plane.normal * plane.normal.dot(step),
-            [first, second] => {
+            [(_, plane)] => step - plane.normal * plane.normal.dot(step),
+            [(_, first), (_, second)] => {
                 let edge = first.normal.cross(&second.normal).normalize();
                 edge * edge.dot(step)
             }
             _ => return None,
         };
         let position = x + step;
-        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
+        (self.holds(&position) && at.iter().all(|(face, _)| self.is_on(*face, &position))).then_some(position)
     }
 
     /// Projects a point within the planes through `x` across `axes`, too.
     pub(super) fn along_face_within(&self, x: &Vec3, step: &Vec3, axes: [bool; 3]) -> Option<Vec3> {
-        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let at = self.faces_at(x);
         let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();
-        normals.extend(at.iter().map(|plane| plane.normal));
+        normals.extend(at.iter().map(|(_, plane)| plane.normal));
         let &[first, second] = normals.as_slice() else { return None };
         let edge = first.cross(&second).try_normalize(PARALLEL)?;
         let position = x + edge * edge.dot(step);
-        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
+        (self.holds(&position) && at.iter().all(|(face, _)| self.is_on(*face, &position))).then_some(position)
     }
 
     /// Calls `visit` with the positions nearest to `x` on the faces, and with the edges, within the planes through `x` across
     /// `axes`, as far as these are within `reach`.
     pub(super) fn nearest_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
-        for plane in &self.planes {
+        for (face, plane) in self.planes.iter().enumerate() {
             let direction = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
             let step = direction * ((plane.offset - plane.normal.dot(x)) / direction.norm_squared());
-            if direction.norm() > PARALLEL && step.norm() < reach && self.holds(&(x + step)) {
+            if direction.norm() > PARALLEL && step.norm() < reach && self.face_has(face, &(x + step)) {
                 visit(x + step);
             }
         }
@@ -121,10 +124,10 @@ impl Surface {
 
     /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
     pub(super) fn feet_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
-        for plane in &self.planes {
+        for (face, plane) in self.planes.iter().enumerate() {
             let height = plane.height(x);
             let foot = x - plane.normal * height;
-            if height.abs() < reach && self.holds(&foot) {
+            if height.abs() < reach && self.face_has(face, &foot) {
                 visit(foot);
             }
         }
@@ -132,16 +135,32 @@ impl Surface {
 
     /// Whether `x` lies on the surface.
     pub(super) fn has(&self, x: &Vec3) -> bool {
-        self.planes.iter().any(|p| self.is_on(p, x)) && self.holds(x)
+        (0..self.planes.len()).any(|face| self.is_on(face, x)) && self.holds(x)
     }
 
-    /// Whether `x` lies in the closed body.
-    pub(super) fn holds(&self, x: &Vec3) -> bool {
-        self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
+    /// Whether `x` lies in the closed convex body. The faces of a body with dents bound themselves.
+    fn holds(&self, x: &Vec3) -> bool {
+        !self.triangles.is_empty() || self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
     }
 
-    fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
-        plane.height(x).abs() <= self.slack
+    /// The faces at `x`, by their numbers and planes.
+    fn faces_at(&self, x: &Vec3) -> Vec<(usize, &Plane)> {
+        self.planes.iter().enumerate().filter(|(face, _)| self.is_on(*face, x)).collect()
+    }
+
+    /// Whether `x` lies on a face, or on its plane where that bounds a convex body.
+    fn is_on(&self, face: usize, x: &Vec3) -> bool {
+        self.planes[face].height(x).abs() <= self.slack && self.triangle_has(face, x)
+    }
+
+    /// Whether a point of the plane of a face lies on the body's surface.
+    fn face_has(&self, face: usize, x: &Vec3) -> bool {
+        self.holds(x) && self.triangle_has(face, x)
+    }
+
+    /// Whether `x` lies in the triangle of a body with dents.
+    fn triangle_has(&self, face: usize, x: &Vec3) -> bool {
+        self.triangles.get(face).is_none_or(|triangle| (nearest_on_triangle(triangle, x) - x).norm() <= self.slack)
     }
 }
 

@@ -82,6 +82,13 @@ pub enum Finding {
         /// The fault.
         reason: String,
     },
+    /// The triangles do not bound a solid seen from outside.
+    NotSolid {
+        /// Id.
+        aggregate: u32,
+        /// The fault.
+        reason: String,
+    },
     /// The ITZ leaves no core inside the aggregate.
     Itz {
         /// Id.
@@ -124,6 +131,7 @@ impl fmt::Display for Finding {
                 write!(f, "aggregate {aggregate} extends outside the specimen, or into the gap at its walls")
             }
             Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is not a convex solid: {reason}"),
+            Self::NotSolid { aggregate, reason } => write!(f, "aggregate {aggregate} is not a solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
             Self::NotTaken { body } => {
                 write!(
@@ -202,7 +210,7 @@ fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
 fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Placed<'a>> {
     let own = (0..).zip(bodies);
     let mut placed: Vec<Placed> =
-        own.map(|(body, a)| Placed { body, vertices: Cow::Borrowed(a.body.vertices()) }).collect();
+        own.map(|(body, a)| Placed { body, vertices: Cow::Borrowed(a.body.vertices()), dents: dents(a) }).collect();
     let period = model.spec.specimen.period();
     if period.is_none() {
         return placed;
@@ -217,16 +225,25 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
         let shifts = period.shifts(&aggregate.body.aabb(), &reached).into_iter().filter(|s| *s != Vec3::zeros());
         placed.extend(shifts.map(|shift| {
             let vertices = aggregate.body.vertices().iter().map(|v| v + shift).collect();
-            Placed { body: id, vertices: Cow::Owned(vertices) }
+            Placed { body: id, vertices: Cow::Owned(vertices), dents: dents(aggregate) }
         }));
     }
     placed
 }
 
+/// The body where it has dents.
+fn dents(aggregate: &Aggregate) -> Option<&Polyhedron> {
+    (!aggregate.body.is_convex()).then_some(&aggregate.body)
+}
+
 /// Checks of one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
-    let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
+    let convex = if aggregate.body.is_convex() {
+        solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason })
+    } else {
+        solid::check_surface(&aggregate.body).err().map(|reason| Finding::NotSolid { aggregate: id, reason })
+    };
     // The offset of a body that is not convex means nothing.
     let has_itz = aggregate.kind == Kind::Aggregate;
     let itz = if convex.is_none() && has_itz { itz(aggregate) } else { None };
@@ -264,7 +281,7 @@ const SHELL_ROUNDING: f64 = 1e-9;
 /// A point deeper than the shell is thick proves a core; only where the mean of the vertices is none, the core is made.
 fn itz(aggregate: &Aggregate) -> Option<Finding> {
     let thickness = aggregate.itz_thickness_mm;
-    if solid::depth_of_mean(&aggregate.body) > thickness + SHELL_ROUNDING {
+    if solid::depth_of_inner_point(&aggregate.body) > thickness + SHELL_ROUNDING {
         return None;
     }
     let reason = match aggregate.core() {

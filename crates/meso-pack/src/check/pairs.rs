@@ -1,6 +1,7 @@
 //! Every pair of bodies, by a grid of buckets and the exact verdict.
 
 use super::Finding;
+use meso_collision::geometry::{Polyhedron, Triangles, convex_hull};
 use meso_collision::gjk;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::parallel;
@@ -10,6 +11,25 @@ use std::borrow::Cow;
 pub(super) struct Placed<'a> {
     pub(super) body: u32,
     pub(super) vertices: Cow<'a, [Vec3]>,
+    /// The body itself where it has dents; only its faces count.
+    pub(super) dents: Option<&'a Polyhedron>,
+}
+
+impl Placed<'_> {
+    /// The surface: that of the body with these vertices, or of their hull.
+    fn surface(&self) -> Option<Triangles> {
+        let corners = |t: [u32; 3]| t.map(|i| self.vertices[i as usize]);
+        match self.dents {
+            Some(body) => Some(Triangles::new(body.triangles().map(corners).collect())),
+            None => convex_hull(&self.vertices).ok().map(|hull| hull.surface()),
+        }
+    }
+}
+
+/// The surfaces of two bodies where one has dents: their hulls decide nothing.
+fn surfaces(a: &Placed, b: &Placed) -> Option<[Triangles; 2]> {
+    let has_dents = a.dents.is_some() || b.dents.is_some();
+    if has_dents { Some([a.surface()?, b.surface()?]) } else { None }
 }
 
 /// The number of pairs put to the exact test, and the pairs that share a point or are nearer than `gap` mm.
@@ -40,13 +60,18 @@ fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f
 fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
     let (p, q) = (&*a.vertices, &*b.vertices);
     // Bodies whose coordinates exceed the accepted magnitudes are not proved apart.
-    if gjk::intersects(p, q).unwrap_or(true) {
+    let hulls_meet = gjk::intersects(p, q).unwrap_or(true);
+    let surfaces = if hulls_meet || gap > 0.0 { surfaces(a, b) } else { None };
+    if hulls_meet && !surfaces.as_ref().is_some_and(|[a, b]| a.is_apart(b, 0.0)) {
         return Some(Finding::Overlap { a: a.body, b: b.body });
     }
     if gap == 0.0 {
         return None;
     }
-    let distance_mm = gjk::distance(p, q).unwrap_or(0.0);
+    let distance_mm = match surfaces {
+        Some([a, b]) => a.distance_below(&b, gap),
+        None => gjk::distance(p, q).unwrap_or(0.0),
+    };
     (distance_mm < gap).then_some(Finding::Gap { a: a.body, b: b.body, distance_mm })
 }
 
@@ -135,7 +160,7 @@ mod tests {
     #[test]
     fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
         let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
-        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)) };
+        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), dents: None };
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
     }

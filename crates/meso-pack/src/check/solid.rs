@@ -1,6 +1,7 @@
 //! One body alone: closed, convex, seen from outside, by exact signs.
 
-use meso_collision::geometry::{Face, Polyhedron};
+use meso_collision::dents::SelfCrossing;
+use meso_collision::geometry::{Face, Polyhedron, TriangleMesh, Triangles};
 use meso_collision::math::Vec3;
 use robust::{Coord3D, orient3d};
 
@@ -58,8 +59,28 @@ fn side(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
     -orient3d(coord(a), coord(b), coord(c), coord(p))
 }
 
-/// The distance of the vertices' mean to the nearest face plane, mm.
-pub(super) fn depth_of_mean(body: &Polyhedron) -> f64 {
+/// Checks a body with dents: its surface is closed, in one part, encloses a volume and nowhere crosses itself.
+pub(super) fn check_surface(body: &Polyhedron) -> Result<(), String> {
+    closed(body)?;
+    let mesh = TriangleMesh { vertices: body.vertices().to_vec(), triangles: body.triangles().collect() };
+    mesh.check_closed().map_err(|error| error.to_string())?;
+    let parts = mesh.components().len();
+    if parts != 1 {
+        return Err(format!("its surface has {parts} parts"));
+    }
+    let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+    match (SelfCrossing { mesh: &mesh, facets: &facets }).find() {
+        Some([[corner, ..], _]) => Err(format!("its surface crosses itself near {:?}", <[f64; 3]>::from(corner))),
+        None => Ok(()),
+    }
+}
+
+/// The depth of a point in the body, mm: that of the vertices' mean below the nearest face plane, or of a point that is
+/// deep in a body with dents.
+pub(super) fn depth_of_inner_point(body: &Polyhedron) -> f64 {
+    if !body.is_convex() {
+        return body.surface().deepest().1;
+    }
     let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
     body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)
 }

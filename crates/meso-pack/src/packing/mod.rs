@@ -141,7 +141,9 @@ impl Pose {
     pub(crate) fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
-        if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
+        // Triangles of a surface with dents stay: their copies are proved as they are turned.
+        let keeps_faces = self.turn.is_none() || !body.is_convex();
+        if keeps_faces { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
     }
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Task<'a> {
     /// `watch.seconds()` when it began, and at which to stop.
     started: f64,
     pub(super) deadline: f64,
+    /// True where a grain has dents.
+    pub(super) has_dents: bool,
     /// Why the run stops; set once by the first thread that finds a reason.
     stop: OnceLock<StopReason>,
 }
@@ -43,6 +45,7 @@ impl<'a> Task<'a> {
             class_targets: aggregates.chain(inclusions).collect(),
             started,
             deadline: request.placement.deadline(started),
+            has_dents: request.grains.iter().any(|grain| !grain.body.is_convex()),
             stop: OnceLock::new(),
         }
     }

@@ -3,7 +3,7 @@
 //! `{"mesocrete": version, "spec", "seed", "specimen", "report", "aggregates": [{"id", "class", "itz_thickness_mm",
 //! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
-//! counter-clockwise from outside. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
+//! counter-clockwise from outside. An aggregate with `"dents": true` need not be convex, and its faces are triangles. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
 //! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
 //! that the same spec and seed give the same bytes. The last entry, `crc32`, is the checksum of all bytes before it.
 //!
@@ -127,6 +127,9 @@ fn without_seconds(report: &Report) -> io::Result<serde_json::Value> {
 fn write_aggregate(aggregate: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
     write!(out, "{{\"id\":{},\"class\":{},\"itz_thickness_mm\":", aggregate.id, aggregate.class)?;
     serde_json::to_writer(&mut *out, &aggregate.itz_thickness_mm)?;
+    if !aggregate.body.is_convex() {
+        out.extend_from_slice(b",\"dents\":true");
+    }
     write_body(&aggregate.body, out)
 }
 

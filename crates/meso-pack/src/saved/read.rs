@@ -84,6 +84,8 @@ struct FileAggregate {
     id: u32,
     class: u16,
     itz_thickness_mm: f64,
+    #[serde(default)]
+    dents: bool,
     vertices: Vec<[f64; 3]>,
     faces: Polygons,
 }
@@ -245,8 +247,12 @@ fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggreg
     if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
         return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
     }
-    let FileAggregate { id, class, itz_thickness_mm, vertices, faces } = file;
+    let FileAggregate { id, class, itz_thickness_mm, dents, vertices, faces } = file;
+    if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
+        return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
+    }
     let body = body(vertices, faces).map_err(wrong)?;
+    let body = if dents { body.with_dents() } else { body };
     Ok(Aggregate { id, kind: Kind::Aggregate, class, itz_thickness_mm, body })
 }
 

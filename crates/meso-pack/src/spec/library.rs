@@ -7,7 +7,9 @@ use super::tree::{Node, Value};
 use crate::distinct;
 use meso_collision::geometry::{TriangleMesh, convex_hull};
 use meso_collision::math::Vec3;
+use meso_concrete::aggregate::Template;
 use meso_concrete::import;
+use meso_concrete::import::harmonics::{self, Harmonics};
 use serde::Deserialize;
 
 const KEY: &str = "shape.library";
@@ -18,13 +20,17 @@ const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z]
                        ...], \"faces\": [[0, 1, 2], ...]}";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold. With `shape.hull` each is the
-/// convex hull of its body.
+/// convex hull of its body. With the kind `harmonics` the files hold coefficients.
 pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
     let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
     let hull = shape.take("hull").map(|(_, node)| node);
-    let Some((_, Node { value, line })) = shape.take("library") else {
+    let is_harmonic = shape.child("kind").is_some_and(|kind| kind.value == Value::Text(HARMONICS.to_owned()));
+    let [degree, triangles] = [DEGREE, TRIANGLES].map(|option| option.taken(shape));
+    let library = shape.take("library").or_else(|| shape.take("path"));
+    let Some((_, Node { value, line })) = library else {
         let message = "counts only for a library, the grains of a file; leave it out";
-        return hull.map_or(Ok(()), |node| Err(SpecError { line: node.line, ..SpecError::value(HULL, message) }));
+        let unused = |node: Node| Err(SpecError { line: node.line, ..SpecError::value(HULL, message) });
+        return if is_harmonic { Err(SpecError::value(KEY, NO_FOLDER)) } else { hull.map_or(Ok(()), unused) };
     };
     let takes_hull = match hull {
         None => false,
@@ -38,18 +44,47 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         let message = "must be the name of a folder, or of a file of grains (STL, PLY, OBJ, OFF, JSON) in quotes";
         return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(KEY, message) });
     };
-    let grains = Reader { files, takes_hull }
+    let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
+    let grains = Reader { files, takes_hull, form }
         .grains(&name)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
-    let kind = shape.child("kind").is_some();
+    let kind = if is_harmonic { None } else { shape.take("kind") };
+    shape.take("kind");
     if let Value::Table(entries) = &mut shape.value {
-        let grains = grains.iter().map(|grain| node(Value::Array(grain.iter().map(row).collect()), line));
+        let grains = grains.iter().map(|grain| grain.node(line));
         entries.push(("grains".to_owned(), node(Value::Array(grains.collect()), line)));
-        if !kind {
-            entries.push(("kind".to_owned(), node(Value::Text("library".to_owned()), line)));
-        }
+        entries.push(kind.unwrap_or_else(|| ("kind".to_owned(), node(Value::Text("library".to_owned()), line))));
     }
     Ok(())
+}
+
+const HARMONICS: &str = "harmonics";
+const NO_FOLDER: &str = "is missing; name a folder of coefficients, or a file that ends in .dat, .anm or .txt";
+
+/// A whole number that counts only for harmonics.
+struct Whole {
+    key: &'static str,
+    usual: u32,
+    range: [u32; 2],
+}
+
+const DEGREE: Whole = Whole { key: "degree", usual: 12, range: [1, harmonics::MOST_DEGREE] };
+const TRIANGLES: Whole = Whole { key: "triangles", usual: 160, range: [20, 5000] };
+
+impl Whole {
+    /// Takes the value out of the table; the usual one where it is not given.
+    fn taken(&self, shape: &mut Node) -> Result<u32, SpecError> {
+        let Some((_, given)) = shape.take(self.key) else { return Ok(self.usual) };
+        let [low, high] = self.range;
+        match given.value {
+            Value::Integer(n) if (i128::from(low)..=i128::from(high)).contains(&n) => Ok(n as u32),
+            _ => {
+                let message =
+                    format!("is {}; it must be a whole number from {low} to {high}", found(&given.unexpected()));
+                Err(SpecError { line: given.line, ..SpecError::value(format!("shape.{}", self.key), message) })
+            }
+        }
+    }
 }
 
 fn node(value: Value, line: Option<usize>) -> Node {
@@ -60,32 +95,70 @@ fn row(vertex: &Vec3) -> Node {
     Node::list(vertex.iter().map(|&x| Value::Float(x)))
 }
 
-/// Endings of the names of files of grains.
-fn endings() -> Vec<&'static str> {
-    import::ENDINGS.into_iter().chain(["json"]).collect()
+/// A grain as it is put into the spec.
+enum Inlined {
+    /// The vertices of a convex polyhedron.
+    Convex(Vec<Vec3>),
+    /// A closed surface with dents.
+    Dents(TriangleMesh),
 }
 
-fn is_grain_file(name: &str) -> bool {
-    import::ending(name).is_some_and(|ending| endings().contains(&ending.as_str()))
+impl Inlined {
+    fn node(&self, line: Option<usize>) -> Node {
+        let rows = |vertices: &[Vec3]| node(Value::Array(vertices.iter().map(row).collect()), line);
+        match self {
+            Self::Convex(vertices) => rows(vertices),
+            Self::Dents(TriangleMesh { vertices, triangles }) => {
+                let face = |t: &[u32; 3]| Node::list(t.iter().map(|&corner| Value::Integer(corner.into())));
+                let faces = node(Value::Array(triangles.iter().map(face).collect()), line);
+                let entries = [("vertices", rows(vertices)), ("faces", faces)];
+                node(Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into()), line)
+            }
+        }
+    }
 }
 
-/// Reads grains: the vertices of a convex polyhedron each.
+/// What the files hold.
+#[derive(Clone, Copy)]
+enum Form {
+    /// Closed surfaces, or lists of vertices.
+    Surfaces,
+    /// Coefficients, cut at a degree and turned into triangles.
+    Harmonics { degree: u32, triangles: u32 },
+}
+
+impl Form {
+    /// Endings of the names of files of grains.
+    fn endings(self) -> Vec<&'static str> {
+        match self {
+            Self::Surfaces => import::ENDINGS.into_iter().chain(["json"]).collect(),
+            Self::Harmonics { .. } => vec!["dat", "anm", "txt"],
+        }
+    }
+
+    fn is_grain_file(self, name: &str) -> bool {
+        import::ending(name).is_some_and(|ending| self.endings().contains(&ending.as_str()))
+    }
+}
+
+/// Reads grains, convex ones and those with dents.
 struct Reader<'a> {
     files: &'a mut dyn Files,
     /// Whether bodies that are not convex count as their hulls.
     takes_hull: bool,
+    form: Form,
 }
 
 impl Reader<'_> {
     /// Every grain in the file, or in the files of the folder in the order of their names.
-    fn grains(&mut self, name: &str) -> Result<Vec<Vec<Vec3>>, String> {
-        if is_grain_file(name) {
+    fn grains(&mut self, name: &str) -> Result<Vec<Inlined>, String> {
+        if self.form.is_grain_file(name) {
             return self.read(name);
         }
-        let readable = import::list(&endings());
+        let readable = import::list(&self.form.endings());
         let no_folder = |error| format!("{error}; it is no folder, and a file of grains ends in {readable}");
         let mut names: Vec<String> = self.files.list(name).map_err(no_folder)?;
-        names.retain(|name| is_grain_file(name));
+        names.retain(|name| self.form.is_grain_file(name));
         names.sort();
         if names.is_empty() {
             return Err(format!("the folder holds no file that ends in {readable}"));
@@ -98,8 +171,11 @@ impl Reader<'_> {
         Ok(all)
     }
 
-    fn read(&mut self, name: &str) -> Result<Vec<Vec<Vec3>>, String> {
+    fn read(&mut self, name: &str) -> Result<Vec<Inlined>, String> {
         let bytes = self.files.read(name).map_err(|error| error.to_string())?;
+        if let Form::Harmonics { degree, triangles } = self.form {
+            return self.stone(name, &bytes, degree, triangles).map(|stone| vec![stone]);
+        }
         if import::ending(name).as_deref() == Some("json") {
             return self.json_grains(&bytes);
         }
@@ -108,12 +184,22 @@ impl Reader<'_> {
         let count = bodies.len();
         let named = |(i, body): (usize, TriangleMesh)| {
             let within = if count == 1 { String::new() } else { format!("body {i} of {count}, counted from 0: ") };
-            self.convex(&body).map_err(|reason| format!("{within}{reason}"))
+            self.grain(body).map_err(|reason| format!("{within}{reason}"))
         };
         bodies.into_iter().enumerate().map(named).collect()
     }
 
-    fn json_grains(&self, bytes: &[u8]) -> Result<Vec<Vec<Vec3>>, String> {
+    /// The stone of a file of coefficients, and a remark about the volume that its triangles hold.
+    fn stone(&mut self, name: &str, bytes: &[u8], degree: u32, triangles: u32) -> Result<Inlined, String> {
+        let stone = Harmonics::read(bytes, degree).map_err(|error| error.to_string())?;
+        let surface = stone.surface(triangles as usize).map_err(|error| error.to_string())?;
+        let percent = 100.0 * surface.volume() / stone.volume();
+        let (degree, triangles) = (stone.degree(), surface.triangles.len());
+        self.files.remark(name, &format!("{triangles} triangles hold {percent:.1} % of the volume of degree {degree}"));
+        self.grain(surface)
+    }
+
+    fn json_grains(&self, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         let named = |(i, grain): (usize, Grain)| {
             let (name, vertices, faces) = match grain {
                 Grain::Vertices(vertices) => (None, vertices, None),
@@ -125,32 +211,30 @@ impl Reader<'_> {
         listed(bytes)?.into_iter().enumerate().map(named).collect()
     }
 
-    fn json_grain(&self, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>>) -> Result<Vec<Vec3>, String> {
+    fn json_grain(&self, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>>) -> Result<Inlined, String> {
         let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
         let Some(faces) = faces else {
-            return convex_hull(&vertices).map(|hull| hull.vertices().to_vec()).map_err(|error| error.to_string());
+            let hull = convex_hull(&vertices).map_err(|error| error.to_string())?;
+            return Ok(Inlined::Convex(hull.vertices().to_vec()));
         };
         if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
             return Err(format!("a face names vertex {corner} of {}", vertices.len()));
         }
         let fans = faces.iter().flat_map(|face| face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]));
-        self.convex(&TriangleMesh { triangles: fans.collect(), vertices })
+        self.grain(TriangleMesh { triangles: fans.collect(), vertices })
     }
 
-    /// The hull's vertices of a closed convex surface, or of any surface where hulls are taken.
-    fn convex(&self, surface: &TriangleMesh) -> Result<Vec<Vec3>, String> {
+    /// The hull's vertices of a closed convex surface, or of any surface where hulls are taken; else the surface.
+    fn grain(&self, surface: TriangleMesh) -> Result<Inlined, String> {
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if !self.takes_hull {
             surface.check_closed().map_err(|error| error.to_string())?;
-            let share = surface.volume() / hull.volume();
-            if share < CONVEX {
-                let percent = 100.0 * share;
-                return Err(format!(
-                    "it is not convex: it fills {percent:.1} % of its hull; shape.hull = true takes its hull"
-                ));
+            if surface.volume() / hull.volume() < CONVEX {
+                let proved = Template::of_surface(surface.clone()).map_err(|error| error.to_string());
+                return proved.map(|_| Inlined::Dents(surface));
             }
         }
-        Ok(hull.vertices().to_vec())
+        Ok(Inlined::Convex(hull.vertices().to_vec()))
     }
 }
 

@@ -22,6 +22,19 @@ impl Spec {
             "type": "string",
         });
         schema["$defs"]["Shape"]["properties"]["library"] = library;
+        let path =
+            "A file (DAT, ANM, TXT) or folder of coefficients n m Re Im, for harmonics; another name of `library`.";
+        schema["$defs"]["Shape"]["properties"]["path"] = json!({ "description": path, "type": "string" });
+        for (key, meaning) in [
+            ("degree", "Highest degree of the harmonics that counts; 12 by default."),
+            ("triangles", "Triangles of the surface that is made of harmonics; 160 by default."),
+        ] {
+            schema["$defs"]["Shape"]["properties"][key] = json!({ "description": meaning, "type": "integer" });
+        }
+        let harmonics = "Stones from files of spherical harmonics, one coefficient a line; they become a library.";
+        if let Some(kinds) = schema["$defs"]["ShapeKind"]["oneOf"].as_array_mut() {
+            kinds.push(json!({ "description": harmonics, "type": "string", "const": "harmonics" }));
+        }
         let hull = "Grains of a `library` that are not convex count as their convex hulls.";
         schema["$defs"]["Shape"]["properties"]["hull"] = json!({ "description": hull, "type": "boolean" });
         let specimen = &mut schema["$defs"]["Specimen"];

@@ -9,7 +9,7 @@
 
 use super::{Sample, in_order};
 use meso_collision::geometry::Polyhedron;
-use meso_collision::math::{Aabb, Vec3};
+use meso_collision::math::{Aabb, Rotation, Vec3};
 use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
 
@@ -180,7 +180,7 @@ fn line(sample: &Sample, stream: &mut Stream) -> Line {
     let length = ahead + behind;
     let whole = near_line(sample, &origin, &direction, length)
         .into_iter()
-        .filter_map(|a| chord(&sample.aggregates[a as usize].body, &origin, &direction));
+        .flat_map(|a| chords(&sample.aggregates[a as usize].body, &origin, &direction));
     Line::of(length, whole)
 }
 
@@ -231,7 +231,17 @@ fn near_line(sample: &Sample, origin: &Vec3, direction: &Vec3, length: f64) -> V
     near
 }
 
-/// Where a line enters and leaves a body.
+/// Where a line enters and leaves a body: once, unless the body has dents.
+fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)> {
+    if body.is_convex() {
+        return chord(body, origin, direction).into_iter().collect();
+    }
+    let Some(turn) = Rotation::rotation_between(direction, &Vec3::x()) else { return Vec::new() };
+    let along = body.mapped(|vertex| turn * (vertex - origin));
+    along.surface().row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
+}
+
+/// Where a line enters and leaves a convex body.
 fn chord(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Option<(f64, f64)> {
     let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
     for plane in body.planes() {

@@ -3,7 +3,7 @@
 use super::index::Index;
 use super::{Distribution, Images};
 use crate::model::Model;
-use meso_collision::gjk::{self, GjkError};
+use meso_collision::gjk::GjkError;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -55,10 +55,10 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         candidates.sort_by(|x, y| x.0.total_cmp(&y.0));
         let mut best = f64::INFINITY;
         for (at_least, b) in candidates {
-            let [a, b] = [a, b].map(|i| aggregates[i as usize].body.vertices());
+            let [a, b] = [a, b].map(|i| &aggregates[i as usize].body);
             // Rejecting a farther body costs a fraction of its distance, which is correctly rounded.
-            if at_least < best && !(best.is_finite() && gjk::distance_exceeds(a, b, best)?) {
-                best = best.min(gjk::distance(a, b)?);
+            if at_least < best && !(best.is_finite() && a.is_farther(b, best)?) {
+                best = best.min(a.distance(b)?);
             }
         }
         if best <= reach {

@@ -187,6 +187,8 @@ class Placement(TypedDict, total=False):
 class Shape(TypedDict, total=False):
     """Shape of the aggregates."""
 
+    degree: int
+    """Highest degree of the harmonics that counts; 12 by default."""
     elongation: AspectRatio
     """Law of b/a, the intermediate over the longest axis; of no meaning for a library."""
     flatness: AspectRatio
@@ -195,10 +197,14 @@ class Shape(TypedDict, total=False):
     """The grains of a library."""
     hull: bool
     """Grains of a `library` that are not convex count as their convex hulls."""
-    kind: Literal["polyhedron", "rounded", "crushed", "library"]
+    kind: Literal["polyhedron", "rounded", "crushed", "library", "harmonics"]
     """Which kind of polyhedron."""
     library: str
     """A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain."""
+    path: str
+    """A file (DAT, ANM, TXT) or folder of coefficients n m Re Im, for harmonics; another name of `library`."""
+    triangles: int
+    """Triangles of the surface that is made of harmonics; 160 by default."""
     vertices: Sequence[int]
     """Fewest and most vertices; of no meaning for a library."""
 
@@ -328,7 +334,7 @@ class MeshFileSpecimen(TypedDict, total=False):
 Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen
 
 
-Template = Sequence[_Numbers]
+Template = Sequence[_Numbers] | Closed
 
 
 class Voids(TypedDict, total=False):

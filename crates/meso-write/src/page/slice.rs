@@ -107,6 +107,9 @@ fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Res
 }
 
 fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
+    if !aggregate.body.is_convex() {
+        return cut_with_dents(aggregate, axis, at, out);
+    }
     let outline = polygon(&aggregate.body, axis, at);
     if outline.len() < 3 {
         return Ok(());
@@ -118,19 +121,37 @@ fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io:
     }
     // A body whose core has no trustworthy answer is drawn as all rim.
     let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, at)).unwrap_or_default();
-    if core.len() < 3 {
-        Ok(())
-    } else {
-        path(&format!("c{}", usize::from(aggregate.class) % CLASSES.len()), &core, out)
-    }
+    if core.len() < 3 { Ok(()) } else { path(&core_class(aggregate), &core, out) }
+}
+
+/// An aggregate with dents has no inner surface, and is drawn without a rim.
+fn cut_with_dents(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
+    let body = &aggregate.body;
+    let faces = body.triangles().map(|triangle| triangle.to_vec()).collect();
+    let outlines = outlines(&Surface { points: body.vertices().to_vec(), faces }, axis, at);
+    // Outlines of openings run the other way round: in one path they stay open.
+    if outlines.is_empty() { Ok(()) } else { paths(&core_class(aggregate), &outlines, out) }
+}
+
+fn core_class(aggregate: &Aggregate) -> String {
+    format!("c{}", usize::from(aggregate.class) % CLASSES.len())
 }
 
 fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<()> {
-    write!(out, "<path class=\"{class}\" d=\"M")?;
-    for [x, y] in corners {
-        write!(out, "{x:.2} {y:.2} ")?;
+    paths(class, &[corners], out)
+}
+
+/// Several closed lines as one path.
+fn paths(class: &str, lines: &[impl AsRef<[[f64; 2]]>], out: &mut impl Write) -> io::Result<()> {
+    write!(out, "<path class=\"{class}\" d=\"")?;
+    for line in lines {
+        write!(out, "M")?;
+        for [x, y] in line.as_ref() {
+            write!(out, "{x:.2} {y:.2} ")?;
+        }
+        write!(out, "z")?;
     }
-    writeln!(out, "z\"/>")
+    writeln!(out, "\"/>")
 }
 
 /// The corners of the section of `body`, in order around it, mm.

@@ -3,7 +3,7 @@
 //! A layer is divided into square tiles. All voxels of a tile ask the same few bodies: heights above a body's planes and
 //! distances from it change by no more than the way from the tile's centre.
 
-use meso_collision::geometry::{BoxTree, ConvexSurface, Plane};
+use meso_collision::geometry::{BodySurface, BoxTree, Plane};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -18,7 +18,7 @@ const FAR: f64 = 4.0;
 
 /// The bodies by their surfaces, and a tree of their boxes.
 pub(super) struct Surfaces {
-    bodies: Vec<ConvexSurface>,
+    bodies: Vec<BodySurface>,
     boxes: Vec<Aabb>,
     tree: BoxTree,
 }
@@ -27,7 +27,7 @@ impl Surfaces {
     pub(super) fn new(aggregates: &[Aggregate]) -> Self {
         let boxes: Vec<Aabb> = aggregates.iter().map(|aggregate| aggregate.body.aabb()).collect();
         Self {
-            bodies: parallel::map_each(aggregates, |aggregate| ConvexSurface::new(&aggregate.body)),
+            bodies: parallel::map_each(aggregates, |aggregate| BodySurface::new(&aggregate.body)),
             tree: BoxTree::new(&boxes),
             boxes,
         }

@@ -33,6 +33,9 @@ pub enum OffsetError {
         /// The value given, mm.
         thickness: f64,
     },
+    /// The body has dents, so that no planes bound it.
+    #[error("the body is not convex, so its inner surface has no plane faces")]
+    NotConvex,
     /// The result cannot be given to the promised accuracy.
     #[error("the offset is ill-conditioned: {reason}")]
     IllConditioned {
@@ -58,6 +61,9 @@ impl Polyhedron {
         }
         if thickness == 0.0 {
             return Ok(Some(self.clone()));
+        }
+        if !self.is_convex() {
+            return Err(OffsetError::NotConvex);
         }
         let corners = plane_corners(self);
         // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.

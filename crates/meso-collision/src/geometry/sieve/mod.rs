@@ -34,7 +34,12 @@ impl Polyhedron {
     /// assert!((convex_hull(&cube)?.sieve_size() - 1.0).abs() < 1e-9);
     /// # Ok::<(), meso_collision::geometry::HullError>(())
     /// ```
+    ///
+    /// A sieve meets the hull of a body with dents only.
     pub fn sieve_size(&self) -> f64 {
+        if !self.is_convex() {
+            return self.hull().map_or(0.0, |hull| hull.sieve_size());
+        }
         dispatch(search::Smallest { body: self })
     }
 }

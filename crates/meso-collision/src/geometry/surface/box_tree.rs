@@ -40,6 +40,59 @@ impl BoxTree {
         Self { nodes, items }
     }
 
+    /// The tree of boxes whose order is that of the items of another tree: it is only measured, not sorted.
+    pub fn in_order(boxes: &[Aabb]) -> Self {
+        let mut nodes = Vec::with_capacity(boxes.len());
+        if !boxes.is_empty() {
+            measure(&mut nodes, boxes, 0..boxes.len() as u32);
+        }
+        Self { nodes, items: (0..boxes.len() as u32).collect() }
+    }
+
+    /// The items in the order of the leaves.
+    pub fn order(&self) -> &[u32] {
+        &self.items
+    }
+
+    /// The smallest box around all items.
+    pub fn aabb(&self) -> Aabb {
+        self.nodes.first().map_or_else(Aabb::empty, |root| root.aabb)
+    }
+
+    /// True where `visit` is true for all pairs of items, one of each tree, whose boxes come within `margin` of each
+    /// other. More pairs may be visited.
+    pub fn all_pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(u32, u32) -> bool) -> bool {
+        let mut open = vec![(0, 0)];
+        while let Some((a, b)) = open.pop() {
+            let (Some(own), Some(others)) = (self.nodes.get(a), other.nodes.get(b)) else { continue };
+            if !own.aabb.grown(margin).intersects(&others.aabb) {
+                continue;
+            }
+            let halves = |tree: &Self, at: usize| [at + 1, tree.nodes[at + 1].next as usize];
+            match (own.items.is_empty(), others.items.is_empty()) {
+                (false, false) => {
+                    let pairs = self.leaf(own).iter().flat_map(|&p| other.leaf(others).iter().map(move |&q| (p, q)));
+                    if !pairs.into_iter().all(|(p, q)| visit(p, q)) {
+                        return false;
+                    }
+                }
+                (true, false) => open.extend(halves(self, a).map(|half| (half, b))),
+                (false, true) => open.extend(halves(other, b).map(|half| (a, half))),
+                // The larger box is halved.
+                _ if own.aabb.size().max() > others.aabb.size().max() => {
+                    open.extend(halves(self, a).map(|half| (half, b)));
+                }
+                _ => open.extend(halves(other, b).map(|half| (a, half))),
+            }
+        }
+        true
+    }
+
+    /// The items of a leaf.
+    fn leaf(&self, node: &Node) -> &[u32] {
+        &self.items[node.items.start as usize..node.items.end as usize]
+    }
+
     /// The items in the leaves whose boxes meet `aabb`: all whose own boxes do, each once, and a few more.
     pub fn near(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let mut at = 0;
@@ -97,6 +150,25 @@ fn grow(nodes: &mut Vec<Node>, boxes: &[Aabb], items: &mut [u32], first: u32) {
         grow(nodes, boxes, lower, first);
         grow(nodes, boxes, upper, first + lower.len() as u32);
     }
+    nodes[number].next = nodes.len() as u32;
+}
+
+/// Adds the node of the boxes of these numbers, halved in the middle as [`grow`] does, and those below it.
+fn measure(nodes: &mut Vec<Node>, boxes: &[Aabb], range: std::ops::Range<u32>) {
+    let (number, count) = (nodes.len(), range.end - range.start);
+    let is_leaf = count as usize <= LEAF;
+    let items = if is_leaf { range.clone() } else { 0..0 };
+    nodes.push(Node { aabb: Aabb::empty(), next: 0, items });
+    let aabb = if is_leaf {
+        boxes[range.start as usize..range.end as usize].iter().fold(Aabb::empty(), |all, one| all.with(one))
+    } else {
+        let middle = range.start + count / 2;
+        measure(nodes, boxes, range.start..middle);
+        let upper = nodes.len();
+        measure(nodes, boxes, middle..range.end);
+        nodes[number + 1].aabb.with(&nodes[upper].aabb)
+    };
+    nodes[number].aabb = aabb;
     nodes[number].next = nodes.len() as u32;
 }
 

@@ -3,7 +3,7 @@
 
 use crate::packing::task::Task;
 use crate::packing::{Placement, Pose, Work};
-use meso_collision::geometry::BoxTree;
+use meso_collision::geometry::{BoxTree, Triangles};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::grain::{Grain, snap};
@@ -72,6 +72,12 @@ impl<'a> Settled<'a> {
         gjk::Body::new(&self.pose.turned(&self.grain.body))
     }
 
+    /// The surface about the centre, moved by `offset`; on the lattice that is exact.
+    fn surface(&self, offset: &Vec3) -> Triangles {
+        let vertices = self.pose.turned(&self.grain.body).iter().map(|vertex| vertex + offset).collect();
+        self.grain.body.with_vertices(vertices).surface()
+    }
+
     /// True when the boxes meet, with `other` moved by `shift`.
     fn meets(&self, other: &Self, shift: &Vec3) -> bool {
         self.aabb.intersects(&other.aabb.moved(shift))
@@ -135,7 +141,15 @@ impl<'a> Scene<'a> {
         stop::point();
         let centre = |number: u32| self.settled[number as usize].pose.centre;
         let offset = centre(pair.other) + pair.shift - centre(pair.body);
-        counters.apart(a, b, &offset, self.task.request.placement.min_gap_mm, None).is_some()
+        let gap = self.task.request.placement.min_gap_mm;
+        counters.apart(a, b, &offset, gap, None).is_some() || self.surfaces_apart(pair, &offset, gap)
+    }
+
+    /// True when two bodies, one of them with dents, are apart although their hulls meet.
+    fn surfaces_apart(&self, pair: &Near, offset: &Vec3, gap: f64) -> bool {
+        let [a, b] = [pair.body, pair.other].map(|number| &self.settled[number as usize]);
+        let has_dents = !(a.grain.body.is_convex() && b.grain.body.is_convex());
+        has_dents && a.surface(&Vec3::zeros()).is_apart(&b.surface(offset), gap)
     }
 }
 

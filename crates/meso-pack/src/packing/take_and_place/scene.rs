@@ -3,7 +3,7 @@
 use super::nearby::Nearby;
 use crate::packing::Pose;
 use crate::packing::task::Task;
-use meso_collision::geometry::CompactPolyhedron;
+use meso_collision::geometry::{CompactPolyhedron, Triangles, convex_hull};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::prefetch::prefetch;
@@ -46,8 +46,10 @@ struct Placed {
 pub(super) struct Candidate<'a> {
     pub(super) grain: &'a Grain,
     vertices: Vec<Vec3>,
-    /// In collision's own form, with the bounds that decide pairs early.
+    /// Its hull in collision's own form, with the bounds that decide pairs early.
     solid: gjk::Solid,
+    /// The surface where a pair may need it: hulls that meet decide nothing where one of the bodies has dents.
+    surface: Option<Triangles>,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
@@ -64,10 +66,14 @@ pub(super) enum Look {
 }
 
 impl<'a> Candidate<'a> {
-    pub(super) fn new(grain: &'a Grain) -> Self {
+    /// The candidate for `grain`, with its surface where it or any other grain has dents.
+    pub(super) fn new(grain: &'a Grain, among_dents: bool) -> Self {
         let body = grain.body.widened();
-        let solid = gjk::Solid::new(body.vertices(), &body.facets());
-        Self { grain, solid, aabb: grain.body.aabb(), vertices: body.into_vertices() }
+        let hull = if body.is_convex() { None } else { convex_hull(body.vertices()).ok() };
+        let outer = hull.as_ref().unwrap_or(&body);
+        let solid = gjk::Solid::new(outer.vertices(), &outer.facets());
+        let surface = among_dents.then(|| body.surface());
+        Self { grain, solid, surface, aabb: grain.body.aabb(), vertices: body.into_vertices() }
     }
 }
 
@@ -162,8 +168,16 @@ impl<'a> Scene<'a> {
 
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Scratch) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
-        let place = (&(other_centre - centre), self.task.request.placement.min_gap_mm);
-        gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, place, work.counters)
+        let (offset, gap) = (other_centre - centre, self.task.request.placement.min_gap_mm);
+        let hulls_apart =
+            gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, (&offset, gap), work.counters);
+        // Coordinates on the lattice make the sums exact.
+        let surfaces_apart = |own: &Triangles| {
+            let other = self.body(placed);
+            let has_dents = !(it.grain.body.is_convex() && other.is_convex());
+            has_dents && own.is_apart(&other.widened().translated(&offset).surface(), gap)
+        };
+        hulls_apart || it.surface.as_ref().is_some_and(surfaces_apart)
     }
 }
 

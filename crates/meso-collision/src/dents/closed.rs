@@ -1,0 +1,220 @@
+//! Closed surfaces of triangles, convex or not: points inside, depths, rows, and the proof that two bodies are apart.
+//!
+//! Two bodies are apart exactly when no two of their triangles meet and neither holds a point of the other, as long as
+//! each surface is connected. All answers but depths are exact: signs of determinants (crate `robust`) and the certified
+//! collision test decide. Bodies are closed sets, so triangles that touch meet.
+
+use crate::geometry::{Triangles, orient3d};
+use crate::gjk;
+use crate::math::{Aabb, Vec3};
+use robust::{Coord, orient2d};
+
+impl Triangles {
+    /// True when the surface winds once around the point, or the point lies on it.
+    pub fn contains(&self, point: &Vec3) -> bool {
+        let mut sum = 0;
+        for (t, turns, side) in self.windings(point) {
+            if side == 0.0 && gjk::intersects(std::slice::from_ref(point), self.of(t)).unwrap_or(true) {
+                return true;
+            }
+            sum += turns;
+        }
+        sum > 0
+    }
+
+    /// The triangles whose boxes reach above `point`, or hold it; how often each winds around the point, 1, 0 or -1;
+    /// and on which side of its plane that is. Every one above or below counts by its orientation, edges to one of
+    /// their two sides.
+    pub fn windings(&self, point: &Vec3) -> impl Iterator<Item = (u32, i32, f64)> {
+        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
+        let point = *point;
+        self.meeting(upwards).map(move |t| {
+            let [a, b, c] = self.of(t);
+            let (turns, side) = (turns_around(&[*a, *b, *c], &point, 2), orient3d(a, b, c, &point));
+            // An upward triangle with the point below it has the point on its inner side.
+            let winds = (turns > 0 && side < 0.0) || (turns < 0 && side > 0.0);
+            (t, if winds { turns } else { 0 }, side)
+        })
+    }
+
+    /// From `point` to the surface, mm: positive inside, negative outside.
+    pub fn depth(&self, point: &Vec3) -> f64 {
+        let distance = self.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance);
+        if self.contains(point) { distance } else { -distance }
+    }
+
+    /// The parts of the line through (y, z) along x that lie in the body, ascending: pairs of coordinates, mm.
+    pub fn row(&self, y: f64, z: f64) -> Vec<[f64; 2]> {
+        let at = Vec3::new(f64::NEG_INFINITY, y, z);
+        let line = Aabb { min: at, max: Vec3::new(f64::INFINITY, y, z) };
+        let mut crossings: Vec<f64> = Vec::new();
+        for t in self.meeting(line) {
+            if turns_around(self.of(t), &at, 0) != 0 {
+                crossings.push(crossing(self.of(t), y, z));
+            }
+        }
+        crossings.sort_unstable_by(f64::total_cmp);
+        crossings.as_chunks().0.to_vec()
+    }
+
+    /// The part of the segment from `inside` to `outside` before it first leaves the body, 0 to 1.
+    pub fn exit(&self, inside: &Vec3, outside: &Vec3) -> f64 {
+        let way = outside - inside;
+        let crossing = |t: u32| {
+            let [a, b, c] = self.of(t);
+            let normal = (b - a).cross(&(c - a));
+            let share = normal.dot(&(a - inside)) / normal.dot(&way);
+            let foot = inside + way * share;
+            let is_within = [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
+                normal.dot(&(*to - *from).cross(&(foot - *from))) >= -ROUNDING_OF_AN_EXIT * normal.norm_squared()
+            });
+            let leaves = normal.dot(&way) > 0.0 && share >= -ROUNDING_OF_AN_EXIT;
+            (leaves && is_within).then_some(share)
+        };
+        let near = self.meeting(Aabb::around([inside, outside]));
+        near.filter_map(crossing).fold(1.0, f64::min).max(0.0)
+    }
+
+    /// A point inside that is about as deep as any, and its depth, mm.
+    ///
+    /// Cubes that may hold a point deeper by 5 % are divided, down to 1/64 of the longest side.
+    pub fn deepest(&self) -> (Vec3, f64) {
+        let aabb = self.aabb();
+        let mut half = aabb.size().max() / 2.0;
+        let mut cubes = vec![(aabb.min + aabb.max) / 2.0];
+        let mut best = (cubes[0], 0.0);
+        for _ in 0..MOST_HALVINGS {
+            let depths: Vec<f64> = cubes.iter().map(|middle| self.depth(middle)).collect();
+            for (middle, depth) in cubes.iter().zip(&depths) {
+                best = if *depth > best.1 { (*middle, *depth) } else { best };
+            }
+            let reach = half * 3.0_f64.sqrt();
+            let may_be_deeper = |depth: f64| depth + reach > best.1 * ENOUGH;
+            let kept = cubes.iter().zip(&depths).filter(|(_, depth)| may_be_deeper(**depth));
+            half /= 2.0;
+            cubes = kept.flat_map(|(middle, _)| eighths(*middle, half)).collect();
+            if cubes.is_empty() {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Volume of the points deeper than `thickness` mm, mm3, to some 1e-3 of the body.
+    ///
+    /// Cubes are divided down to 1/32 of the longest side; the distance at its middle tells the share of a cube that the
+    /// inner surface divides, as if that were plane.
+    pub fn eroded_volume(&self, thickness: f64) -> f64 {
+        let aabb = self.aabb();
+        let mut half = aabb.size().max() / 2.0;
+        let (mut cubes, mut volume) = (vec![(aabb.min + aabb.max) / 2.0], 0.0);
+        for halving in 0..=EROSION_HALVINGS {
+            let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
+            let mut divided = Vec::new();
+            for middle in cubes {
+                let height = self.depth(&middle) - thickness;
+                if height >= reach {
+                    volume += whole;
+                } else if height > -reach && halving == EROSION_HALVINGS {
+                    volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
+                } else if height > -reach {
+                    divided.push(middle);
+                }
+            }
+            half /= 2.0;
+            cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
+        }
+        volume
+    }
+
+    /// True when the bodies are proved more than `gap` mm apart. Both surfaces must be closed and connected.
+    ///
+    /// Bodies whose coordinates are too large or too small to be asked about are not proved apart.
+    pub fn is_apart(&self, other: &Self, gap: f64) -> bool {
+        let reach = gap * (1.0 + 1e-9) + self.rounding(other, gap);
+        let clear = |p: u32, q: u32| triangles_clear(self.of(p), other.of(q), gap);
+        let holds = |a: &Self, b: &Self| b.corners().first().is_none_or(|triangle| a.contains(&triangle[0]));
+        self.all_pairs(other, reach, clear) && !holds(self, other) && !holds(other, self)
+    }
+
+    /// The least distance of two triangles of the bodies that are nearer than `most` mm; 0 where one holds the other.
+    pub fn distance_below(&self, other: &Self, most: f64) -> f64 {
+        if !self.is_apart(other, 0.0) {
+            return 0.0;
+        }
+        let mut least = most;
+        self.all_pairs(other, most * (1.0 + 1e-9) + self.rounding(other, most), |p, q| {
+            least = least.min(gjk::distance(self.of(p), other.of(q)).unwrap_or(0.0));
+            true
+        });
+        least
+    }
+
+    /// Bound on the rounding of a box that is grown by a gap, mm; 0 for no gap, which is not rounded.
+    fn rounding(&self, other: &Self, gap: f64) -> f64 {
+        let farthest = |aabb: Aabb| aabb.min.abs().sup(&aabb.max.abs()).max();
+        if gap == 0.0 { 0.0 } else { 4.0 * f64::EPSILON * farthest(self.aabb()).max(farthest(other.aabb())) }
+    }
+}
+
+/// Crossings this close to the edge of a triangle, as a share of its size, count.
+const ROUNDING_OF_AN_EXIT: f64 = 1e-9;
+/// Divisions of the box in a search for the deepest point.
+const MOST_HALVINGS: usize = 7;
+/// A cube is divided where it may hold a point deeper than the best by this factor.
+const ENOUGH: f64 = 1.05;
+
+/// Divisions of the box for the volume of an erosion.
+const EROSION_HALVINGS: usize = 5;
+
+/// Middles of the eight cubes of half edge `half` around a point.
+fn eighths(middle: Vec3, half: f64) -> impl Iterator<Item = Vec3> {
+    (0..8).map(move |k| middle + Vec3::from_fn(|axis, _| if k >> axis & 1 == 1 { half } else { -half }))
+}
+
+/// True when two triangles are more than `gap` apart.
+fn triangles_clear(p: &[Vec3; 3], q: &[Vec3; 3], gap: f64) -> bool {
+    if gap > 0.0 {
+        return gjk::distance_exceeds(p, q, gap).unwrap_or(false);
+    }
+    // Most pairs of triangles whose boxes meet lie on one side of each other's planes.
+    is_beside(q, p) || is_beside(p, q) || !gjk::intersects(p, q).unwrap_or(true)
+}
+
+/// True when the points all lie off the plane of a triangle, on one side of it.
+pub(super) fn is_beside(points: &[Vec3], [a, b, c]: &[Vec3; 3]) -> bool {
+    let mut sides = points.iter().map(|point| orient3d(a, b, c, point));
+    let first = sides.next().unwrap_or(0.0);
+    first != 0.0 && sides.all(|side| side * first > 0.0)
+}
+
+/// Where the line through (y, z) along x meets the plane of a triangle, within the triangle's extent, mm.
+fn crossing([a, b, c]: &[Vec3; 3], y: f64, z: f64) -> f64 {
+    let normal = (b - a).cross(&(c - a));
+    let x = a.x - (normal.y * (y - a.y) + normal.z * (z - a.z)) / normal.x;
+    // A triangle that is seen edge-on has no slope to speak of.
+    let x = if x.is_finite() { x } else { a.x };
+    x.clamp(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x))
+}
+
+/// A point as it is seen along an axis, from its upper end.
+pub(super) fn seen(point: &Vec3, axis: usize) -> Coord<f64> {
+    Coord { x: point[(axis + 1) % 3], y: point[(axis + 2) % 3] }
+}
+
+/// How often a triangle seen along an axis turns around a point, 1, 0 or -1: its edges that cross the line to the right
+/// of the point, those upwards less those downwards. A point on an edge of two triangles counts to one of them.
+fn turns_around(triangle: &[Vec3; 3], point: &Vec3, axis: usize) -> i32 {
+    let at = seen(point, axis);
+    let crossing = |k: usize| {
+        let (from, to) = (seen(&triangle[k], axis), seen(&triangle[(k + 1) % 3], axis));
+        if from.y <= at.y && to.y > at.y {
+            i32::from(orient2d(from, to, at) > 0.0)
+        } else if from.y > at.y && to.y <= at.y {
+            -i32::from(orient2d(from, to, at) < 0.0)
+        } else {
+            0
+        }
+    };
+    (0..3).map(crossing).sum()
+}

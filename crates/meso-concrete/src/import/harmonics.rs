@@ -1,0 +1,186 @@
+//! Stones as spherical harmonics, in the files of NIST's VCCTL: one coefficient a line, `n m Re Im`.
+//!
+//! The surface is r(theta, phi) = sum of a_nm Y_nm(theta, phi) about the stone's centre, where a_n,-m is (-1)^m times the
+//! conjugate of a_nm, so that r is real: E. J. Garboczi, Cem. Concr. Res. 32 (2002) 1621. It becomes triangles between
+//! directions that are spread evenly.
+
+use meso_collision::geometry::{TriangleMesh, convex_hull};
+use meso_collision::math::Vec3;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Why bytes are no coefficients of a stone.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HarmonicsError {
+    /// Bytes that are no text.
+    #[error("it is no text; a file of coefficients has one a line: n m Re Im")]
+    NotText,
+    /// A line that is no coefficient.
+    #[error("line {line}: `{found}` is not a coefficient, n m Re Im, with m from -n to n")]
+    Line {
+        /// From 1.
+        line: usize,
+        /// The text found there.
+        found: String,
+    },
+    /// A coefficient that is not there.
+    #[error("it has no coefficient n = {n}, m = {m}; all up to the degree are needed, so lower degree to {}", n.saturating_sub(1))]
+    Missing {
+        /// Degree.
+        n: u32,
+        /// Order.
+        m: u32,
+    },
+    /// A radius that is not positive.
+    #[error(
+        "its radius is {radius} in the direction {direction:?}; it must be positive, which a lower degree may bring"
+    )]
+    Radius {
+        /// The value there.
+        radius: f64,
+        /// Unit vector.
+        direction: [f64; 3],
+    },
+}
+
+/// Highest degree that is evaluated: published files end at 30.
+pub const MOST_DEGREE: u32 = 40;
+/// Directions over which the volume within the harmonics is summed.
+const FINE: usize = 20_000;
+
+/// Coefficients of a stone's radius.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Harmonics {
+    degree: u32,
+    /// Real and imaginary parts of a_nm for m from 0 to n, n from 0.
+    coefficients: Vec<[f64; 2]>,
+}
+
+impl Harmonics {
+    /// Reads coefficients up to `degree`, or up to the highest in the file where that is lower.
+    ///
+    /// # Errors
+    /// See [`HarmonicsError`].
+    pub fn read(bytes: &[u8], degree: u32) -> Result<Self, HarmonicsError> {
+        let text = std::str::from_utf8(bytes).map_err(|_| HarmonicsError::NotText)?;
+        let mut found = BTreeMap::new();
+        for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+            let wrong = || HarmonicsError::Line { line: number + 1, found: line.trim().chars().take(40).collect() };
+            let (n, m, value) = coefficient(line).ok_or_else(wrong)?;
+            if let (Ok(m), true) = (u32::try_from(m), n <= degree) {
+                found.insert((n, m), value);
+            }
+        }
+        let degree = found.keys().map(|(n, _)| *n).max().unwrap_or(0);
+        let wanted = (0..=degree).flat_map(|n| (0..=n).map(move |m| (n, m)));
+        let value = |(n, m)| found.get(&(n, m)).copied().ok_or(HarmonicsError::Missing { n, m });
+        Ok(Self { degree, coefficients: wanted.map(value).collect::<Result<_, _>>()? })
+    }
+
+    /// Highest degree of the coefficients.
+    pub fn degree(&self) -> u32 {
+        self.degree
+    }
+
+    /// The radius in the direction of a unit vector.
+    ///
+    /// Legendre functions come from their recurrence in the degree, normalised so that none overflows.
+    pub fn radius(&self, direction: &Vec3) -> f64 {
+        let (cosine, sine) = (direction.z, direction.x.hypot(direction.y));
+        let angle = libm::atan2(direction.y, direction.x);
+        let (mut sum, mut diagonal) = (0.0, (1.0 / (4.0 * PI)).sqrt());
+        for m in 0..=self.degree {
+            let order = f64::from(m);
+            if m > 0 {
+                diagonal *= -sine * ((2.0 * order + 1.0) / (2.0 * order)).sqrt();
+            }
+            let (turn_sine, turn_cosine) = libm::sincos(order * angle);
+            let weight = if m == 0 { 1.0 } else { 2.0 };
+            let (mut before, mut legendre) = (0.0, diagonal);
+            for n in m..=self.degree {
+                let [re, im] = self.coefficients[(n * (n + 1) / 2 + m) as usize];
+                sum += weight * legendre * (re * turn_cosine - im * turn_sine);
+                let next = f64::from(n + 1);
+                let scale = ((4.0 * next * next - 1.0) / (next * next - order * order)).sqrt();
+                let lag = (((next - 1.0).powi(2) - order * order) / (4.0 * (next - 1.0).powi(2) - 1.0)).max(0.0).sqrt();
+                (before, legendre) = (legendre, scale * (cosine * legendre - lag * before));
+            }
+        }
+        sum
+    }
+
+    /// The surface between as many directions as `triangles` take, which is even and at least 8.
+    ///
+    /// # Errors
+    /// [`HarmonicsError::Radius`].
+    pub fn surface(&self, triangles: usize) -> Result<TriangleMesh, HarmonicsError> {
+        let directions = spread(triangles / 2 + 2);
+        let sphere = convex_hull(&directions).expect("directions all around span a volume");
+        let at = |direction: &Vec3| {
+            let radius = self.radius(direction);
+            let error = HarmonicsError::Radius { radius, direction: (*direction).into() };
+            if radius > 0.0 { Ok(direction * radius) } else { Err(error) }
+        };
+        let vertices = sphere.vertices().iter().map(at).collect::<Result<_, _>>()?;
+        Ok(TriangleMesh { vertices, triangles: sphere.triangles().collect() })
+    }
+
+    /// Volume within the harmonics, in the cube of the file's unit: a third of the mean cube of the radius, times 4 pi.
+    pub fn volume(&self) -> f64 {
+        let cubes = spread(FINE).into_iter().map(|direction| self.radius(&direction).powi(3));
+        cubes.sum::<f64>() / FINE as f64 * 4.0 * PI / 3.0
+    }
+}
+
+/// Degree, order and value of a line.
+fn coefficient(line: &str) -> Option<(u32, i32, [f64; 2])> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [n, m, re, im] = words[..] else { return None };
+    let (n, m) = (n.parse::<u32>().ok()?, m.parse::<i32>().ok()?);
+    let value = [re.parse::<f64>().ok()?, im.parse::<f64>().ok()?];
+    (m.unsigned_abs() <= n && n <= 1000 && value.iter().all(|x| x.is_finite())).then_some((n, m, value))
+}
+
+/// Unit vectors spread evenly (a Fibonacci lattice).
+fn spread(count: usize) -> Vec<Vec3> {
+    let golden = PI * (3.0 - 5.0_f64.sqrt());
+    let one = |i: usize| {
+        let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+        let ((sine, cosine), radius) = (libm::sincos(golden * i as f64), (1.0 - z * z).sqrt());
+        Vec3::new(radius * cosine, radius * sine, z)
+    };
+    (0..count).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_harmonics_are_the_closed_forms() {
+        // Y_00, Y_10 and Y_11 without and with its phase; the convention of signs turns a stone by half a turn at most.
+        let stone = Harmonics::read(b"0 0 7 0\n1 0 0.5 0\n1 1 0.25 -0.125\n1 -1 -0.25 -0.125\n", 30).unwrap();
+        for direction in spread(50) {
+            let [y0, y1] = [(1.0 / (4.0 * PI)).sqrt(), (3.0 / (4.0 * PI)).sqrt()];
+            let x11 = -(3.0 / (8.0 * PI)).sqrt();
+            let exact = 7.0 * y0 + 0.5 * y1 * direction.z + 2.0 * x11 * (0.25 * direction.x + 0.125 * direction.y);
+            assert!((stone.radius(&direction) - exact).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn harmonics_of_all_degrees_are_orthonormal() {
+        let directions = spread(4000);
+        let only = |n: u32, m: u32| {
+            let rows =
+                (0..=12_u32).flat_map(|i| (0..=i).map(move |j| format!("{i} {j} {} 0\n", u32::from((i, j) == (n, m)))));
+            Harmonics::read(rows.collect::<String>().as_bytes(), 12).unwrap()
+        };
+        for (n, m) in [(3, 0), (7, 4), (12, 12), (12, 1)] {
+            let stone = only(n, m);
+            let square = directions.iter().map(|d| stone.radius(d).powi(2)).sum::<f64>() * 4.0 * PI / 4000.0;
+            let exact = if m == 0 { 1.0 } else { 2.0 };
+            assert!((square - exact).abs() < 0.02, "{n} {m}: {square}");
+        }
+    }
+}
