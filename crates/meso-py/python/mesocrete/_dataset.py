@@ -303,7 +303,7 @@ class _Zarr(_Store):
         for key, array in arrays.items():
             name = f"{key}/{number}.0.0.0"
             (self.root / key).mkdir(exist_ok=True)
-            data = zlib.compress(np.ascontiguousarray(array), _LEVEL)
+            data = zlib.compress(np.ascontiguousarray(array).data, _LEVEL)
             with _whole(self.root / name) as part:
                 part.write_bytes(data)
             files[name] = len(data)

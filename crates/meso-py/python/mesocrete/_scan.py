@@ -118,7 +118,7 @@ def _mixed(packing: Packing, values: Mapping[str, float], size: Mapping[str, Any
     mortar = values["mortar"]
     image: NDArray[np.float32] = packing.voxelize(what="share", of="core", **size)
     image *= np.float32(values["aggregate"] - mortar)
-    kinds = ["itz", *sorted({body.phase for body in packing.inclusions})]
+    kinds: list[Any] = ["itz", *sorted({body.phase for body in packing.inclusions})]
     for kind in kinds:
         image += np.float32(values[kind] - mortar) * packing.voxelize(what="share", of=kind, **size)
     image += np.float32(mortar)
