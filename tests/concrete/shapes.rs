@@ -156,6 +156,14 @@ fn a_grain_without_a_closed_surface_is_rejected_by_name() {
     assert!(error.contains("the folder holds no file that ends in .stl, .ply, .obj, .off or .json"), "{error}");
 }
 
+/// The principal axes of a square pyramid had entries below 1e-60, so that its turned points had no hull and no volume.
+#[test]
+fn a_square_pyramid_has_its_volume_in_its_principal_axes() {
+    let spec = library(&[("pyramid.stl", pyramid(0.0).as_bytes())], "pyramid.stl").unwrap();
+    let volume = spec.shape.grains[0].relative_volume();
+    assert!((volume - 4.0 / 3.0 / 8.0_f64.powf(1.5)).abs() < 1e-12, "{volume}");
+}
+
 #[test]
 fn a_grain_with_dents_is_taken_as_it_is_and_its_hull_on_request() {
     let dented = pyramid(-0.5);

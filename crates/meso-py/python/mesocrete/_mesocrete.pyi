@@ -438,8 +438,8 @@ class Packing:
 
         Parameters
         ----------
-        h : float
-            Edge of a voxel, mm; along periodic axes it must divide the specimen's length.
+        h : float, optional
+            Edge of a voxel, mm; along periodic axes it must divide the specimen's length. Give `h` or `shape`.
         what : {"phase", "grain", "share", "distance"}
             "phase": uint8, 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside the specimen. "grain": int32, the id
             of the aggregate, void or fibre, -1 in the mortar, -2 outside. "share": float32, the share of the voxel's
@@ -447,6 +447,8 @@ class Packing:
             fibre, negative inside, NaN outside the specimen.
         box : pair of triples, optional
             Lower and upper corner of the part that is shown, mm, in the specimen's bounding box.
+        shape : int or triple, optional
+            Number of voxels along the longest side, or (nz, ny, nx); `h` follows from it. Voxels are cubes.
         of : {"aggregate", "core", "itz", "void", "fibre"}
             Whose share: of aggregates with their ITZ shells (as the packing's fraction counts them), of aggregates
             without, of the shells alone, of voids or of fibres.

@@ -52,6 +52,15 @@ class ConstantAspectRatio(TypedDict, total=False):
 AspectRatio = NormalAspectRatio | UniformAspectRatio | ConstantAspectRatio
 
 
+class Closed(TypedDict, total=False):
+    """A surface with dents, as it stands in a spec."""
+
+    faces: Sequence[Sequence[int]]
+    """Triangles of the surface, counter-clockwise seen from outside."""
+    vertices: Sequence[_Numbers]
+    """Corners, mm."""
+
+
 class Cone(TypedDict, total=False):
     """The directions within an angle of one direction, all equally likely."""
 
@@ -690,13 +699,11 @@ class SolveOptions(TypedDict, total=False):
     frames: int
     """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
     friction: float | None
-    """Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the
-    plates are glued on."""
+    """Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the plates are glued on."""
     gauges: Sequence[SolveGauge]
     """Gauges, each a column of the curve; those of the named test where none are given."""
     history: str | None
-    """A CSV file with turns instead, beside the TEST.toml: a column named strain, stress_mpa or opening_mm, a row for each
-    turn."""
+    """A CSV file with turns instead, beside the TEST.toml: a column named strain, stress_mpa or opening_mm, a row for each turn."""
     hourglass: float
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface

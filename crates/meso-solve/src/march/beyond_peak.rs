@@ -40,7 +40,8 @@ impl BeyondPeak {
 /// The falling curve, displacement and stress, until it first reaches `stress`, between rows along a straight line; `None`
 /// where it stays above.
 fn until(falling: &[[f64; 2]], stress: f64) -> Option<Vec<[f64; 2]>> {
-    let end = falling.iter().position(|point| point[1] <= stress)?;
+    // The first point is the peak, unless a stress is infinite.
+    let end = falling.iter().position(|point| point[1] <= stress).filter(|end| *end > 0)?;
     let ([from, above], [to, below]) = (falling[end - 1], falling[end]);
     let crossing = from + (above - stress) / (above - below) * (to - from);
     let mut kept = falling[..end].to_vec();

@@ -18,7 +18,8 @@ pub fn principal_axes(tensor: &Mat3) -> Mat3 {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| diagonal[(i, i)].total_cmp(&diagonal[(j, j)]));
-    Mat3::from_columns(&order.map(|k| axes.column(k).into_owned()))
+    // Where two axes are equal, turns by rounding leave numbers so small that no hull takes points turned by them.
+    Mat3::from_columns(&order.map(|k| axes.column(k).into_owned())).map(|x| if x.abs() < 1e-30 { 0.0 } else { x })
 }
 
 /// The rotation in the plane (p, q) that makes the element (p, q) zero.
