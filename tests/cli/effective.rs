@@ -56,7 +56,8 @@ fn phases_come_from_a_file_and_all_properties_into_one_list() {
         ["--what", "all", "--phases", "phases.toml", "--voxel-size-mm", "5", "--axes", "x", "--no-fields", "-q"];
     let run = folder.run(&[&["effective", "small.json"][..], &flags].concat());
     // Eight voxels along a side leave the conductivity of contrast 2 to 3 uncertain.
-    let remark = "the conductivity along x is 1.53 % beyond the lower Hashin-Shtrikman bound, within its error of 2.37 %";
+    let remark =
+        "the conductivity along x is 1.53 % beyond the lower Hashin-Shtrikman bound, within its error of 2.37 %";
     let size = "halve the voxel size";
     let said = format!("warning: the error along x is above 2 %; {size}\nwarning: {remark}; {size}\n");
     assert_eq!((run.code, run.stderr), (0, said));
