@@ -53,6 +53,40 @@ impl PropertyBounds {
     }
 }
 
+/// Crossings below this share of a value are rounding: links have single precision.
+const ROUNDING: f64 = 1e-6;
+
+impl PropertyBounds {
+    /// A sentence on a value that lies beyond a bound of Hashin and Shtrikman, or whose error reaches beyond it.
+    pub(crate) fn remark(&self, name: &str, value: f64, error: f64) -> Option<String> {
+        let (low, high) = (self.hashin_shtrikman_lower, self.hashin_shtrikman_upper);
+        // The nearer bound, and the distance from it into the bounds' interval.
+        let (side, bound, inside) =
+            if value - low < high - value { ("lower", low, value - low) } else { ("upper", high, high - value) };
+        let scale = value.abs().max(bound);
+        if inside - error >= -ROUNDING * scale {
+            return None;
+        }
+        let percent = |part: f64| format!("{:.2} %", 100.0 * part / scale);
+        let (distance, error_share) = (percent(inside.abs()), percent(error));
+        let fix = "halve the voxel size";
+        Some(if inside >= 0.0 {
+            format!(
+                "the {side} Hashin-Shtrikman bound, {distance} from the {name}, is within its error of {error_share}; {fix}"
+            )
+        } else if -inside <= error {
+            format!(
+                "the {name} is {distance} beyond the {side} Hashin-Shtrikman bound, within its error of {error_share}; {fix}"
+            )
+        } else {
+            let holds = "the bound holds for isotropic specimens, and the error is an estimate";
+            format!(
+                "the {name} is {distance} beyond the {side} Hashin-Shtrikman bound, and its error is {error_share}; {holds}"
+            )
+        })
+    }
+}
+
 /// Least and largest value of the phases that there are.
 fn extremes(phases: &[(f64, f64)]) -> (f64, f64) {
     let present = || phases.iter().filter(|(_, fraction)| *fraction > 0.0).map(|(value, _)| *value);
@@ -68,6 +102,24 @@ mod tests {
         let bounds = PropertyBounds::of(&[(1.0, 0.6), (0.0, 0.4), (5.0, 0.0)]);
         assert!((bounds.hashin_shtrikman_upper - 2.0 * 0.6 / 2.4).abs() < 1e-15, "{bounds:?}");
         assert_eq!((bounds.reuss, bounds.hashin_shtrikman_lower, bounds.voigt), (0.0, 0.0, 0.6));
+    }
+
+    #[test]
+    fn a_value_whose_error_crosses_a_bound_is_remarked_on() {
+        let bounds = PropertyBounds::of(&[(1.0, 0.5), (10.0, 0.5)]);
+        let (low, high) = (bounds.hashin_shtrikman_lower, bounds.hashin_shtrikman_upper);
+        let remark = |value: f64, error: f64| bounds.remark("value", value, error).unwrap_or_default();
+        assert_eq!(remark((low + high) / 2.0, 0.1), "");
+        assert!(
+            remark(low * 1.01, low * 0.02).contains("lower Hashin-Shtrikman bound, 0.99 % from the value, is within")
+        );
+        assert!(remark(low * 0.99, low * 0.02).contains("is 1.00 % beyond the lower Hashin-Shtrikman bound, within"));
+        assert!(
+            remark(high * 1.01, high * 0.001)
+                .contains("beyond the upper Hashin-Shtrikman bound, and its error is 0.10 %")
+        );
+        let equal = PropertyBounds::of(&[(2.0, 0.5), (2.0, 0.5)]);
+        assert_eq!(equal.remark("value", 2.0 + 1e-9, 0.0), None);
     }
 
     #[test]

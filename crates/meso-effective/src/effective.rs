@@ -219,10 +219,11 @@ impl Task<'_> {
         let tensor = combined(&fine_tensor, &coarse, |fine, coarse, _| fine + REST * (fine - coarse));
         let rest = |fine: f64, coarse: f64, whole: f64| REST * (fine - coarse).abs() + solver_error * whole;
         let error = combined(&fine_tensor, &coarse, rest);
+        let bounds = PropertyBounds::of(&shares);
         Effective {
             what: self.options.what,
-            bounds: PropertyBounds::of(&shares),
-            warnings: warnings(&tensor, &error),
+            warnings: warnings(self.options.what, &bounds, &tensor, &error),
+            bounds,
             error,
             tensor,
             fine: fine_tensor,
@@ -266,14 +267,17 @@ fn combined(fine: &FluxTensor, coarse: &FluxTensor, of: impl Fn(f64, f64, f64) -
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| of(row, column)))
 }
 
-fn warnings(tensor: &FluxTensor, error: &FluxTensor) -> Vec<String> {
-    let large = |axis: usize| matches!((tensor[axis][axis], error[axis][axis]), (Some(d), Some(e)) if e > LARGE * d);
-    let axes: Vec<&str> = (0..3).filter(|axis| large(*axis)).map(|axis| ["x", "y", "z"][axis]).collect();
-    if axes.is_empty() {
-        return Vec::new();
-    }
+fn warnings(what: Property, bounds: &PropertyBounds, tensor: &FluxTensor, error: &FluxTensor) -> Vec<String> {
+    let found = |axis: usize| Some((["x", "y", "z"][axis], tensor[axis][axis]?, error[axis][axis]?));
+    let found: Vec<(&str, f64, f64)> = (0..3).filter_map(found).collect();
+    let large = found.iter().filter(|(_, value, error)| *error > LARGE * value);
+    let axes: Vec<&str> = large.map(|(axis, ..)| *axis).collect();
     let along = axes.join(", ");
-    vec![format!("the error along {along} is above {} %; halve the voxel size", 100.0 * LARGE)]
+    let large = format!("the error along {along} is above {} %; halve the voxel size", 100.0 * LARGE);
+    let remark = |(axis, value, error): &(&str, f64, f64)| {
+        bounds.remark(&format!("{} along {axis}", what.name()), *value, *error)
+    };
+    (!axes.is_empty()).then_some(large).into_iter().chain(found.iter().filter_map(remark)).collect()
 }
 
 impl Flow<'_> {

@@ -227,9 +227,10 @@ impl Task<'_> {
         let strain = |i: usize| rest(by_fine[i], by_coarse[i]);
         let strain_error = |i: usize| REST * (by_fine[i] - by_coarse[i]).abs();
         let isotropic_error = isotropic.distance(&on_fine);
+        let bounds = self.bounds();
         Stiffness {
             what: "stiffness",
-            warnings: warnings(&isotropic, &isotropic_error),
+            warnings: warnings(&isotropic, &isotropic_error, &bounds),
             tensor,
             error,
             fine: fine.tensor,
@@ -238,7 +239,7 @@ impl Task<'_> {
             isotropic_error,
             expansion: [0, 1, 2, 3, 4, 5].map(strain),
             expansion_error: [0, 1, 2, 3, 4, 5].map(strain_error),
-            bounds: self.bounds(),
+            bounds,
             phases: self.phases(),
             boundary: [0, 1, 2].map(|axis| self.specimen.period().along(axis).map_or("uniform-strain", |_| "periodic")),
             voxels: counts,
@@ -277,11 +278,16 @@ impl Task<'_> {
 /// An error above this share of a modulus is worth a warning.
 const LARGE: f64 = 0.02;
 
-fn warnings(found: &Isotropic, error: &Isotropic) -> Vec<String> {
+fn warnings(found: &Isotropic, error: &Isotropic, bounds: &ElasticBounds) -> Vec<String> {
     let large = error.bulk_modulus_mpa > LARGE * found.bulk_modulus_mpa
         || error.shear_modulus_mpa > LARGE * found.shear_modulus_mpa;
-    let text = || format!("the error of the moduli is above {} %; halve the voxel size", 100.0 * LARGE);
-    large.then(text).into_iter().collect()
+    let text = format!("the error of the moduli is above {} %; halve the voxel size", 100.0 * LARGE);
+    let ElasticBounds { bulk_modulus_mpa: bulk, shear_modulus_mpa: shear } = bounds;
+    let remarks = [
+        bulk.remark("bulk modulus", found.bulk_modulus_mpa, error.bulk_modulus_mpa),
+        shear.remark("shear modulus", found.shear_modulus_mpa, error.shear_modulus_mpa),
+    ];
+    large.then_some(text).into_iter().chain(remarks.into_iter().flatten()).collect()
 }
 
 impl Isotropic {
