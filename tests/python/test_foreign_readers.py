@@ -173,7 +173,9 @@ def test_xdmf_of_the_command_has_every_cell_and_every_cohesive_element(run, tmp_
     ours, theirs = meshio.read(tmp_path / "mesh.xdmf"), meshio.read(tmp_path / "mesh.vtu")
     assert np.array_equal(ours.points, theirs.points)
     for mine, other in zip(ours.cells, theirs.cells, strict=True):
-        assert mine.type == other.type and np.array_equal(mine.data, other.data)
+        # meshio turns the wedges of VTK's files into its own order, and leaves those of XDMF.
+        order = [0, 2, 1, 3, 5, 4] if mine.type == "wedge" else slice(None)
+        assert mine.type == other.type and np.array_equal(mine.data, other.data[:, order])
     for name in ("phase", "aggregate"):
         mine, other = (np.concatenate([block.ravel() for block in read.cell_data[name]]) for read in (ours, theirs))
         assert np.array_equal(mine, other)

@@ -86,7 +86,7 @@ impl Harmonics {
     ///
     /// Legendre functions come from their recurrence in the degree, normalised so that none overflows.
     pub fn radius(&self, direction: &Vec3) -> f64 {
-        let (cosine, sine) = (direction.z, direction.x.hypot(direction.y));
+        let (cosine, sine) = (direction.z, libm::hypot(direction.x, direction.y));
         let angle = libm::atan2(direction.y, direction.x);
         let (mut sum, mut diagonal) = (0.0, (1.0 / (4.0 * PI)).sqrt());
         for m in 0..=self.degree {
