@@ -1,5 +1,6 @@
 //! Tests of grains, specimens and read surfaces, through the facade.
 
+mod dents;
 mod grading;
 mod shapes;
 mod sieve_tables;

@@ -203,3 +203,14 @@ fn moduli_out_of_range_are_refused_by_name() {
     let said = refused(&|phases| phases.void.eigenstrain = Some(f64::NAN));
     assert!(said.starts_with("stiffness.void.eigenstrain is NaN;"), "{said}");
 }
+
+#[test]
+fn the_stiffness_of_a_body_with_dents_is_refused() {
+    // A packing of torus.stl had a stiffness that took its rings for their planes' sections.
+    let corners = [Vec3::repeat(2.0), Vec3::new(8.0, 2.0, 2.0), Vec3::new(2.0, 8.0, 2.0), Vec3::new(2.0, 2.0, 8.0)];
+    let convex = convex_hull(&corners).unwrap();
+    let (specimen, moduli, options) = (cube(10.0, false), PhaseModuli::default(), StiffnessOptions::new(1.0));
+    let of = |body| stiffness((&[aggregate(body, 0.0)][..], &specimen), &moduli, &options, &Silent);
+    assert!(of(convex.clone()).is_ok());
+    assert!(of(convex.with_dents()).unwrap_err().to_string().contains("aggregate 0 has dents"));
+}

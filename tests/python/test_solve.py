@@ -350,9 +350,10 @@ def test_named_tests_are_keywords_of_solve(mesh):
         mc.Test.cyclic([(0.001, "strain"), (0.0005, "strain")]),
         mc.Test.splitting(),
         mc.Test.bending(),
+        mc.Test.shear(),
         mc.Test.expansion(mortar=-1e-4),
     ]
-    names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "expansion"]
+    names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"]
     assert [test["test"] for test in made] == names
     pressed = mesh.solve(**mc.Test.triaxial(5.0, strain=0.001))
     assert pressed.result["test"] == "triaxial" and pressed.result["peak_mpa"] > 5.0

@@ -1,7 +1,7 @@
 //! From a packing to its tensor: two grids, the solution along each axis, error and bounds.
 
 use crate::bounds::PropertyBounds;
-use crate::error::EffectiveError;
+use crate::error::{self, EffectiveError};
 use crate::field::{Flow, FluxField};
 use crate::grid::{self, End, Grid};
 use crate::links::{Layer, Links};
@@ -103,7 +103,7 @@ pub struct Effective {
 /// The effective property of `parts`, and the fields if asked for.
 ///
 /// # Errors
-/// Values out of range, a specimen that is no box, and equations that do not converge.
+/// Values out of range, a body with dents, a specimen that is no box, and equations that do not converge.
 pub fn effective<'a>(
     parts: impl Into<Parts<'a>>,
     phases: &Phases,
@@ -114,12 +114,7 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what)?;
     let values = &values;
-    if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
-        return Err(EffectiveError::Dents(body.id));
-    }
-    if !specimen.container().is_box() {
-        return Err(EffectiveError::Specimen(specimen.kind()));
-    }
+    error::accepts(&bodies, specimen)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
     let task = Task { bodies: &bodies, specimen, values, options, watch, stages };

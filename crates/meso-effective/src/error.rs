@@ -1,6 +1,8 @@
 //! Why effective properties are refused.
 
 use meso_concrete::OutOfRange;
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::specimen::Specimen;
 
 /// An error of the options, the values or the specimen.
 #[derive(Debug, thiserror::Error)]
@@ -26,4 +28,15 @@ pub enum EffectiveError {
         /// Remedy.
         fix: &'static str,
     },
+}
+
+/// Refuses bodies and specimens that no effective property can be computed for.
+///
+/// # Errors
+/// A body with dents, and a specimen that is no box.
+pub(crate) fn accepts(bodies: &[Aggregate], specimen: &Specimen) -> Result<(), EffectiveError> {
+    if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
+        return Err(EffectiveError::Dents(body.id));
+    }
+    if specimen.container().is_box() { Ok(()) } else { Err(EffectiveError::Specimen(specimen.kind())) }
 }

@@ -4,7 +4,7 @@ use meso_collision::dents::SelfCrossing;
 use meso_collision::geometry::{
     HullError, MassProperties, Polyhedron, SurfaceError, TriangleMesh, Triangles, convex_hull, principal_axes,
 };
-use meso_collision::math::{Vec3, longest_distance};
+use meso_collision::math::{Mat3, Vec3, longest_distance};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -143,10 +143,18 @@ impl Dents {
         let (deepest, depth) = surface.deepest();
         // A ring's centre of mass lies outside of it.
         let centre = if surface.depth(&centroid) >= DEEP * depth { centroid } else { deepest };
-        let turn = principal_axes(&inertia).transpose();
+        let turn = right_handed(principal_axes(&inertia)).transpose();
         let body = given.mapped(|v| turn * (v - centre) / length);
         Ok(Self { sieve_size: body.sieve_size(), body })
     }
+}
+
+/// The axes with the last one turned round where they would mirror a surface and so turn it inside out.
+fn right_handed(mut axes: Mat3) -> Mat3 {
+    if axes.determinant() < 0.0 {
+        axes.column_mut(2).neg_mut();
+    }
+    axes
 }
 
 /// Directions that the mean width is taken over: 1e-3 of a needle's, and less of all others, depend on them.

@@ -4,7 +4,7 @@ use super::equations::{Elastic, WEIGHTS};
 use super::voxels::Voxels;
 use crate::bounds::PropertyBounds;
 use crate::effective::REST;
-use crate::error::EffectiveError;
+use crate::error::{self, EffectiveError};
 use crate::grid::{self, Grid};
 use crate::moduli::{PhaseModuli, Table};
 use crate::shares;
@@ -126,7 +126,7 @@ pub struct Stiffness {
 /// The stiffness of `parts`, from `moduli`.
 ///
 /// # Errors
-/// Values out of range, a specimen that is no box, and equations that do not converge.
+/// Values out of range, a body with dents, a specimen that is no box, and equations that do not converge.
 pub fn stiffness<'a>(
     parts: impl Into<Parts<'a>>,
     moduli: &PhaseModuli,
@@ -135,9 +135,7 @@ pub fn stiffness<'a>(
 ) -> Result<Stiffness, EffectiveError> {
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
-    if !specimen.container().is_box() {
-        return Err(EffectiveError::Specimen(specimen.kind()));
-    }
+    error::accepts(&bodies, specimen)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     let task = Task { bodies: &bodies, specimen, table, accuracy: options.accuracy };
     let coarse = task.solve(counts.map(|count| count / 2), |_| ())?;

@@ -8,7 +8,7 @@
 //! their points to the empty rim grows with r.
 
 use super::{Sample, in_order};
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Rotation, Vec3};
 use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
@@ -237,8 +237,18 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
         return chord(body, origin, direction).into_iter().collect();
     }
     let Some(turn) = Rotation::rotation_between(direction, &Vec3::x()) else { return Vec::new() };
-    let along = body.mapped(|vertex| turn * (vertex - origin));
-    along.surface().row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
+    let along: Vec<Vec3> = body.vertices().iter().map(|vertex| turn * (vertex - origin)).collect();
+    let around_line = |corners: &[Vec3; 3]| {
+        (1..3).all(|axis| {
+            corners.iter().any(|corner| corner[axis] <= 0.0) && corners.iter().any(|corner| corner[axis] >= 0.0)
+        })
+    };
+    // A tree of all triangles takes a hundred times as long as the few that the line may cross.
+    let few: Vec<[Vec3; 3]> = body.triangles().map(|t| t.map(|i| along[i as usize])).filter(around_line).collect();
+    if few.is_empty() {
+        return Vec::new();
+    }
+    Triangles::new(few).row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
 }
 
 /// Where a line enters and leaves a convex body.
