@@ -193,7 +193,7 @@ fn balls_are_equant_and_nearly_spheres() {
 
 #[test]
 fn statistics_do_not_depend_on_the_number_of_threads() {
-    let model = model(60.0, balls());
+    let model = model(60.0, balls().into_iter().take(36).collect());
     let options = StatisticsOptions { lines: 100, points: 2_000, ..StatisticsOptions::default() };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
