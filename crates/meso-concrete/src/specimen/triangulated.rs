@@ -209,7 +209,6 @@ fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aggregate::random::{Draw, Stream};
     use crate::watch::Silent;
 
     /// A box from the origin with a hollow, whose faces are reversed.

@@ -120,12 +120,14 @@ pub struct Scratch {
     pub forces: Box<Vectors>,
 }
 
-impl Scratch {
+impl Default for Scratch {
     /// Zeros.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { u: vectors(), forces: vectors() }
     }
+}
 
+impl Scratch {
     /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
     pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
         let first = block.nodes[0] as usize;

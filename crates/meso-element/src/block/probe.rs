@@ -48,7 +48,7 @@ impl Task for Probe<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { block, common, displacement } = self;
-        let mut scratch = Scratch::new();
+        let mut scratch = Scratch::default();
         scratch.take_in(block, displacement, common.free.as_ref());
         let mut points = Vec::new();
         for group in &block.groups {

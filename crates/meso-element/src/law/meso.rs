@@ -154,13 +154,12 @@ impl<R: Real> Stress<R> {
     /// the former one.
     #[inline(always)]
     fn less(&self, of: &Self, share: R, mean: R) -> Self {
-        let mut deviator = self.deviator;
-        for i in 0..6 {
-            deviator[i] = (-share).mul_add(of.deviator[i], deviator[i]);
+        let (mut deviator, mut principal) = (self.deviator, self.principal);
+        for (own, other) in deviator.iter_mut().zip(&of.deviator) {
+            *own = (-share).mul_add(*other, *own);
         }
-        let mut principal = self.principal;
-        for i in 0..3 {
-            principal[i] = (-share).mul_add(of.principal[i], principal[i]);
+        for (own, other) in principal.iter_mut().zip(&of.principal) {
+            *own = (-share).mul_add(*other, *own);
         }
         Self { mean: self.mean - mean, mises: self.mises, deviator, principal }
     }
