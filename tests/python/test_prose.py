@@ -15,7 +15,7 @@ NINETIETH_PERCENTILE = 35
 WIDEST_LINE = 120
 LONGEST_MANUAL = 150
 
-# Of all documents and pages together.
+# Words of a sentence, over all documents and pages together.
 MEAN_OF_ALL = 15
 # Verbs and phrases that are correct, and that no native writer takes: name a remedy, dissipate, carry, separate, resolve.
 TRANSLATED = re.compile(r"\b(lack(s|ed)?|in place of|the way out|(is|are|was) warned of|spen(d|ds|t)|bears?|bore|of before)\b", re.IGNORECASE)

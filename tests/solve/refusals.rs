@@ -5,7 +5,7 @@ use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::{ItzForm, Mesh, Method};
 use meso_core::specimen::Specimen;
-use meso_solve::{Interface, Run, Sample, Smoothing, Test};
+use meso_solve::{Gauge, Interface, Run, Sample, Smoothing, Test};
 
 fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
     Run::new(sample, materials, test).err().expect("a refusal").to_string()
@@ -19,6 +19,7 @@ fn cube() -> Meshed {
 fn values_out_of_range_are_named_with_what_is_accepted() {
     let meshed = cube();
     let base = Test::default();
+    let named = |name: &str| Test { gauges: vec![Gauge::LateralStrain { name: name.to_owned() }], ..base.clone() };
     for (test, text) in [
         (Test { strain: Some(0.0), ..base.clone() }, "test.strain is 0; it must be 1e-12 to 0.1"),
         (Test { strain: Some(-1e-3), ..base.clone() }, "test.strain is -0.001"),
@@ -32,6 +33,9 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
         (Test { time_step_s: Some(1.0), ..base.clone() }, "they must be 10 to 1e9"),
         (Test { duration_s: Some(f64::INFINITY), ..base.clone() }, "test.duration_s is inf"),
         (Test { interface: Interface { friction: f64::NAN }, ..base.clone() }, "test.interface.friction"),
+        (named("strain"), "test.gauges.name is strain; every curve has this column; take another name"),
+        (named("a,b"), "test.gauges.name is a,b; it must be letters, digits and _"),
+        (named("a_n"), "it must not end in _n, as columns of supports' forces do"),
     ] {
         let error = refusal(meshed.sample(), &Materials::default(), &test);
         assert!(error.contains(text), "{error}");

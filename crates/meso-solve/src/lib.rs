@@ -36,10 +36,7 @@ use meso_mesh::materials::Materials;
 /// The first value out of its range, with the accepted range.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
-    let own = test.gauges.iter().map(Gauge::name).find(|name| Row::COLUMNS.contains(name));
-    own.map_or(Ok(()), |name| {
-        Err(error::TEST.error("gauges.name", name, "every curve has this column; take another name"))
-    })?;
+    march::validate_columns(test)?;
     Ok(meso_element::block::matter::validate(materials, test.law)?)
 }
 

@@ -221,7 +221,7 @@ pub struct Pass<'a> {
     pub block: &'a mut Block,
     /// Materials and shapes.
     pub common: &'a Common,
-    /// Of all nodes, mm.
+    /// Displacements of all nodes, mm.
     pub displacement: &'a [[f64; 3]],
     /// Where the nodes' forces go, N.
     pub out: &'a mut [[f32; 4]],

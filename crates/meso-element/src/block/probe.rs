@@ -38,7 +38,7 @@ pub struct Probe<'a> {
     pub block: &'a Block,
     /// Materials and shapes.
     pub common: &'a Common,
-    /// Of all nodes, mm.
+    /// Displacements of all nodes, mm.
     pub displacement: &'a [[f64; 3]],
 }
 

@@ -1,5 +1,8 @@
 //! The stress-strain curve and its figures.
 
+use crate::error::TEST;
+use crate::test::{Gauge, Test};
+use meso_concrete::OutOfRange;
 use serde::{Deserialize, Serialize};
 
 /// A row of the curve: means over the steps since the row before, energies at its end.
@@ -79,6 +82,12 @@ impl Row {
             time_s,
         }
     }
+}
+
+/// Checks that no gauge is named like a column that every curve has.
+pub(crate) fn validate_columns(test: &Test) -> Result<(), OutOfRange> {
+    let own = test.gauges.iter().map(Gauge::name).find(|name| Row::COLUMNS.contains(name));
+    own.map_or(Ok(()), |name| Err(TEST.error("gauges.name", name, "every curve has this column; take another name")))
 }
 
 /// The columns of the curve after those of every test: gauges, and forces of supports.

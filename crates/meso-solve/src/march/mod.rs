@@ -14,6 +14,7 @@ mod servo;
 mod supports;
 
 pub use beyond_peak::BeyondPeak;
+pub(crate) use curve::validate_columns;
 pub use curve::{Extra, Figures, Row};
 pub use frame::{Frame, Mean};
 pub use lateral::Lateral;

@@ -14,7 +14,7 @@ use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
 use crate::error::SolveError;
-use crate::march::curve::{Extra, Row};
+use crate::march::curve::{Extra, Row, validate_columns};
 use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::Nodes;
 use crate::march::path::{Leg, Path};
@@ -133,6 +133,7 @@ impl<'a> Run<'a> {
     /// before the first step, with the way out.
     pub fn new(sample: Sample<'a>, materials: &Materials, test: &Test) -> Result<Self, SolveError> {
         test.validate()?;
+        validate_columns(test)?;
         sample.validate()?;
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
