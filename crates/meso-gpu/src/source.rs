@@ -47,6 +47,8 @@ impl Laws {
             ("SLOTS", tables.most_slots),
             ("ENERGIES", tables.most_energies),
             ("SPAN", SPAN),
+            ("SUPPORTS", tables.supports),
+            ("LOADS", tables.has_loads.into()),
             ("RESIDENT", self.resident()),
         ];
         let (mut head, mut answers) = (String::new(), String::new());

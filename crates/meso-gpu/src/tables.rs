@@ -4,7 +4,7 @@
 //! their forces in shared memory, and adds these to the block's nodes in the engine's order. So blocks, sums and bytes are the
 //! engine's, and shared memory does not grow with the block.
 
-use meso_solve::device::{Elements, SPAN, Upload};
+use meso_solve::device::{Action, Elements, SPAN, Upload};
 use rayon::prelude::*;
 
 /// Elements side by side in the engine.
@@ -34,8 +34,11 @@ pub(crate) struct Tables {
     pub(crate) energies: Vec<u32>,
     /// Energy that each group of the engine has spent so far, mJ.
     pub(crate) dissipated: Vec<f64>,
-    /// First contact of every span of nodes; one more at the end.
-    pub(crate) span_contacts: Vec<u32>,
+    /// First support at a node of every span of nodes; one more at the end.
+    pub(crate) span_touches: Vec<u32>,
+    /// Number of supports, and whether loads are among them.
+    pub(crate) supports: usize,
+    pub(crate) has_loads: bool,
     /// Words of the eights' data and of their memory, by block; one more at the end.
     pub(crate) data: Vec<u64>,
     pub(crate) memory: Vec<u64>,
@@ -84,10 +87,11 @@ impl Tables {
         all.rounds.push([all.entries.len() as u32, 0, all.slots.len() as u32, all.segments.len() as u32]);
         all.slots.push(0);
         all.kinds.sort_unstable();
-        let contacts: Vec<u32> = upload.contacts().map(|(node, ..)| node).collect();
-        let spans = upload.mass().len().div_ceil(SPAN);
-        all.span_contacts =
-            (0..=spans).map(|span| contacts.partition_point(|&node| (node as usize) < span * SPAN) as u32).collect();
+        let (touches, spans) = (upload.touches(), upload.mass().len().div_ceil(SPAN));
+        let first = |span: usize| touches.partition_point(|touch| (touch.node as usize) < span * SPAN) as u32;
+        all.span_touches = (0..=spans).map(first).collect();
+        all.supports = upload.supports().count();
+        all.has_loads = touches.iter().any(|touch| matches!(touch.action, Action::Load(_)));
         all
     }
 
