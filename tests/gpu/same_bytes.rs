@@ -1,14 +1,14 @@
 //! A device gives the bytes of the processor.
 
 use meso_core::aggregate::Grading;
-use meso_core::materials::Materials;
+use meso_core::materials::{Materials, Stone, StoneKind};
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
 use meso_solve::{
-    Along, Control, Ended, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample, Side, Smoothing,
-    SupportSpec, Test, TestKind, Turn, TurnOf,
+    Along, Control, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample, Side,
+    Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -16,6 +16,7 @@ pub(crate) struct Cube {
     pub(crate) mesh: Mesh,
     pub(crate) specimen: Specimen,
     pub(crate) options: MeshOptions,
+    pub(crate) materials: Materials,
 }
 
 pub(crate) fn cube(side_mm: f64, element_size_mm: f64) -> Cube {
@@ -34,10 +35,10 @@ fn beam() -> Cube {
     let options =
         MeshOptions { method: Method::FITTED, element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
     let mesh = mesh::build((&[][..], &specimen), &options, &Tools::default()).unwrap();
-    Cube { mesh, specimen, options }
+    Cube { mesh, specimen, options, materials: brittle() }
 }
 
-fn meshed(specimen: Specimen, element_size_mm: f64, itz: ItzForm) -> Cube {
+pub(crate) fn meshed(specimen: Specimen, element_size_mm: f64, itz: ItzForm) -> Cube {
     let mut spec = Spec { specimen: specimen.clone(), fraction: 0.3, seed: 3, ..Spec::default() };
     spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
     spec.placement.min_gap_mm = 1.0;
@@ -45,7 +46,7 @@ fn meshed(specimen: Specimen, element_size_mm: f64, itz: ItzForm) -> Cube {
     let options =
         MeshOptions { method: Method::FITTED, element_size_mm, itz, joined: Joined::Mortar, ..Default::default() };
     let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
-    Cube { mesh, specimen, options }
+    Cube { mesh, specimen, options, materials: brittle() }
 }
 
 pub(crate) fn brittle() -> Materials {
@@ -57,7 +58,7 @@ pub(crate) fn brittle() -> Materials {
 
 impl Cube {
     pub(crate) fn run(&self, test: &Test) -> Run<'_> {
-        Run::new(Sample::of(&self.mesh, &self.specimen, &self.options), &brittle(), test).unwrap()
+        Run::new(Sample::of(&self.mesh, &self.specimen, &self.options), &self.materials, test).unwrap()
     }
 
     /// A test of some 1,000 steps.
@@ -155,6 +156,12 @@ fn same(cube: &Cube, test: &Test, device: &DeviceName) -> Response {
     expected.0
 }
 
+/// Matter of a phase, or its cohesive faces, are damaged.
+fn dissipates(response: &Response, name: &str) {
+    let phase = response.result.phases.iter().find(|phase| phase.name == name).unwrap();
+    assert!(phase.dissipated_mj > 0.0, "{phase:?}");
+}
+
 /// Every gauge and plate has a value other than 0, and some matter is damaged. Loads count no force.
 fn acts(response: &Response, loads: usize) {
     let extra = &response.extra;
@@ -227,6 +234,49 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
         (2, Test { supports, ..Test::default() }),
     ] {
         acts(&same(&cube, &cube.within(250.0, test), &device), loads);
+    }
+}
+
+#[test]
+fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = cube(20.0, 4.0);
+    let expansion = Some(Expansion { mortar: -8e-4, itz: Some(2e-4), aggregate: 3e-4, ..Expansion::default() });
+    for (kind, smoothing) in [(TestKind::Expansion, Smoothing::Edges), (TestKind::Tension, Smoothing::None)] {
+        let test = Test { kind, expansion, smoothing: Some(smoothing), ..Test::default() };
+        let steps = if kind == TestKind::Tension { 120.0 } else { 60.0 };
+        acts(&same(&cube, &cube.within(steps, test), &device), 0);
+    }
+}
+
+#[test]
+fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let kinds = [(0.4, 0.15), (0.6, 0.4)].map(|(share, strength_ratio)| StoneKind { share, strength_ratio }).to_vec();
+    let stone = Stone { kinds, weibull_modulus: Some(8.0), ..Stone::default() };
+    let cube = cube(20.0, 4.0);
+    let cube = Cube { materials: Materials { aggregate_strength: Some(stone), ..brittle() }, ..cube };
+    for (law, smoothing) in [(LawName::Cdp, Smoothing::Edges), (LawName::Meso, Smoothing::None)] {
+        let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
+        let response = same(&cube, &cube.within(400.0, test), &device);
+        dissipates(&response, "aggregate");
+    }
+}
+
+#[test]
+fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive);
+    assert!(!cube.mesh.cohesive.is_empty());
+    let expansion = Some(Expansion { aggregate: 2e-4, ..Expansion::default() });
+    let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
+    for (steps, test) in [
+        (500.0, Test { smoothing: edges, ..Test::default() }),
+        (500.0, Test { smoothing: none, law: LawName::Cdpm2, kind: TestKind::Tension, ..Test::default() }),
+        (60.0, Test { smoothing: edges, kind: TestKind::Expansion, expansion, ..Test::default() }),
+    ] {
+        let response = same(&cube, &cube.within(steps, test), &device);
+        dissipates(&response, "itz");
     }
 }
 

@@ -9,7 +9,8 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use meso_solve::device::{Action, Device, Moved, Rules, Scalars, StepSums, Touch, Upload};
 use std::time::{Duration, Instant};
 
-/// Numbers of the kernels' `state` before those of the supports, three each; the place of its flag that a batch has ended.
+/// Numbers of the kernels' `state` before those of the supports, three each, and of the phases; the place of its flag that a batch
+/// has ended.
 const STATE: usize = 21;
 const HALT: usize = 17;
 /// Numbers of the kernels' `rules` before those of the supports.
@@ -84,7 +85,7 @@ impl Engine {
         let spans = tables.span_touches.len() - 1;
         let sizes = [nodes, upload.blocks(), spans, touches.len(), watched.len()].map(|count| count as u32);
         let (sizes, rules) = (store.of(&sizes)?, store.of(&rules(&upload.rules(), upload.supports()))?);
-        let state = store.of(&vec![0.0; STATE + 3 * supports])?;
+        let state = store.of(&vec![0.0; STATE + 3 * supports + 6])?;
         let shares = store.empty(16 * tables.places.len())?;
         let (spent, work) = (store.empty(8 * upload.blocks())?, store.empty(16 * nodes)?);
         let answer = vec![0.0; (supports + 4) * spans + 1 + 3 * watched.len()];
@@ -107,6 +108,7 @@ impl Engine {
             dissipated,
             spent,
             state,
+            store.of(upload.places().as_flattened())?,
         ];
         let [first, places] = upload.shares();
         let (first, places, mass) = (store.of(first)?, store.of(places)?, store.of(upload.mass())?);
@@ -134,7 +136,7 @@ impl Engine {
 /// Tables for groups of `threads`, or of fewer where a group would share too much memory.
 fn fitting(upload: &Upload, laws: &Laws, mut threads: usize) -> (Tables, usize) {
     loop {
-        let tables = Tables::of(upload, &laws.of_phase, threads);
+        let tables = Tables::of(upload, &laws.of_material, threads);
         if tables.near_bytes(threads) <= NEAR_BYTES || threads <= 32 {
             return (tables, threads);
         }
@@ -232,9 +234,9 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
 }
 
 impl Device for Engine {
-    fn step(&mut self, supports: &[Moved]) -> Result<StepSums<'_>, String> {
-        let numbers: Vec<f64> =
-            supports.iter().flat_map(|moved| [moved.travel, moved.mean_speed, moved.pressure]).collect();
+    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String> {
+        let moved = supports.iter().flat_map(|moved| [moved.travel, moved.mean_speed, moved.pressure]);
+        let numbers: Vec<f64> = moved.chain(free).collect();
         self.host.write(self.state, 8 * STATE, cast_slice(&numbers))?;
         for &(kernel, groups, threads) in &self.steps {
             self.host.launch(kernel, groups, threads)?;

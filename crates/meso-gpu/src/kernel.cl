@@ -6,6 +6,12 @@ typedef unsigned short ushort;
 #define KERNEL(threads) extern "C" __global__ void __launch_bounds__(threads)
 /* Groups of 128 threads that share a multiprocessor's registers. */
 #define KERNEL_OF_ELEMENTS extern "C" __global__ void __launch_bounds__(THREADS, RESIDENT * 128 / THREADS)
+/* Two groups of nodes have the registers for loads; without loads the compiler finds room for four. */
+#if LOADS
+#define KERNEL_OF_NODES extern "C" __global__ void __launch_bounds__(256, 2)
+#else
+#define KERNEL_OF_NODES KERNEL(256)
+#endif
 #define PREFETCH(address) asm volatile("prefetch.global.L2 [%0];" ::"l"(address))
 #define GLOBAL
 #define LOCAL __shared__
@@ -22,6 +28,7 @@ typedef unsigned short ushort;
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #define KERNEL(threads) kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
 #define KERNEL_OF_ELEMENTS KERNEL(THREADS)
+#define KERNEL_OF_NODES KERNEL(256)
 #define PREFETCH(address)
 #define GLOBAL global
 #define LOCAL local
@@ -58,6 +65,8 @@ typedef unsigned short ushort;
 #define AT 0
 #define MEAN_SPEED 1
 #define PRESSURE 2
+/* Strain of the mortar without stress, then that of every phase less the mortar's. */
+#define FREE (MOVED + 3 * SUPPORTS)
 
 /* Numbers that stay (`rules`). */
 #define R_DT 0
@@ -132,6 +141,27 @@ DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, cons
   f[8 * n] = r0; f[8 * n + SLOTS] = r1; f[8 * n + 2 * SLOTS] = r2;
 }
 
+#ifdef FACE_LAW
+/* A cohesive face: pair by pair, the node over the aggregate's and the aggregate's. Returns the energy that it spent. */
+DEVICE float face(GLOBAL const float* params, GLOBAL const uint* at, GLOBAL const float* g, const uint shift, NEAR const float* u,
+    GLOBAL float* memory, NEAR float* f) {
+  const float area = g[120];
+  float spent = 0;
+  for (uint pair = 0; pair < 3; pair++) {
+    const uint over = 3 * ((at[8 * pair] >> shift) & 0xffff), below = 3 * ((at[8 * pair + 4] >> shift) & 0xffff);
+    const float apart[6] = {u[over] - u[below], u[over + 1] - u[below + 1], u[over + 2] - u[below + 2], g[0], g[8], g[16]};
+    float s[3];
+    const float energy = FACE_LAW(params, apart, 0, memory + 40 * pair, s);
+    for (uint k = 0; k < 3; k++) {
+      const float force = s[k] * area;
+      f[16 * pair + k * SLOTS] = force; f[16 * pair + 8 + k * SLOTS] = -force;
+    }
+    spent = fma(energy, area, spent);
+  }
+  return spent;
+}
+#endif
+
 /* Asks for the data and the memory of an eight of the next round. */
 DEVICE void fetch(GLOBAL const uint4* eights, GLOBAL const uint* data, GLOBAL const float* memory, const uint lane) {
 #ifdef __CUDACC__
@@ -147,7 +177,8 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     GLOBAL const uint* RESTRICT data, GLOBAL float* RESTRICT memory, GLOBAL const uint4* RESTRICT rounds,
     GLOBAL const uint* RESTRICT entries, GLOBAL const ushort* RESTRICT slots, GLOBAL const uint* RESTRICT segments,
     GLOBAL const uint* RESTRICT energies, GLOBAL const float* RESTRICT params, GLOBAL const double* RESTRICT u,
-    GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state) {
+    GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state,
+    GLOBAL const double* RESTRICT mm) {
   LOCAL float near_u[3 * PLACES];
   LOCAL float sum[3 * PLACES];
   LOCAL float f[3 * SLOTS];
@@ -163,7 +194,11 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
   const double o0 = u[o], o1 = u[o + 1], o2 = u[o + 2];
   for (uint i = t; i < count; i += THREADS) {
     const uint node = 3 * places[first_place + i];
+#if EXPANDS
+    for (uint k = 0; k < 3; k++) near_u[3 * i + k] = (float)(u[node + k] - u[o + k] - state[FREE] * (mm[node + k] - mm[o + k]));
+#else
     near_u[3 * i] = (float)(u[node] - o0); near_u[3 * i + 1] = (float)(u[node + 1] - o1); near_u[3 * i + 2] = (float)(u[node + 2] - o2);
+#endif
   }
   for (uint i = t; i < 3 * count; i += THREADS) sum[i] = 0;
   for (uint i = t; i < 8 * energy_count; i += THREADS) energy[i] = 0;
@@ -174,7 +209,7 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     const uint i = (round.y >> 16) + (t >> 3), lane = t & 7;
     if (i < next) {
       const uint4 eight = eights[first_eight + i];
-      const uint n = eight.w & 255, law = (eight.w >> 8) & 255;
+      const uint n = eight.w & 255, law = (eight.w >> 8) & 15;
       GLOBAL const uint* at = data + eight.x + (lane >> 1);
       GLOBAL const float* g = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
       const uint shift = (lane & 1) * 16;
@@ -183,8 +218,12 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
 //STRAINS
       }
       fetch(next + (t >> 3) < eight_count ? eights + first_eight + next + (t >> 3) : eights + first_eight + i, data, memory, lane);
-      const float volume = g[24 * n], width = g[24 * n + 8];
-      float lost = 0;
+      const float width = g[24 * n + 8];
+      float volume = g[24 * n], lost = 0;
+#if EXPANDS
+      const float over = (float)state[FREE + 1 + ((eight.w >> 12) & 15)];
+      e[0] = e[0] - over; e[1] = e[1] - over; e[2] = e[2] - over;
+#endif
       switch (law) {
 //ANSWERS
       }
@@ -206,9 +245,9 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     /* The last threads have the fewest places; they add the energies. */
     const uint back = THREADS - 1 - t, segment = round.w + (back >> 3);
     if (segment < rounds[first_round + r + 1].w) {
-      const uint which = segments[segment], lane = back & 7, to = 8 * (which & 255) + lane;
-      uint from = (which >> 8) & 255;
-      const uint end = from + (which >> 16);
+      const uint which = segments[segment], lane = back & 7, to = 8 * (which & 0xffff) + lane;
+      uint from = (which >> 16) & 255;
+      const uint end = from + (which >> 24);
       float x = energy[to];
       for (; from < end; from++) x = fma(spent_of[8 * from + lane], volume_of[8 * from + lane], x);
       energy[to] = x;
@@ -262,7 +301,7 @@ DEVICE double meet(GLOBAL const double* face, const double travel, const double 
 }
 
 /* Nodes sum the blocks' shares and move; loads push them, and plates correct those that they meet. */
-KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
+KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
     GLOBAL const uint* RESTRICT node_first, GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares,
     GLOBAL const double* RESTRICT mass, GLOBAL double* RESTRICT u, GLOBAL double* RESTRICT v, GLOBAL const uint* RESTRICT touch,
     GLOBAL const uint* RESTRICT kinds, GLOBAL const double* RESTRICT numbers, GLOBAL double* RESTRICT work, GLOBAL double* RESTRICT met) {
@@ -295,9 +334,9 @@ KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
     }
     if (load != 0) { x.v = x.v + l0 * push; y.v = y.v + l1 * push; z.v = z.v + l2 * push; }
 #endif
-    for (uint q = first - 1, kind = 0; !(kind & IS_LAST); q++) {
+    for (uint q = first - 1, kind = 0; q == first - 1 || (TOUCHES > 1 && !(kind & IS_LAST)); q++) {
       kind = kinds[q];
-      if (kind & IS_LOAD) break;
+      if (LOADS && (kind & IS_LOAD)) break;
       const uint support = kind & SUPPORT;
       GLOBAL const double* face = rules + R_FACES + PER_SUPPORT * support;
       GLOBAL const double* moved = state + MOVED + 3 * support;

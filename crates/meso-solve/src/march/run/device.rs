@@ -7,6 +7,7 @@ pub use crate::march::nodes::SPAN;
 pub use crate::march::supports::contact::Moved;
 pub use meso_element::block::matter::LawTask;
 pub use meso_element::block::spent;
+pub use meso_element::face::{Cohesion, CohesionValues};
 
 use super::{Run, Since, State};
 use crate::error::SolveError;
@@ -15,36 +16,33 @@ use crate::march::nodes::Sums;
 use crate::march::servo::Servo;
 use crate::march::supports::contact::{Contact, Face, Load, Motion};
 use crate::march::supports::{MOST, Supports};
+use crate::test::Control;
 use crate::test::load::Rule;
-use crate::test::{Control, Test};
-use meso_element::block::{Batch, Block, Group};
+use meso_element::block::{Batch, Block, Free, Group};
 use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
 
-/// Refuses tests that devices cannot take yet, as far as the test's options and the mesh's kind tell. The command asks it before
-/// it packs, and [`Run::upload`] again.
+/// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
 /// # Errors
-/// Names the first thing that devices have no code for.
-pub fn accept(test: &Test, kind: CellKind, is_cohesive: bool) -> Result<(), SolveError> {
-    let why = match () {
-        () if test.expansion.is_some() => "expansion runs on the processor only; take another test, or the device cpu",
-        () if kind == CellKind::Hexahedron => "voxels run on the processor only; take tetrahedra, or the device cpu",
-        () if is_cohesive => "cohesive faces run on the processor only; take another ITZ, or the device cpu",
-        () => return Ok(()),
-    };
-    Err(SolveError::Device(why.to_owned()))
+/// Cells that devices have no code for, with a remedy.
+pub fn accept(kind: CellKind) -> Result<(), SolveError> {
+    if kind == CellKind::Hexahedron {
+        let why = "voxels run on the processor only; take tetrahedra, or the device cpu";
+        return Err(SolveError::Device(why.to_owned()));
+    }
+    Ok(())
 }
 
 /// A machine that has a run's data and takes its steps.
 pub trait Device: Send + Sync {
-    /// Takes one step in which the supports move so.
+    /// Takes one step in which the supports move so, and phases have the strains of [`Free::strains`] without stress.
     ///
     /// # Errors
     /// Says why the device failed.
-    fn step(&mut self, supports: &[Moved]) -> Result<StepSums<'_>, String>;
+    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String>;
 
     /// Takes up to `most` steps, at least one. It ends after the first step with which the test is over, a row or a frame is due,
     /// or the energies are not sound. Only [plain](Upload::is_plain) tests ask for it.
@@ -157,13 +155,7 @@ impl Run<'_> {
     /// # Errors
     /// See [`accept`].
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
-        let mesh = self.sample.mesh;
-        accept(&self.test, mesh.kind, !mesh.cohesive.is_empty())?;
-        if !self.common.stones.is_empty() {
-            let why =
-                "stone that breaks runs on the processor only; leave out aggregate_strength, or take --device cpu";
-            return Err(SolveError::Device(why.to_owned()));
-        }
+        accept(self.sample.mesh.kind)?;
         Ok(Upload(self))
     }
 
@@ -189,7 +181,8 @@ impl Run<'_> {
     pub(super) fn step_there(&mut self, motion: &Motion) -> Result<(Sums, f64), String> {
         let Some(Remote { device, watched }) = &mut self.device else { return Err("there is no device".to_owned()) };
         let supports = self.supports.all.len();
-        let taken = device.step(&motion.supports[..supports])?;
+        let free = self.common.free.as_ref().map(Free::strains).unwrap_or_default();
+        let taken = device.step(&motion.supports[..supports], free)?;
         for (&node, u) in watched.iter().zip(taken.watched) {
             self.nodes.displacement[node as usize] = *u;
         }
@@ -358,10 +351,25 @@ impl Upload<'_> {
         watched(&self.0.gauges)
     }
 
-    /// Runs `task` with the law of a phase over any numbers.
-    pub fn law<R: Real + 'static, T: LawTask<R>>(&self, phase: usize, task: T) -> T::Output {
+    /// Places of all nodes, mm, where phases have strains without stress; else none.
+    pub fn places(&self) -> &[[f64; 3]] {
+        self.0.common.free.as_ref().map_or(&[], Free::places)
+    }
+
+    /// Number of materials.
+    pub fn materials(&self) -> usize {
+        self.0.common.matter.len()
+    }
+
+    /// Runs `task` with the law of a material over any numbers.
+    pub fn law<R: Real + 'static, T: LawTask<R>>(&self, material: usize, task: T) -> T::Output {
         // A copy keeps no law prepared, so that the processor's lanes stay the first.
-        self.0.common.matter[phase].clone().law(task)
+        self.0.common.matter[material].clone().law(task)
+    }
+
+    /// Values of cohesive faces; none of a mesh without them.
+    pub fn cohesion(&self) -> Option<&CohesionValues> {
+        self.0.common.cohesion.as_ref()
     }
 }
 
@@ -369,6 +377,11 @@ impl Elements<'_> {
     /// Number of their phase.
     pub fn phase(&self) -> usize {
         self.0.phase as usize
+    }
+
+    /// Number of their material; cohesive faces have none.
+    pub fn material(&self) -> Option<usize> {
+        (!matches!(self.0.cells, Batch::Triangles(_) | Batch::Quads(_))).then_some(self.0.matter.into())
     }
 
     /// Energy that they spent so far, mJ.
@@ -388,12 +401,13 @@ impl Elements<'_> {
             Batch::Patches8(_) => 7,
             Batch::Patches9(_) => 8,
             Batch::Patches12(_) => 11,
-            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => 0,
+            Batch::Triangles(_) => 5,
+            Batch::Hexes(_) | Batch::Quads(_) => 0,
         }
     }
 
     /// All eights as words: the local numbers of the others and of the first node, node by node and two to a word; x, y, z of
-    /// the others' gradients; volumes; widths.
+    /// the others' gradients; volumes; widths. See [`Faces::words`](meso_element::face::Faces::words) for cohesive faces.
     pub fn words(&self, out: &mut Vec<u32>) {
         fn all<const N: usize>(cells: &[Uniform<N>], out: &mut Vec<u32>) {
             cells.iter().for_each(|cells| cells.words(out));
@@ -403,7 +417,8 @@ impl Elements<'_> {
             Batch::Patches8(cells) => all(cells, out),
             Batch::Patches9(cells) => all(cells, out),
             Batch::Patches12(cells) => all(cells, out),
-            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => {}
+            Batch::Triangles(faces) => faces.iter().for_each(|faces| faces.words(out)),
+            Batch::Hexes(_) | Batch::Quads(_) => {}
         }
     }
 
