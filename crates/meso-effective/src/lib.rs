@@ -26,6 +26,7 @@ mod elastic;
 mod error;
 mod field;
 mod grid;
+mod labels;
 mod links;
 mod moduli;
 mod phases;
@@ -40,5 +41,6 @@ pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effecti
 pub use elastic::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
 pub use error::EffectiveError;
 pub use field::FluxField;
+pub use labels::{LabelPhases, LabelSpecimen, effective_of_labels, stiffness_of_labels};
 pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};

@@ -1,4 +1,5 @@
-//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; and sieve tables of laboratories.
+//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; label volumes; sieve tables of
+//! laboratories.
 //!
 //! Formats of surfaces have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
@@ -10,6 +11,7 @@ mod off;
 mod ply;
 pub mod sieve_table;
 mod stl;
+pub mod volume;
 mod words;
 
 pub use mend::without_flat_triangles;

@@ -5,4 +5,6 @@ mod laminate;
 mod task;
 mod voxels;
 
+pub(crate) use task::{ElasticMedium, of_medium};
+pub(crate) use voxels::Voxels;
 pub use task::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
