@@ -241,9 +241,9 @@ impl Task<'_> {
         done: usize,
     ) -> Result<Column, EffectiveError> {
         let nothing = vec![0.0; links.counts.iter().product()];
-        let flow = |potential| Flow { grid, links, axis, potential };
-        let energy = flow(&nothing).mean()[axis] * grid.volume();
-        let rhs = flow(&nothing).sources();
+        let given = Flow { grid, links, axis, potential: &nothing };
+        let (energy, rhs) = (given.mean()[axis] * grid.volume(), given.sources());
+        drop(nothing);
         let report = |iteration: usize, _: f64| {
             // Some 20 iterations are usual.
             let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
@@ -252,7 +252,7 @@ impl Task<'_> {
             }
         };
         let found = solver::solve(links, rhs, energy, self.options.accuracy, &report)?;
-        let flow = flow(&found.potential);
+        let flow = Flow { grid, links, axis, potential: &found.potential };
         let mean = flow.mean();
         let place = |axis: usize| (last + 1 + axis) % 3;
         let mut flux = [0.0; 3];

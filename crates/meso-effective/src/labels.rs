@@ -4,7 +4,7 @@
 //! power of the size. The coarse volume takes the label at the centre of each of its voxels, as a coarser scan would.
 
 use crate::effective::{self, Effective, EffectiveOptions, Medium, PhaseShare};
-use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, Voxels};
+use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, StressField, Voxels};
 use crate::error::EffectiveError;
 use crate::field::FluxField;
 use crate::grid::{End, Grid, Space};
@@ -57,7 +57,7 @@ pub fn effective_of_labels(
     effective::of_medium(&Labelled { specimen, of: &values }, specimen.volume.counts, options, watch)
 }
 
-/// The stiffness of a label volume. The size of voxels is the volume's.
+/// The stiffness of a label volume, and the stresses if asked for. The size of voxels is the volume's.
 ///
 /// # Errors
 /// Labels without constants, constants out of range, and equations that do not converge.
@@ -66,7 +66,7 @@ pub fn stiffness_of_labels(
     phases: &LabelPhases,
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<Stiffness, EffectiveError> {
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
     let moduli = phases.moduli(&specimen.volume)?;
     elastic::of_medium(&Labelled { specimen, of: &moduli }, specimen.volume.counts, options, watch)
 }

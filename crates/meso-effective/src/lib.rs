@@ -38,7 +38,9 @@ mod surfaces;
 
 pub use bounds::PropertyBounds;
 pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
-pub use elastic::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
+pub use elastic::{
+    ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, StressField, stiffness,
+};
 pub use error::EffectiveError;
 pub use field::FluxField;
 pub use labels::{LabelPhases, LabelSpecimen, effective_of_labels, stiffness_of_labels};

@@ -1,6 +1,7 @@
 //! From a packing to its stiffness: two grids, six mean strains, error, bounds and expansion.
 
 use super::equations::{Elastic, WEIGHTS};
+use super::field::StressField;
 use super::voxels::Voxels;
 use crate::bounds::PropertyBounds;
 use crate::effective::REST;
@@ -26,15 +27,19 @@ pub struct StiffnessOptions {
     pub voxel_size_mm: f64,
     /// Error of the equations, over the result.
     pub accuracy: f64,
+    /// Whether to return the stresses.
+    pub fields: bool,
 }
 
+/// Bytes a voxel of the stresses of all six strains.
+const FIELDS: f64 = 144.0;
 /// Bytes a voxel: 235 were measured with 100^3 voxels around a sphere, and every cut voxel has a material of 108.
 const BYTES: f64 = 350.0;
 
 impl StiffnessOptions {
     /// Stiffness to twelve digits of the energy, six of a strain.
     pub fn new(voxel_size_mm: f64) -> Self {
-        Self { voxel_size_mm, accuracy: 1e-12 }
+        Self { voxel_size_mm, accuracy: 1e-12, fields: false }
     }
 
     /// Memory that a specimen takes at most, bytes.
@@ -42,12 +47,13 @@ impl StiffnessOptions {
     /// # Errors
     /// A voxel size out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
-        Ok(Self::bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
+        Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
     }
 
     /// Memory that `counts` voxels take at most, bytes.
-    pub fn bytes_of(counts: [usize; 3]) -> f64 {
-        BYTES * counts.iter().map(|count| *count as f64).product::<f64>()
+    pub fn bytes_of(&self, counts: [usize; 3]) -> f64 {
+        let bytes = if self.fields { BYTES + FIELDS } else { BYTES };
+        bytes * counts.iter().map(|count| *count as f64).product::<f64>()
     }
 }
 
@@ -127,7 +133,7 @@ pub struct Stiffness {
     pub warnings: Vec<String>,
 }
 
-/// The stiffness of `parts`, from `moduli`.
+/// The stiffness of `parts`, from `moduli`, and the stresses if asked for.
 ///
 /// # Errors
 /// Values out of range, a body with dents, a specimen that is no box, and equations that do not converge.
@@ -136,7 +142,7 @@ pub fn stiffness<'a>(
     moduli: &PhaseModuli,
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<Stiffness, EffectiveError> {
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
     error::accepts(&bodies)?;
@@ -150,11 +156,13 @@ pub(crate) fn of_medium(
     counts: [usize; 3],
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<Stiffness, EffectiveError> {
-    let task = Task { medium, space: medium.space(), accuracy: options.accuracy };
-    let coarse = task.solve(counts.map(|count| count.div_ceil(2)), |_| ())?;
-    let fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
-    Ok(task.result(counts, &fine, &coarse))
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+    let task = Task { medium, space: medium.space(), options: *options };
+    let coarse_options = StiffnessOptions { fields: false, ..*options };
+    let coarse = Task { options: coarse_options, ..task }.solve(counts.map(|count| count.div_ceil(2)), |_| ())?;
+    let mut fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
+    let fields = std::mem::take(&mut fine.fields);
+    Ok((task.result(counts, &fine, &coarse), fields))
 }
 
 /// Geometry and constants of elastic phases.
@@ -209,10 +217,11 @@ impl ElasticShare {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Task<'a> {
     medium: &'a dyn ElasticMedium,
     space: Space,
-    accuracy: f64,
+    options: StiffnessOptions,
 }
 
 /// Solutions on one grid.
@@ -222,6 +231,7 @@ struct Solved {
     eigenstress: [f64; 6],
     iterations: Vec<usize>,
     error: f64,
+    fields: Vec<StressField>,
 }
 
 /// Iterations of a usual solution.
@@ -232,7 +242,13 @@ impl Task<'_> {
         let grid = Grid::new(&self.space, counts, 2, false);
         let voxels = self.medium.voxels(&grid);
         let mut elastic = Elastic::new(&grid, &voxels);
-        let mut solved = Solved { tensor: [[0.0; 6]; 6], eigenstress: [0.0; 6], iterations: Vec::new(), error: 0.0 };
+        let mut solved = Solved {
+            tensor: [[0.0; 6]; 6],
+            eigenstress: [0.0; 6],
+            iterations: Vec::new(),
+            error: 0.0,
+            fields: Vec::new(),
+        };
         for column in 0..6 {
             let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
             self.column(&mut elastic, column, &mut solved, &|iteration, _| report(share(iteration)))?;
@@ -258,12 +274,15 @@ impl Task<'_> {
         elastic.forces(&nothing, &mean, &mut rhs);
         rhs.iter_mut().for_each(|force| *force = -*force);
         drop(nothing);
-        let found = solve_equations(elastic, rhs, energy, self.accuracy, report)?;
+        let found = solve_equations(elastic, rhs, energy, self.options.accuracy, report)?;
         let sums = elastic.sums(&found.potential, &mean);
         let volume = elastic.grid.volume();
         (0..6).for_each(|row| solved.tensor[row][column] = sums.stress[row] / volume);
         solved.tensor[column][column] = sums.energy / volume;
         solved.eigenstress[column] = sums.eigen / volume;
+        if self.options.fields {
+            solved.fields.push(StressField::new(elastic, &found.potential, &mean, column));
+        }
         solved.iterations.push(found.iterations);
         solved.error = solved.error.max(found.error);
         Ok(())

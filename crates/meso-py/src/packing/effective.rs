@@ -129,7 +129,9 @@ pub(super) fn compute<'py>(
             let (options, moduli) = (StiffnessOptions::new(asked.size(model)), asked.moduli()?);
             let bytes = options.bytes(&model.spec.specimen);
             let model = Arc::clone(model);
-            solve(py, bytes, progress, move |watch| stiffness(&*model, &moduli, &options, watch))
+            solve(py, bytes, progress, move |watch| {
+                stiffness(&*model, &moduli, &options, watch).map(|(found, _)| found)
+            })
         }
     })
 }
@@ -203,8 +205,8 @@ pub(crate) fn of_labels<'py>(
             None => {
                 phases.moduli(&specimen.volume).map_err(|error| raised(&error))?;
                 let options = StiffnessOptions::new(spacing_mm[0]);
-                solve(py, Ok(StiffnessOptions::bytes_of(counts)), progress, move |watch| {
-                    stiffness_of_labels(&specimen, &phases, &options, watch)
+                solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
+                    stiffness_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
                 })
             }
         }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// A saved model (.json or .json.gz), `-` for standard input; or a label volume (.tif, .npy, .vti)
     pub(super) model: PathBuf,
-    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti and so on
+    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti, stiffness_xx.vti and so on
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
     /// Property: diffusivity, conductivity, stiffness, or all

@@ -9,9 +9,9 @@ use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
 use meso_core::Model;
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, Found, PAGE, field_file, write_figures, write_page};
+use meso_effective::results::{FIGURES, Field, Found, PAGE, write_figures, write_page};
 use meso_effective::{
-    Effective, FluxField, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, StiffnessOptions, effective,
+    Effective, FluxField, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, StressField, effective,
     effective_of_labels, stiffness, stiffness_of_labels,
 };
 use std::time::Instant;
@@ -34,15 +34,17 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for property in args.properties() {
         let (result, theirs) = subject.solve(args, property, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(|field| (property, field)));
+        fields.extend(theirs.into_iter().map(|field| Field::Flux(property, field)));
     }
     if args.what.stiffness {
-        found.push(subject.solve_stiffness(args, &watch)?);
+        let (result, theirs) = subject.solve_stiffness(args, &watch)?;
+        found.push(result);
+        fields.extend(theirs.into_iter().map(Field::Stress));
     }
     watch.finish();
     let mut unit = Unit::default();
-    for (what, field) in &fields {
-        unit.fill(&target(&field_file(*what, field.axis))?, force, |out| field.write_vti(out))?;
+    for field in &fields {
+        unit.fill(&target(&field.file())?, force, |out| field.write_vti(out))?;
     }
     unit.fill(&target(FIGURES)?, force, |out| write_figures(&found, out))?;
     unit.fill(&target(PAGE)?, force, |out| write_page(&found, &fields, out))?;
@@ -88,15 +90,15 @@ impl Subject {
         Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
     }
 
-    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<(Found, f64), Failure> {
-        let options = StiffnessOptions::new(self.size(args));
+    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<((Found, f64), Vec<StressField>), Failure> {
+        let options = args.stiffness_options(self.size(args));
         let begun = Instant::now();
         let found = match self {
             Self::Packing(model, phases) => stiffness(&**model, &phases.stiffness, &options, watch),
             Self::Labels(specimen, phases) => stiffness_of_labels(specimen, phases, &options, watch),
         };
-        let found = found.map_err(|error| wrong(&error))?;
-        Ok((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()))
+        let (found, fields) = found.map_err(|error| wrong(&error))?;
+        Ok(((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
     }
 
     /// Refuses voxels out of range and beyond the memory, for all properties before any of them is computed.
@@ -109,7 +111,7 @@ impl Subject {
                 Self::Packing(model, _) => {
                     let specimen = &model.spec.specimen;
                     let bytes = property.map_or_else(
-                        || StiffnessOptions::new(size).bytes(specimen),
+                        || args.stiffness_options(size).bytes(specimen),
                         |property| args.options(property, size).bytes(specimen),
                     );
                     let work = format!("the {name} of voxels of {size} mm");
@@ -123,7 +125,7 @@ impl Subject {
                     };
                     checked.map_err(|error| wrong(&error))?;
                     let bytes = property.map_or_else(
-                        || StiffnessOptions::bytes_of(counts),
+                        || args.stiffness_options(size).bytes_of(counts),
                         |property| args.options(property, size).bytes_of(counts),
                     );
                     room::accept_image(&format!("the {name} of the volume"), bytes)?;

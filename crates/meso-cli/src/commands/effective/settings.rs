@@ -5,8 +5,8 @@ use crate::failure::Failure;
 use crate::inputs;
 use meso_core::import::{ending, volume};
 use meso_core::{Spec, spec};
-use meso_effective::results::{FIGURES, PAGE, field_file};
-use meso_effective::{EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property};
+use meso_effective::results::{FIGURES, PAGE, field_file, stress_file};
+use meso_effective::{EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions};
 
 /// Values of the phases.
 pub(super) enum Values {
@@ -105,11 +105,16 @@ impl Args {
     pub(crate) fn files(&self) -> Vec<String> {
         let axes = || (0..3).filter(|axis| self.axes.0[*axis] && !self.no_fields);
         let fields = self.properties().into_iter().flat_map(|what| axes().map(move |axis| field_file(what, axis)));
-        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).collect()
+        let stresses = (0..6).filter(|_| self.what.stiffness && !self.no_fields).map(stress_file);
+        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).chain(stresses).collect()
     }
 
     pub(super) fn options(&self, what: Property, voxel_size_mm: f64) -> EffectiveOptions {
         EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, ..EffectiveOptions::new(what, voxel_size_mm) }
+    }
+
+    pub(super) fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
+        StiffnessOptions { fields: !self.no_fields, ..StiffnessOptions::new(voxel_size_mm) }
     }
 
     /// Edge of a voxel, mm.
