@@ -69,7 +69,11 @@ fn effective_properties_are_columns() {
     folder.write("p.toml", "[diffusivity]\nitz = 6\n");
     let again = folder.run(&["study", "STUDY.toml", "--dry-run"]);
     assert_eq!(String::from_utf8_lossy(&again.stdout).matches("open").count(), 4, "{}", again.stderr);
-    for (table, said) in [("axes = 'xx'", "some of x, y, z"), ("output = 'a'", "is set by the study"), ("periodic = 'x'", "label volumes")] {
+    for (table, said) in [
+        ("axes = 'xx'", "some of x, y, z"),
+        ("output = 'a'", "is set by the study"),
+        ("periodic = 'x'", "label volumes"),
+    ] {
         folder.write("STUDY.toml", format!("spec = 'small.toml'\n[effective]\n{table}\n"));
         let run = folder.run(&["study", "STUDY.toml"]);
         assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);

@@ -26,7 +26,9 @@ pub enum EffectiveError {
         label: i64,
     },
     /// A key of a table that is neither a label nor a phase.
-    #[error("[{table}] has `{name}`; its keys must be labels, as in 0, or all of them mortar, itz, aggregate, void, fibre")]
+    #[error(
+        "[{table}] has `{name}`; its keys must be labels, as in 0, or all of them mortar, itz, aggregate, void, fibre"
+    )]
     Name {
         /// Table of the phases file.
         table: &'static str,

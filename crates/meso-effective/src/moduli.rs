@@ -122,7 +122,12 @@ impl Moduli {
         let (e, nu, strain) = (self.youngs_modulus_mpa, self.poisson_ratio, self.eigenstrain);
         let most = CONTRAST * mortar;
         let accepted = format!("it must be 0 to {most} MPa, 10000 times the mortar's");
-        ranges.require(format!("{name}.youngs_modulus_mpa"), e, (0.0..=most).contains(&e) && e.is_finite(), accepted)?;
+        ranges.require(
+            format!("{name}.youngs_modulus_mpa"),
+            e,
+            (0.0..=most).contains(&e) && e.is_finite(),
+            accepted,
+        )?;
         let accepted = format!("it must be above -1 and at most {INCOMPRESSIBLE}");
         ranges.require(format!("{name}.poisson_ratio"), nu, nu > -1.0 && nu <= INCOMPRESSIBLE, accepted)?;
         let accepted = format!("it must be -{STRAIN} to {STRAIN}");

@@ -26,14 +26,14 @@ pub fn stress_file(component: usize) -> String {
 }
 
 /// A field of a computed property.
-pub enum Field {
+pub enum PropertyField {
     /// Potential and flux of diffusivity or conductivity.
     Flux(Property, FluxField),
     /// Stresses.
     Stress(StressField),
 }
 
-impl Field {
+impl PropertyField {
     /// Name of its file.
     pub fn file(&self) -> String {
         match self {
@@ -101,7 +101,7 @@ struct Timed<'a> {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_page(found: &[(Found, f64)], fields: &[Field], out: &mut dyn Write) -> io::Result<()> {
+pub fn write_page(found: &[(Found, f64)], fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Effective properties</title>\n{STYLE}"
@@ -117,14 +117,14 @@ pub fn write_page(found: &[(Found, f64)], fields: &[Field], out: &mut dyn Write)
     writeln!(out, "</html>")
 }
 
-fn write_flux(of: &Effective, fields: &[Field], out: &mut dyn Write) -> io::Result<()> {
+fn write_flux(of: &Effective, fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<h2>{}{}</h2>", of.what.title(), of.what.unit())?;
     write_tensor(of, out)?;
     write_bounds(&[("", &of.bounds)], out)?;
     write_phases(of, out)?;
     write_voxels(of.voxels, of.boundary, out)?;
     fields.iter().try_for_each(|field| match field {
-        Field::Flux(what, field) if *what == of.what => write_flux_section(field, of, out),
+        PropertyField::Flux(what, field) if *what == of.what => write_flux_section(field, of, out),
         _ => Ok(()),
     })
 }
@@ -133,7 +133,7 @@ fn write_voxels([x, y, z]: [usize; 3], [ends_x, ends_y, ends_z]: [&str; 3], out:
     writeln!(out, "<p>{x} x {y} x {z} voxels; ends of x, y, z: {ends_x}, {ends_y}, {ends_z}.</p>")
 }
 
-fn write_stiffness(of: &Stiffness, fields: &[Field], out: &mut dyn Write) -> io::Result<()> {
+fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<h2>Stiffness, MPa</h2>")?;
     let (is, error) = (&of.isotropic, &of.isotropic_error);
     for (name, value, error) in [
@@ -173,8 +173,8 @@ fn write_stiffness(of: &Stiffness, fields: &[Field], out: &mut dyn Write) -> io:
     }
     write_voxels(of.voxels, of.boundary, out)?;
     fields.iter().try_for_each(|field| match field {
-        Field::Stress(field) => write_stress_section(field, out),
-        Field::Flux(..) => Ok(()),
+        PropertyField::Stress(field) => write_stress_section(field, out),
+        PropertyField::Flux(..) => Ok(()),
     })
 }
 
@@ -241,9 +241,16 @@ fn write_stress_section(field: &StressField, out: &mut dyn Write) -> io::Result<
     let mean = (0..count).map(|voxel| f64::from(field.von_mises(voxel))).sum::<f64>() / count as f64;
     let amount = |voxel: usize| field.von_mises(voxel) / (2.0 * mean.max(f64::MIN_POSITIVE)) as f32;
     let name = COMPONENTS[field.strain];
-    let caption =
-        format!("Von Mises' stress for a strain {name}, on the middle section; white is twice the mean, {mean:.0} MPa.");
-    write_section(field.counts, if field.strain == 1 || field.strain == 3 { 1 } else { 0 }, amount, ("stress", &caption), out)
+    let caption = format!(
+        "Von Mises' stress for a strain {name}, on the middle section; white is twice the mean, {mean:.0} MPa."
+    );
+    write_section(
+        field.counts,
+        if field.strain == 1 || field.strain == 3 { 1 } else { 0 },
+        amount,
+        ("stress", &caption),
+        out,
+    )
 }
 
 /// The middle section of the axis `across` and z: an amount from 0, black, to 1, white.

@@ -7,7 +7,7 @@ mod task;
 mod voxels;
 
 pub(crate) use field::COMPONENTS;
-pub(crate) use task::{ElasticMedium, of_medium};
-pub(crate) use voxels::Voxels;
 pub use field::StressField;
 pub use task::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
+pub(crate) use task::{ElasticMedium, of_medium};
+pub(crate) use voxels::Voxels;

@@ -9,7 +9,7 @@ use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
 use meso_core::Model;
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, Field, Found, PAGE, write_figures, write_page};
+use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, write_figures, write_page};
 use meso_effective::{
     Effective, FluxField, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, StressField, effective,
     effective_of_labels, stiffness, stiffness_of_labels,
@@ -34,12 +34,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for property in args.properties() {
         let (result, theirs) = subject.solve(args, property, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(|field| Field::Flux(property, field)));
+        fields.extend(theirs.into_iter().map(|field| PropertyField::Flux(property, field)));
     }
     if args.what.stiffness {
         let (result, theirs) = subject.solve_stiffness(args, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(Field::Stress));
+        fields.extend(theirs.into_iter().map(PropertyField::Stress));
     }
     watch.finish();
     let mut unit = Unit::default();
@@ -55,7 +55,6 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     Ok(0)
 }
-
 
 /// A specimen with the values of its phases.
 enum Subject {

@@ -6,7 +6,9 @@ use crate::inputs;
 use meso_core::import::{ending, volume};
 use meso_core::{Spec, spec};
 use meso_effective::results::{FIGURES, PAGE, field_file, stress_file};
-use meso_effective::{EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions};
+use meso_effective::{
+    EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
+};
 
 /// Values of the phases.
 pub(super) enum Values {
@@ -33,7 +35,9 @@ impl Args {
             return Err(Failure::Usage("--axes needs --what diffusivity, conductivity or all".to_owned()));
         }
         if self.periodic.is_some() && !self.is_volume() {
-            return Err(Failure::Usage("--periodic is for label volumes; a model's specimen says it itself".to_owned()));
+            return Err(Failure::Usage(
+                "--periodic is for label volumes; a model's specimen says it itself".to_owned(),
+            ));
         }
         Ok(())
     }

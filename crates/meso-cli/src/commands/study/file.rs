@@ -96,7 +96,8 @@ impl StudyFile {
         let cases = study.axes.iter().map(|axis| axis.rows.len()).fold(1, usize::saturating_mul);
         let mut values = study.task.to_string();
         study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.keys, axis.rows));
-        let names_files = ["materials", "phases"].iter().any(|flag| values.contains(flag)) || values.to_lowercase().contains(".toml");
+        let names_files =
+            ["materials", "phases"].iter().any(|flag| values.contains(flag)) || values.to_lowercase().contains(".toml");
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 

@@ -70,8 +70,7 @@ impl Steps {
     ) -> Result<Self, Failure> {
         let mut common = vec!["--force".to_owned(), "--quiet".to_owned()];
         common.extend(given.threads.map(|threads| format!("--threads={threads}")));
-        let gmsh: Vec<String> =
-            given.gmsh.iter().map(|program| format!("--gmsh={}", program.display())).collect();
+        let gmsh: Vec<String> = given.gmsh.iter().map(|program| format!("--gmsh={}", program.display())).collect();
         let line = |section: &str, first: [&Path; 3], takes_output: bool| {
             let flags = case.task[section].as_object()?;
             let [model, flag, value] = first.map(|word| word.to_string_lossy().into_owned());
@@ -181,7 +180,12 @@ impl Steps {
 }
 
 /// Refuses files that two steps would write under one name.
-fn claim((outputs, keep): (&[String], Keep), mesh: Option<&mesh::Args>, has_test: bool, effective: Option<&effective::Args>) -> Result<(), Failure> {
+fn claim(
+    (outputs, keep): (&[String], Keep),
+    mesh: Option<&mesh::Args>,
+    has_test: bool,
+    effective: Option<&effective::Args>,
+) -> Result<(), Failure> {
     let mut names = Names::default();
     let wrong = |error: NameError| Failure::Usage(error.to_string());
     let summary = mesh.map(|_| MESH_SUMMARY);

@@ -91,9 +91,9 @@ fn unread(found: String) -> VolumeError {
 
 fn fault(error: TiffError) -> VolumeError {
     match error {
-        TiffError::FormatError(tiff::TiffFormatError::TiffSignatureNotFound | tiff::TiffFormatError::TiffSignatureInvalid) => {
-            VolumeError::Begin("a TIFF file")
-        }
+        TiffError::FormatError(
+            tiff::TiffFormatError::TiffSignatureNotFound | tiff::TiffFormatError::TiffSignatureInvalid,
+        ) => VolumeError::Begin("a TIFF file"),
         TiffError::IoError(_) => VolumeError::Cut("pages"),
         other => unread(format!("this file ({other})")),
     }

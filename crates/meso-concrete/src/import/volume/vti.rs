@@ -24,9 +24,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
         appended: &bytes[end..],
     };
     let counts = |points: i64| {
-        [(x0, x1), (y0, y1), (z0, z1)].map(|(from, to)| {
-            usize::try_from(i128::from(to) - i128::from(from) + i128::from(points)).unwrap_or(0)
-        })
+        [(x0, x1), (y0, y1), (z0, z1)]
+            .map(|(from, to)| usize::try_from(i128::from(to) - i128::from(from) + i128::from(points)).unwrap_or(0))
     };
     let (array, counts) = match (array(head, "CellData"), array(head, "PointData")) {
         (Some(array), _) => (array, counts(0)),
