@@ -8,6 +8,7 @@ mod table;
 
 pub(crate) use aggregates::PyAggregates;
 pub(crate) use by_spec::pack;
+pub(crate) use effective::of_labels;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
