@@ -37,6 +37,7 @@ __all__ = [
     "_restore_mesh",
     "_restore_packing",
     "_restore_polyhedron",
+    "_restore_response",
     "_restore_spec",
     "_run_command",
     "_study_results",
@@ -1346,5 +1347,15 @@ def _restore_aggregate(
     body: Polyhedron, id: int, size_class: int, itz_thickness: float, phase: str = "aggregate"
 ) -> Aggregate: ...
 def _restore_mesh(state: tuple[Any, ...], packing: tuple[bytes, str], options: str) -> Mesh: ...
-def _restore_frame(state: tuple[Any, ...], moment: str, fields: list[NDArray[np.float32]]) -> Frame: ...
+def _restore_frame(mesh: tuple[Any, ...], fields: tuple[str, list[NDArray[np.float32]]]) -> Frame: ...
+def _restore_response(
+    mesh: tuple[Any, ...],
+    source: tuple[str, int, float, str],
+    rows: NDArray[np.float64],
+    extra: NDArray[np.float64],
+    figures: str,
+    frames: list[tuple[str, list[NDArray[np.float32]]]],
+    last: tuple[str, list[NDArray[np.float32]]] | None,
+    page: tuple[str, str],
+) -> Response: ...
 def _restore_packing(model: bytes, report: str) -> Packing: ...

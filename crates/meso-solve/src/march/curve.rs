@@ -65,7 +65,8 @@ impl Row {
         ]
     }
 
-    pub(crate) fn from_values(values: [f64; 11]) -> Self {
+    /// Row of these [`values`](Self::values).
+    pub fn from_values(values: [f64; 11]) -> Self {
         let [strain, stress_mpa, kinetic, internal, external, friction_work, hourglass, dissipated, ..] = values;
         let [.., stress_bottom_mpa, stress_top_mpa, time_s] = values;
         Self {

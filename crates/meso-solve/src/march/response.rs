@@ -9,10 +9,10 @@ use crate::march::run::Run;
 use crate::test::{Control, Gauge, Smoothing, TestKind};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How a test came to its end.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
     /// At the strain that was asked for.
@@ -40,7 +40,7 @@ pub struct Response {
 }
 
 /// Content of `result.json`, without seconds.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
     /// Compression or tension.
     pub test: TestKind,
@@ -92,7 +92,7 @@ pub struct Summary {
     /// Phases of the test.
     pub phases: Vec<PhaseResult>,
     /// Columns of the curve after those of every test: gauges, and forces of supports in N.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<String>,
     /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
     pub broken_stone: Option<f64>,
@@ -114,7 +114,7 @@ pub struct Summary {
 }
 
 /// Energies at the end of a test, mJ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic energy.
     pub kinetic: f64,
@@ -131,7 +131,7 @@ pub struct Energies {
 }
 
 /// A phase of a test.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhaseResult {
     /// Name in lower case.
     pub name: String,
