@@ -664,7 +664,7 @@ class Packing:
             meshing stops with a `RuntimeError`.
         **options
             The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
-            if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
+            if its elements resolve it: voxels thicker than the thinnest shell cannot. None means "none".
 
         Raises
         ------
@@ -1162,7 +1162,7 @@ def intersects_many(
 ) -> NDArray[np.bool_]:
     """`intersects` of `a` with each of many bodies.
 
-    Boxes tell most bodies apart. To ask about the same bodies again, make `Bodies` of them.
+    Boxes separate most bodies. To ask about the same bodies again, make `Bodies` of them.
 
     Parameters
     ----------

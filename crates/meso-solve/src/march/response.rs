@@ -85,7 +85,7 @@ pub struct Summary {
     pub hourglass_over_internal: f64,
     /// Energies at the end, mJ.
     pub energies: Energies,
-    /// Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there.
+    /// Pairs of aggregates that share nodes in the mesh, or did before mortar separated them there.
     pub joined_pairs: usize,
     /// Cells of these aggregates that became mortar, in the mesh and in the test.
     pub joined_cells: usize,
@@ -290,7 +290,7 @@ impl Summary {
         if self.hourglass_over_internal > HOURGLASS {
             let share = 100.0 * self.hourglass_over_internal;
             let way_out = "take smaller elements or less hourglass stiffness";
-            self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
+            self.warnings.push(format!("hourglass modes have {share:.1} % of the internal energy; {way_out}"));
         }
         if self.energy_balance_error > BALANCE {
             let share = 100.0 * self.energy_balance_error;
