@@ -438,7 +438,8 @@ fn a_changed_test_file_beside_a_study_changes_the_cases_that_use_it() {
 /// The case: the table that a TEST.toml of `[solve] test` names was no part of the case, so that old results were kept.
 #[test]
 fn a_changed_table_of_a_test_file_changes_the_cases_that_use_it() {
-    let study = "[solve]\nelement-size-mm = 5\ntest = 'tests/T.toml'\n[over]\nsolve.test = ['tests/T.toml', 'tension']\n";
+    let study =
+        "[solve]\nelement-size-mm = 5\ntest = 'tests/T.toml'\n[over]\nsolve.test = ['tests/T.toml', 'tension']\n";
     let folder = folder(&tiny_then(study));
     std::fs::create_dir(folder.path("tests")).unwrap();
     folder.write("tests/T.toml", "kind = 'cyclic'\nhistory = 'turns.csv'\n");
