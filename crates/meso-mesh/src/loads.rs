@@ -6,7 +6,7 @@ pub struct Loads {
     /// Name of the test.
     pub test: String,
     /// Plates, strips and rollers.
-    pub supports: Vec<Support>,
+    pub supports: Vec<RigidSupport>,
     /// Pressures on outer faces.
     pub pressures: Vec<Pressure>,
     /// Linear strains by the numbers of phases, which grow before the path begins; 3 is no phase of a mesh.
@@ -33,7 +33,7 @@ pub struct Loads {
 
 /// A rigid support of some nodes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Support {
+pub struct RigidSupport {
     /// Its name.
     pub name: String,
     /// Axis of its side: 0, 1 or 2.

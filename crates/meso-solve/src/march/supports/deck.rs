@@ -10,7 +10,7 @@ use meso_collision::math::Aabb;
 use meso_concrete::specimen::Specimen;
 use meso_element::LawName;
 use meso_mesh::cells::Sides;
-use meso_mesh::loads::{Hold, Loads, Pressure, Support};
+use meso_mesh::loads::{Hold, Loads, Pressure, RigidSupport};
 use serde::Serialize;
 
 /// Distance of a node from the plane of its side, over the specimen's size, beyond which the side is round.
@@ -31,14 +31,15 @@ impl Test {
         let sides = Sides::of(sample.mesh);
         let mut path_mm = self.path_mm(plan.length_mm)?;
         let rigid = plan.supports.iter().filter(|support| support.rule != Rule::Pressure);
-        let supports: Vec<Support> =
+        let supports: Vec<RigidSupport> =
             rigid.map(|support| self.support(sample, &sides, &plan, support)).collect::<Result<_, _>>()?;
         let pressed = plan.supports.iter().filter(|support| support.rule == Rule::Pressure);
         let pressures: Vec<Pressure> =
             pressed.map(|support| pressure(sample, &sides, support)).collect::<Result<_, _>>()?;
         // Plates in a ratio of forces share the path as their forces do.
         let size_mm = geometry.size_mm;
-        let shared = |support: &Support| support.force_ratio.unwrap_or(0.0) * size_mm[support.axis] / plan.length_mm;
+        let shared =
+            |support: &RigidSupport| support.force_ratio.unwrap_or(0.0) * size_mm[support.axis] / plan.length_mm;
         let shares: f64 = supports.iter().filter(|support| support.is_upper).map(shared).sum();
         path_mm.iter_mut().for_each(|place| *place *= 1.0 + shares);
         let is_cohesive = !sample.mesh.cohesive.is_empty();
@@ -106,7 +107,7 @@ impl Test {
         sides: &Sides,
         plan: &Plan,
         support: &SupportSpec,
-    ) -> Result<Support, SolveError> {
+    ) -> Result<RigidSupport, SolveError> {
         let numbers: Vec<u32> = (0..sample.mesh.points.len() as u32).collect();
         let nodes: Vec<u32> =
             nodes::contacts(sample, sides, support, 0, &numbers)?.iter().map(|contact| contact.node).collect();
@@ -119,7 +120,7 @@ impl Test {
         // A strip takes the shape of a round side; a flat one would meet a line of nodes.
         let is_glued = support.rule == Rule::Glued || support.strip.is_some() && is_round;
         let area_mm2 = nodes::area_mm2(sample.mesh, sides, support);
-        Ok(Support {
+        Ok(RigidSupport {
             name: support.name.clone(),
             axis,
             is_upper,

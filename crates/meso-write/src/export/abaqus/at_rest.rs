@@ -8,7 +8,7 @@ use super::supports::{along, grow, is_pressed, model, names, reference};
 use super::{DeckOptions, elastic};
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::Mesh;
-use meso_mesh::loads::{Hold, Loads, Support};
+use meso_mesh::loads::{Hold, Loads, RigidSupport};
 use std::io::{self, Write};
 
 /// Distance from the nearest row, over the specimen's size, within which nodes are on it.
@@ -97,7 +97,7 @@ fn narrowed(mesh: &Mesh, loads: &Loads) -> Loads {
 fn tie(
     lines: &mut Lines<impl Write>,
     mesh: &Mesh,
-    (place, name, support): (usize, &str, &Support),
+    (place, name, support): (usize, &str, &RigidSupport),
 ) -> io::Result<[u64; 2]> {
     let numbers = [2 * place, 2 * place + 1].map(|place| reference(mesh, place));
     let patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
@@ -116,7 +116,7 @@ fn tie(
 }
 
 /// Degrees of freedom that a support holds, from 0.
-fn held(support: &Support) -> Vec<usize> {
+fn held(support: &RigidSupport) -> Vec<usize> {
     if support.hold == Hold::Plate(0.0) { vec![support.axis] } else { vec![0, 1, 2] }
 }
 

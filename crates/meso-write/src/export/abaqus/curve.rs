@@ -5,7 +5,7 @@ use super::{Analysis, DeckOptions, supports};
 use meso_collision::math::Aabb;
 use meso_mesh::cells::Mesh;
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::loads::{Loads, Support};
+use meso_mesh::loads::{Loads, RigidSupport};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ fn plain(name: &str) -> String {
 /// The script of a test with supports of its own.
 fn of_test(mesh: &Mesh, loads: &Loads, name: &str) -> String {
     let ends = |is_upper: bool| {
-        let counts = |support: &Support| {
+        let counts = |support: &RigidSupport| {
             support.axis == loads.axis && support.force_ratio.is_none() && support.is_upper == is_upper
         };
         let places = loads.supports.iter().enumerate().filter(|(_, support)| counts(support));

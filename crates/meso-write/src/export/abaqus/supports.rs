@@ -9,7 +9,7 @@ use super::{DeckOptions, explicit, limits::DECK};
 use meso_collision::math::Aabb;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh};
-use meso_mesh::loads::{Hold, Loads, Support};
+use meso_mesh::loads::{Hold, Loads, RigidSupport};
 use std::io::{self, Write};
 
 /// Intervals of a leg's speed in the table of an amplitude: their mean is 1.5e-5 off the leg's way.
@@ -19,7 +19,7 @@ const LONGEST_NAME: usize = 20;
 
 /// Finds out whether Abaqus can follow the loads.
 pub(super) fn check(mesh: &Mesh, loads: &Loads) -> Result<(), OutOfRange> {
-    let linked: Vec<&Support> = loads.supports.iter().filter(|support| support.force_ratio.is_some()).collect();
+    let linked: Vec<&RigidSupport> = loads.supports.iter().filter(|support| support.force_ratio.is_some()).collect();
     let is_pair = linked.is_empty() || linked.iter().any(|support| support.is_upper);
     let why = "of two plates in a ratio of stresses a deck holds the lower one; give an upper one, too";
     DECK.require("analysis", &loads.test, is_pair, why)?;
@@ -75,12 +75,12 @@ pub(super) fn grow(lines: &mut Lines<impl Write>, loads: &Loads, amplitude: &str
 }
 
 /// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
-pub(super) fn is_pressed(support: &Support) -> bool {
+pub(super) fn is_pressed(support: &RigidSupport) -> bool {
     support.force_n != 0.0 && support.is_upper
 }
 
 /// Degree of freedom along the axis of a support.
-pub(super) fn along(support: &Support) -> usize {
+pub(super) fn along(support: &RigidSupport) -> usize {
     support.axis + 1
 }
 
@@ -124,7 +124,7 @@ impl Numbers {
 fn body(
     lines: &mut Lines<impl Write>,
     mesh: &Mesh,
-    (place, name, support): (usize, &str, &Support),
+    (place, name, support): (usize, &str, &RigidSupport),
     next: &mut Numbers,
 ) -> io::Result<()> {
     let number = reference(mesh, place);
@@ -302,11 +302,11 @@ impl Steps<'_> {
         self.end(lines, self.loads.duration_s)
     }
 
-    fn named(&self) -> impl Iterator<Item = (&String, &Support)> {
+    fn named(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
         self.names.iter().zip(&self.loads.supports)
     }
 
-    fn pressed(&self) -> impl Iterator<Item = (&String, &Support)> {
+    fn pressed(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
         self.named().filter(|(_, support)| is_pressed(support))
     }
 
