@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Flags whose value may be a file that determines the result.
-pub(super) const FLAGS: [&str; 3] = ["materials", "test", "analysis"];
+pub(super) const FLAGS: [&str; 4] = ["materials", "phases", "test", "analysis"];
 /// Ending of the key with a file's hash.
 const HASH: &str = "-sha256";
 
@@ -27,7 +27,8 @@ pub(super) fn is_file(flag: &str, value: &str) -> bool {
 
 /// The table of turns that a TEST.toml names beside itself; a file that cannot be read has none here, and fails later.
 pub(super) fn history(flag: &str, file: &Path) -> Option<String> {
-    let tree: Value = (flag != "materials").then(|| inputs::toml(file, options_from_toml).ok()).flatten()?;
+    let is_test = matches!(flag, "test" | "analysis");
+    let tree: Value = is_test.then(|| inputs::toml(file, options_from_toml).ok()).flatten()?;
     tree.get("history")?.as_str().map(str::to_owned)
 }
 
