@@ -42,7 +42,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if not arguments.keep:
         shutil.rmtree(GALLERY, ignore_errors=True)
-    scripts = sorted((SITE / "gallery").glob("*.py"))
+    scripts = sorted((SITE / "gallery").rglob("*.py"), key=lambda script: script.stem)
     shown = [gallery_page(script) for script in scripts if script.stem.startswith(arguments.only or "")]
     if arguments.only:
         return
