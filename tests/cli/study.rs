@@ -61,7 +61,11 @@ fn effective_properties_are_columns() {
         rows(&folder).into_iter().map(|row| row[place].clone()).collect::<Vec<_>>()
     };
     let along_x = column("effective.diffusivity.tensor.xx");
-    assert!(along_x.iter().all(|value| value.parse::<f64>().unwrap() > 0.3) && along_x[0] != along_x[2]);
+    assert!(
+        along_x.iter().all(|value| value.parse::<f64>().unwrap() > 0.3)
+            && along_x[0] == along_x[2]
+            && along_x[0] != along_x[1]
+    );
     assert_eq!(column("effective.diffusivity.tensor.zz")[0], "");
     assert!(column("effective.stiffness.isotropic.youngs_modulus_mpa")[0].parse::<f64>().unwrap() > 20_000.0);
     assert!(names.contains(&"effective.stiffness.tensor.xx_yy") && names.contains(&"effective.conductivity.error.xx"));
