@@ -473,6 +473,26 @@ fn a_changed_test_file_beside_a_study_changes_the_cases_that_use_it() {
     assert!(after[0] != last[0] && after[1] != last[1], "{after:?} {last:?}");
 }
 
+/// The case: the table that a TEST.toml of `[solve] test` names was no part of the case, so that old results were kept.
+#[test]
+fn a_changed_table_of_a_test_file_changes_the_cases_that_use_it() {
+    let study =
+        "[solve]\nelement-size-mm = 5\ntest = 'tests/T.toml'\n[over]\nsolve.test = ['tests/T.toml', 'tension']\n";
+    let folder = folder(&tiny_then(study));
+    std::fs::create_dir(folder.path("tests")).unwrap();
+    folder.write("tests/T.toml", "kind = 'cyclic'\nhistory = 'turns.csv'\n");
+    folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.003\n");
+    let names = || -> Vec<String> {
+        let listed = folder.run(&["study", "STUDY.toml", "--dry-run"]);
+        assert_eq!(listed.code, 0, "{}", listed.stderr);
+        String::from_utf8(listed.stdout).unwrap().lines().map(str::to_owned).collect()
+    };
+    let before = names();
+    folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.004\n");
+    let after = names();
+    assert!(before[0] != after[0] && before[1] == after[1], "{before:?} {after:?}");
+}
+
 #[test]
 fn a_study_on_standard_output_is_refused_and_makes_no_folder() {
     let folder = Folder::new();
