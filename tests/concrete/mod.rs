@@ -6,3 +6,4 @@ mod shapes;
 mod sieve_tables;
 mod specimens;
 mod surfaces;
+mod volumes;

@@ -1,5 +1,5 @@
-//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; sieve tables of laboratories; and
-//! tables of numbers.
+//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; label volumes; sieve tables of
+//! laboratories; and tables of numbers.
 //!
 //! Formats of surfaces have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
@@ -12,6 +12,7 @@ mod off;
 mod ply;
 pub mod sieve_table;
 mod stl;
+pub mod volume;
 mod words;
 
 pub use columns::Columns;
