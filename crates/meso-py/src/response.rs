@@ -1,7 +1,7 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_value};
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::files;
 use crate::pickle::{self, Fields};
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
