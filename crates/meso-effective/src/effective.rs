@@ -114,7 +114,7 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what)?;
     let values = &values;
-    error::accepts(&bodies, specimen)?;
+    let bodies = error::accepted(bodies, specimen)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
     let task = Task { bodies: &bodies, specimen, values, options, watch, stages };

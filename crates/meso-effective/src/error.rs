@@ -3,6 +3,7 @@
 use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
+use std::borrow::Cow;
 
 /// An error of the options, the values or the specimen.
 #[derive(Debug, thiserror::Error)]
@@ -30,13 +31,25 @@ pub enum EffectiveError {
     },
 }
 
-/// Refuses bodies and specimens that no effective property can be computed for.
+/// The bodies with facets: balls and ellipsoids become polyhedra of their volume.
+fn faceted(bodies: Cow<'_, [Aggregate]>) -> Cow<'_, [Aggregate]> {
+    if bodies.iter().all(|body| body.body.round().is_none()) {
+        return bodies;
+    }
+    let facets = |body: &Aggregate| Aggregate { body: body.body.faceted().into_owned(), ..body.clone() };
+    bodies.iter().map(facets).collect()
+}
+
+/// The bodies as properties are computed for them; refuses those, and specimens, that none can be computed for.
 ///
 /// # Errors
 /// A body with dents, and a specimen that is no box.
-pub(crate) fn accepts(bodies: &[Aggregate], specimen: &Specimen) -> Result<(), EffectiveError> {
+pub(crate) fn accepted<'a>(
+    bodies: Cow<'a, [Aggregate]>,
+    specimen: &Specimen,
+) -> Result<Cow<'a, [Aggregate]>, EffectiveError> {
     if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
         return Err(EffectiveError::Dents(body.id));
     }
-    if specimen.container().is_box() { Ok(()) } else { Err(EffectiveError::Specimen(specimen.kind())) }
+    if specimen.container().is_box() { Ok(faceted(bodies)) } else { Err(EffectiveError::Specimen(specimen.kind())) }
 }

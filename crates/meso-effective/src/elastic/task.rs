@@ -135,7 +135,7 @@ pub fn stiffness<'a>(
 ) -> Result<Stiffness, EffectiveError> {
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
-    error::accepts(&bodies, specimen)?;
+    let bodies = error::accepted(bodies, specimen)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     let task = Task { bodies: &bodies, specimen, table, accuracy: options.accuracy };
     let coarse = task.solve(counts.map(|count| count / 2), |_| ())?;
