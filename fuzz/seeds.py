@@ -100,6 +100,10 @@ def main() -> None:
     keep("stl", "binary.stl", binary_stl())
     keep("sieve-table", "comma.csv", b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n")
     keep("sieve-table", "semicolon.csv", b"sieve_mm;passing_percent\n4;10\n8;45,5\n16;100\n")
+    header = b"{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2, 2), }\n"
+    keep("volume", "a.npy", b"\x93NUMPY\x01\0" + struct.pack("<H", len(header)) + header + bytes([0, 1, 2, 1, 0, 0, 1, 2]))
+    head = '<VTKFile type="ImageData"><ImageData WholeExtent="0 2 0 2 0 1" Spacing="1 1 1"><CellData>'
+    keep("volume", "a.vti", f'{head}<DataArray type="UInt8" Name="a" format="ascii">0 1 2 1</DataArray></CellData></ImageData></VTKFile>'.encode())
     keep("materials", "mortar.toml", b"[mortar]\nyoungs_modulus_mpa = 25000\npoisson_ratio = 0.2\n")
     for number, line in enumerate(COMMAND_LINES):
         keep("command-line", str(number), line.replace(" ", "\n").encode())

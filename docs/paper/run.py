@@ -4,6 +4,7 @@
     cargo build --release && python3 docs/paper/run.py OUT             everything at the paper's size: a night on two cores, 30 GB
     python3 docs/paper/run.py OUT --small                              50 mm cubes: less than two hours
     python3 docs/paper/run.py OUT --only friction --seeds 1            one group, one seed
+    python3 docs/paper/run.py OUT --small --present --law meso         today's default materials, another law
 
 A case whose result is there is skipped, and one that was killed goes on from its checkpoint, so the same command
 finishes what was begun. Needs numpy, matplotlib and pyvista. The figures of every case go to
@@ -16,7 +17,7 @@ import json
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 try:
@@ -46,6 +47,7 @@ class Case:
     spec: dict
     flags: list[str] = field(default_factory=list)
     materials: str = ""
+    base: str = ""
 
     @property
     def name(self) -> str:
@@ -59,8 +61,9 @@ def main() -> None:
     if not args.draw and shutil.which(args.program) is None:
         sys.exit(f"{args.program} is missing: cargo build --release")
     args.out.mkdir(parents=True, exist_ok=True)
-    chosen = [case for case in cases(small=args.small) if is_chosen(case, args)]
-    folders = shared_folders(cases(small=args.small), args.out)
+    every = [prepared(case, args) for case in cases(small=args.small)]
+    chosen = [case for case in every if is_chosen(case, args)]
+    folders = shared_folders(every, args.out)
     for number, case in enumerate(chosen, 1):
         if not args.draw:
             print(f"{number}/{len(chosen)} {case.name}", flush=True)
@@ -77,6 +80,8 @@ def parse_args() -> argparse.Namespace:
     parser.add_argument("--small", action="store_true", help="50 mm cubes")
     parser.add_argument("--only", action="append", default=[], metavar="GROUP", help="one group of cases; repeatable")
     parser.add_argument("--seeds", type=int, default=5, metavar="N", help="at most so many seeds (default 5)")
+    parser.add_argument("--present", action="store_true", help="today's default materials instead of the page's former ones")
+    parser.add_argument("--law", help="another law than the default")
     parser.add_argument("--draw", action="store_true", help="run nothing; tabulate and draw what is there")
     parser.add_argument("--program", default=str(HERE.parent.parent / "target/release/mesocrete"), help="the mesocrete to run")
     return parser.parse_args()
@@ -85,6 +90,12 @@ def parse_args() -> argparse.Namespace:
 def is_chosen(case: Case, args: argparse.Namespace) -> bool:
     """Whether the command line asks for this case."""
     return case.seed <= args.seeds and (not args.only or case.group in args.only)
+
+
+def prepared(case: Case, args: argparse.Namespace) -> Case:
+    """The case with the materials and the law of the command line, unless it has a law of its own."""
+    law = ["--law", args.law] if args.law and "--law" not in case.flags else []
+    return replace(case, base="" if args.present else FORMER, flags=[*case.flags, *law])
 
 
 def cases(*, small: bool) -> list[Case]:
@@ -220,8 +231,8 @@ plasticity.meridian_ratio = 0.75
 
 
 def materials_of(case: Case) -> str:
-    """Materials of the page, with the values that the case changes."""
-    return f"[materials]\n{FORMER}{case.materials}\n"
+    """Materials of all cases, with the values that the case changes."""
+    return f"[materials]\n{case.base}{case.materials}\n"
 
 
 def with_defaults(flags: list[str]) -> list[str]:

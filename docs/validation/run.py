@@ -99,7 +99,7 @@ def of_seed(seed: int, side: float) -> list[Case]:
         Case("cube", "0.1", seed, cube, press),
         Case("cube", "0.6", seed, cube, {"friction": "0.6", "strain": "0.012"}),
     ]
-    shapes = itertools.product(("0.6", "0.005"), (2, 1))
+    shapes = itertools.product(("0.6", "0.005", "0.13"), (2, 1))
     found += [
         Case("slenderness", f"{mu}-h{n}", seed, (side, n * side), {"friction": mu, "strain": "0.008"}, cylinder=True)
         for mu, n in shapes
@@ -351,6 +351,8 @@ ROWS = [
     Row("8", "teflon, h = d over h = 2 d", 0.9, 1.1, ratio("slenderness-0.005-h1", "slenderness-0.005-h2")),
     Row("8", "steel, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.6-h2", "slenderness-0.6-h1")),
     Row("8", "steel over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.6-h1", "slenderness-0.005-h1")),
+    Row("8", "plates of 0.13, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.13-h2", "slenderness-0.13-h1")),
+    Row("8", "plates of 0.13 over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.13-h1", "slenderness-0.005-h1")),
     Row("9", "f_t / f_c", 0.06, 0.10, ratio("tension-72", "cube-0.1")),
     Row("9", "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
     Row("10", "stress of least volume over the peak", 0.75, 0.95, figure("cube-0.1", "least_volume_over_peak")),

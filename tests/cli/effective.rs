@@ -81,6 +81,71 @@ fn stiffness_and_expansion_are_written_with_their_bounds() {
     assert!(bulk.as_f64() > bounds["reuss"].as_f64() && bulk.as_f64() < bounds["voigt"].as_f64());
     let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
     assert!(page.contains("Young's modulus: ") && page.contains("Strain of the free specimen"));
+    assert_eq!(page.matches("<img").count(), 6);
+    // The mean of the stresses for a strain along x is the first column.
+    let field = folder.read("out/stiffness_xx.vti");
+    let start = field.len() - 28 - 24_000;
+    let stress = |voxel: usize| f32::from_le_bytes(field[start + 24 * voxel..][..4].try_into().unwrap());
+    let mean = (0..1000).map(|voxel| f64::from(stress(voxel))).sum::<f64>() / 1000.0;
+    assert!((mean / found["fine"][0][0].as_f64().unwrap() - 1.0).abs() < 1e-5, "{mean}");
+}
+
+/// A text as `.vti` of 4 x 4 x 8 voxels: two layers across z.
+fn layers() -> String {
+    let labels = "0 ".repeat(64) + &"9 ".repeat(64);
+    format!(
+        "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 4 0 4 0 8\" Spacing=\"0.5 0.5 0.5\"><CellData>\
+         <DataArray type=\"Int32\" Name=\"a\" format=\"ascii\">{labels}</DataArray></CellData></ImageData></VTKFile>"
+    )
+}
+
+#[test]
+fn a_label_volume_takes_values_by_label() {
+    let folder = Folder::new();
+    folder.write("scan.vti", layers());
+    folder.write("p.toml", "[diffusivity]\n0 = 1.0\n9 = 3.0\n[stiffness.0]\nyoungs_modulus_mpa = 20000\n[stiffness.9]\nyoungs_modulus_mpa = 20000\n");
+    let flags = ["--phases", "p.toml", "--eigenstrain", "0=1e-4,9=1e-4", "--periodic", "xy"];
+    let run = folder.run(&[&["effective", "scan.vti", "--what", "stiffness"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("stiffness: E 20000 +- 0 MPa, nu 0.2000") && run.stderr.contains("x 1.000e-4"));
+    let run = folder.run(&["effective", "scan.vti", "--phases", "p.toml", "-o", "flux"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_slice(&folder.read("flux/effective.json")).unwrap();
+    assert!((found["tensor"][0][0].as_f64().unwrap() - 2.0).abs() < 1e-6);
+    assert!((found["tensor"][2][2].as_f64().unwrap() - 1.5).abs() < 1e-6);
+    assert_eq!((&found["phases"][1]["name"], &found["voxel_size_mm"][0]), (&"9".into(), &0.5.into()));
+}
+
+#[test]
+fn an_image_of_a_model_has_the_values_of_its_phases() {
+    let folder = Folder::with_model();
+    let image = folder.run(&["image", "small.json", "-o", "labels.tif", "--voxel-size-mm", "2"]);
+    assert_eq!(image.code, 0, "{}", image.stderr);
+    let run = folder.run(&["effective", "labels.tif", "--axes", "x", "--no-fields", "-q"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
+    let value = found["fine"][0][0].as_f64().unwrap();
+    assert!(value > 0.3 && value < found["bounds"]["hashin_shtrikman_upper"].as_f64().unwrap(), "{found}");
+    assert_eq!(found["voxels"], serde_json::json!([20, 20, 20]));
+}
+
+#[test]
+fn a_label_volume_that_cannot_be_solved_is_refused() {
+    let folder = Folder::with_model();
+    folder.write("scan.vti", layers());
+    folder.write("bad.npy", "no array");
+    folder.write("p.toml", "[diffusivity]\n0 = 1.0\n");
+    for (code, flags, said) in [
+        (2, &["scan.vti"][..], "label 9 has no value; give it in [diffusivity] of a phases file, as in 9 = 1.0"),
+        (2, &["scan.vti", "--phases", "p.toml"], "label 9 has no value"),
+        (2, &["small.json", "--periodic", "x"], "--periodic is for label volumes"),
+        (1, &["bad.npy"], "bad.npy: this is not a file of numpy.save"),
+        (1, &["missing.tif"], "missing.tif"),
+    ] {
+        let run = folder.run(&[&["effective"], flags].concat());
+        assert_eq!(run.code, code, "{flags:?}: {}", run.stderr);
+        assert!(run.stderr.contains(said) && !folder.path("out").exists(), "{flags:?}: {}", run.stderr);
+    }
 }
 
 #[test]

@@ -47,6 +47,40 @@ fn every_combination_has_a_folder_and_a_row() {
 }
 
 #[test]
+fn effective_properties_are_columns() {
+    let study = "spec = 'small.toml'\n[effective]\nwhat = 'all'\nvoxel-size-mm = 5\nno-fields = true\nphases = 'p.toml'\n\
+                 [over]\nseed = [1, 2]\neffective.axes = ['x', 'xz']\n";
+    let folder = folder(study);
+    folder.write("p.toml", "[diffusivity]\nitz = 5\n");
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let table = String::from_utf8(folder.read("study/table.csv")).unwrap();
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| {
+        let place = names.iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name} of {names:?}"));
+        rows(&folder).into_iter().map(|row| row[place].clone()).collect::<Vec<_>>()
+    };
+    let along_x = column("effective.diffusivity.tensor.xx");
+    assert!(along_x.iter().all(|value| value.parse::<f64>().unwrap() > 0.3) && along_x[0] != along_x[2]);
+    assert_eq!(column("effective.diffusivity.tensor.zz")[0], "");
+    assert!(column("effective.stiffness.isotropic.youngs_modulus_mpa")[0].parse::<f64>().unwrap() > 20_000.0);
+    assert!(names.contains(&"effective.stiffness.tensor.xx_yy") && names.contains(&"effective.conductivity.error.xx"));
+    // Other values are another case.
+    folder.write("p.toml", "[diffusivity]\nitz = 6\n");
+    let again = folder.run(&["study", "STUDY.toml", "--dry-run"]);
+    assert_eq!(String::from_utf8_lossy(&again.stdout).matches("open").count(), 4, "{}", again.stderr);
+    for (table, said) in [
+        ("axes = 'xx'", "some of x, y, z"),
+        ("output = 'a'", "is set by the study"),
+        ("periodic = 'x'", "label volumes"),
+    ] {
+        folder.write("STUDY.toml", format!("spec = 'small.toml'\n[effective]\n{table}\n"));
+        let run = folder.run(&["study", "STUDY.toml"]);
+        assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn cases_at_the_same_time_leave_the_same_files() {
     let (one, three) = (folder(STUDY), folder(STUDY));
     assert_eq!(one.run(&["study", "STUDY.toml", "-q"]).code, 0);

@@ -7,3 +7,4 @@ mod shapes;
 mod sieve_tables;
 mod specimens;
 mod surfaces;
+mod volumes;

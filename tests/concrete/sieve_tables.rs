@@ -24,7 +24,7 @@ const ASTM: Curve = &[(0.15, 2.0), (0.3, 12.0), (0.6, 38.0), (1.18, 63.0), (2.36
 const STONE: Curve = &[(4.0, 0.0), (8.0, 20.0), (16.0, 80.0), (31.5, 100.0)];
 
 /// Name of the sheet, its text, and the curve that it has.
-const READ: [(&str, &str, Curve); 38] = [
+const READ: [(&str, &str, Curve); 64] = [
     (
         "EN 933-1, German",
         "\u{feff}Prüfbericht Nr.;4711\r\nSieb (mm);Durchgang (%)\r\n31,5;100\r\n16;95,5\r\n8;62,0\r\n4;40,2\r\n1;21,5\r\n0,25;8,0\r\n",
@@ -163,6 +163,64 @@ const READ: [(&str, &str, Curve); 38] = [
         GERMAN,
     ),
     ("sum of the percent retained", "Sieve (mm);Retained (%)\n31.5;0\n16;20\n8;60\n4;20\n<4;0\nTotal;100\n", STONE),
+    ("Turkish", "Elek açıklığı (mm);Geçen (%)\n31,5;100\n16;80\n8;20\n4;0\n", STONE),
+    ("Japanese", "ふるい目(mm),通過質量百分率(%)\n31.5,100\n16,80\n8,20\n4,0\n", STONE),
+    ("Korean, cumulative retained", "체 크기 (mm),누적 잔류율 (%)\n31.5,0\n16,20\n8,80\n4,100\n", STONE),
+    ("Korean, retained", "체 크기 (mm),잔류율 (%)\n31.5,0\n16,20\n8,60\n4,20\n", STONE),
+    ("Vietnamese", "Cỡ sàng (mm);Lượng sót tích lũy (%)\n31,5;0\n16;20\n8;80\n4;100\n", STONE),
+    ("Hebrew, retained", "נפה (mm);נשאר (%)\n31.5;0\n16;20\n8;60\n4;20\n", STONE),
+    ("Arabic digits", "فتحة المنخل (مم);المار (%)\n٣١٫٥;١٠٠\n١٦;٨٠\n٨;٢٠\n٤;٠\n", STONE),
+    ("Persian digits", "الک (mm)\tدرصد عبوری\n۳۱٫۵\t۱۰۰\n۱۶\t۸۰\n۸\t۲۰\n۴\t۰\n", STONE),
+    ("full-width letters", "筛孔尺寸（ｍｍ），通过率（％）\n３１．５，１００\n１６，８０\n８，２０\n４，０\n", STONE),
+    (
+        "thousands of three kinds",
+        "Tamis (mm);Refus partiel (g)\n31,5;0\n16;2\u{a0}000\n8;6\u{202f}000\n4;2'000\nFond;0\n",
+        STONE,
+    ),
+    ("masses of 1.234,5", "Sieb (mm);Rückstand (g)\n31,5;0,0\n16;1.234,5\n8;3.703,5\n4;1.234,5\nSchale;0,0\n", STONE),
+    ("values before sieves", "Passing (%);Sieve (mm)\n100;31.5\n80;16\n20;8\n0;4\n", STONE),
+    ("units in the cells alone", "Sieb;Durchgang\n31,5mm;100 %\n16mm;80 %\n8mm;20 %\n4mm;0 %\n", STONE),
+    ("a spreadsheet's separator in line 1", "sep=;\nSieve (mm);Passing (%)\n31.5;100\n16;80\n8;20\n4;0\n", STONE),
+    (
+        "empty fields and lines",
+        "Sieve (mm);Passing (%);;;\n\n31.5;100;;;\n;;;;\n16;80;;;\n8;20;;;\n\n4;0;;;\n;;;;\n",
+        STONE,
+    ),
+    (
+        "exponents",
+        "Sieve (mm);Passing (%)\n3.15E+01;1.00E+02\n1.60E+01;8.00E+01\n8.00E+00;2.00E+01\n4.00E+00;0.00E+00\n",
+        STONE,
+    ),
+    ("lines in a heading", "\"Sieve\n(mm)\";\"Passing\n(%)\"\n31.5;100\n16;80\n8;20\n4;0\n", STONE),
+    ("lines of an old spreadsheet", "Sieve (mm);Passing (%)\r31.5;100\r16;80\r8;20\r4;0\r", STONE),
+    (
+        "curves of a standard beside it",
+        "Sieb (mm);Grenzsieblinie A32;Grenzsieblinie B32;Durchgang (%)\n31,5;100;100;100\n16;62;80;80\n8;38;62;20\n4;23;47;0\n",
+        STONE,
+    ),
+    ("a range beside it", "Sieve (mm);Specified;Passing (%)\n31.5;100;100\n16;75-85;80\n8;15-25;20\n4;0-5;0\n", STONE),
+    ("figures below", "Sieve (mm);Passing (%)\n31.5;100\n16;80\n8;20\n4;0\nD50;11.3\nCu;2.1\n", STONE),
+    (
+        "empty sieves weighed",
+        "Sieve (mm);Sieve + sample (g);Empty sieve (g);Retained (g)\n31.5;500;500;0\n16;700;500;200\n8;1100;500;600\n4;700;500;200\nPan;400;400;0\n",
+        STONE,
+    ),
+    (
+        "moisture and a date",
+        "Sieve (mm);Retained on each sieve (g);Moisture (%);Date\n31.5;0;1.2;2026-01-12\n16;200;1.1;2026-01-12\n8;600;1.0;2026-01-12\n4;200;0.9;2026-01-12\nPan;0;0.8;2026-01-12\n",
+        STONE,
+    ),
+    (
+        "abbreviated headings",
+        "Sieve mm,Wt Ret (gm),Cum Wt Ret (gm),% Pass.\n31.5,0,0,100\n16,400,400,80\n8,1200,1600,20\n4,400,2000,0\n",
+        STONE,
+    ),
+    (
+        "inches with fractions of one letter",
+        "Sieve;Passing (%)\n1¼ in;100\n⅝ in;80\n⅜ in;20\nNo. 4;0\n",
+        &[(4.75, 0.0), (9.5, 20.0), (16.0, 80.0), (31.5, 100.0)],
+    ),
+    ("a pan of 0 mm", "Sieve (mm);Retained (%)\n31.5;0\n16;20\n8;60\n4;20\n0;0\n", STONE),
 ];
 
 #[test]
@@ -175,7 +233,7 @@ fn tables_of_laboratories_are_read_as_they_are_meant() {
 }
 
 /// Name of the sheet, its text, and words of the refusal.
-const REFUSED: [(&str, &str, &[&str]); 31] = [
+const REFUSED: [(&str, &str, &[&str]); 55] = [
     (
         "shares under per cent",
         "sieve_mm,passing_percent\n4,0\n8,0.45\n16,1\n",
@@ -271,6 +329,82 @@ const REFUSED: [(&str, &str, &[&str]); 31] = [
         &["line 2", "two sieves"],
     ),
     ("dates of a spreadsheet", "Sieve (mm);Passing (%)\n16;100\n11.Feb;80\n8;60\n", &["line 3", "names no sieve"]),
+    (
+        "a table over two pages",
+        "Sieve (mm);Passing (%)\n31.5;100\n16;80\nSieve (mm);Passing (%)\n8;20\n4;0\n",
+        &["line 4: a second heading, below the sieves from line 2 on"],
+    ),
+    (
+        "two samples, one below the other",
+        "Sample A\nSieve (mm);Passing (%)\n16;100\n8;20\n4;0\n\nSample B\nSieve (mm);Passing (%)\n16;100\n8;30\n4;5\n",
+        &["line 8: a second heading, below the sieves from line 3 on"],
+    ),
+    (
+        "sand above gravel",
+        "Sand\nSieve (mm);Passing (%)\n4;100\n2;60\n1;0\n\nGravel\nSieve (mm);Passing (%)\n31.5;100\n16;90\n8;0\n",
+        &["line 8: a second heading"],
+    ),
+    (
+        "two samples side by side",
+        "Sieve (mm);Passing (%);;Sieve (mm);Passing (%)\n16;100;;16;100\n8;20;;8;30\n4;0;;4;5\n",
+        &["can be the grading", "blend"],
+    ),
+    (
+        "tests and their mean",
+        "Sieve (mm);Test 1 (%);Test 2 (%);Mean (%)\n16;100;100;100\n8;18;22;20\n4;0;0;0\n",
+        &["column 4 \"Mean (%)\" can be the grading", "column ="],
+    ),
+    (
+        "shares in the headings",
+        "Sieve (mm);Sand 0/4 (40 %);Gravel 4/16 (60 %)\n16;100;100\n8;100;50\n4;95;0\n",
+        &["blend = {"],
+    ),
+    ("sieves in cm", "Sieve (cm);Passing (%)\n3.15;100\n1.6;80\n0.8;20\n0.4;0\n", &["line 2", "\"cm\""]),
+    ("sieves in m", "Sieve size (m);Passing (%)\n0.0315;100\n0.016;80\n0.008;20\n0.004;0\n", &["line 2", "\"m\""]),
+    ("phi for sieves", "Phi;Finer (%)\n-5;100\n-4;80\n-3;20\n-2;0\n", &["line 2", "\"phi\""]),
+    (
+        "a slip in the first sieve",
+        "Sieve;Retained (g)\n3l.5 mm;200\n16 mm;200\n8 mm;400\n4 mm;200\nPan;0\n",
+        &["line 2: \"3l.5\" is not a number"],
+    ),
+    (
+        "a slip in the first sieve, without a unit",
+        "Sieve (mm);Retained (g)\n3l.5;200\n16;200\n8;400\n4;200\nPan;0\n",
+        &["line 2: \"3l.5\" names no sieve"],
+    ),
+    (
+        "a word for the first sieve",
+        "Sieve (mm);Retained (g)\ncoarse;200\n16;200\n8;400\n4;200\nPan;0\n",
+        &["line 2: \"coarse\" names no sieve"],
+    ),
+    ("classes with a dash", "Fraction;Mass (%)\n4-8;20\n8-16;60\n16-31.5;20\n", &["line 2: \"4-8\" names no sieve"]),
+    (
+        "traces",
+        "Sieve (mm);Retained (g)\n16;n/a\n8;600\n4;200\nPan;trace\n",
+        &["line 2: no number for the sieve of 16 mm"],
+    ),
+    (
+        "a mark behind a number",
+        "Sieve (mm);Passing (%)\n16;100\n8;80*\n4;0\n* repeated\n",
+        &["line 3: \"80*\" is not a number"],
+    ),
+    ("an error beside a number", "Sieve (mm);Passing (%)\n16;100\n8;80 ± 0.4\n4;0\n", &["line 3", "is not a number"]),
+    ("a negative mass", "Sieve (mm);Retained (g)\n16;0\n8;-600\n4;200\nPan;0\n", &["line 3: \"-600\" is not a number"]),
+    ("masses that pass", "Sieve (mm);Mass passing (g)\n16;2000\n8;400\n4;0\n", &["need the whole mass", "per cent"]),
+    ("per mille", "Sieve (mm);Passing (‰)\n16;1000\n8;200\n4;0\n", &["line 2: 1000 is more than 100"]),
+    ("a loss of 2 %", "Sieve (mm);Retained on each sieve (%)\n16;20\n8;58\n4;20\nPan;0\n", &["sum to 98, not 100"]),
+    (
+        "masses in g and kg",
+        "Sieve (mm);Mass retained\n16;200 g\n8;0.6 kg\n4;200 g\nPan;0 g\n",
+        &["line 3: \"0.6 kg\" is in kg, and line 2 is not"],
+    ),
+    (
+        "fines of a wet sieve",
+        "Sieve (mm);Passing (%)\n16;100\n8;20\n4;0\nFiner than 75 µm by washing;0.2\n",
+        &["line 5"],
+    ),
+    ("a range for a number", "Sieve (mm);Passing (%)\n16;100\n8;75-85\n4;0\n", &["line 3: \"75-85\""]),
+    ("no number at all", "Sieve (mm);Passing (%)\n16;100\n8;NaN\n4;0\n", &["line 3: \"nan\" is not a number"]),
 ];
 
 #[test]

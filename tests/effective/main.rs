@@ -1,6 +1,7 @@
 //! Effective properties against closed forms.
 
 mod bodies;
+mod labels;
 mod laminates;
 mod packings;
 mod spheres;

@@ -23,7 +23,7 @@ fn given(moduli: Moduli) -> GivenModuli {
 fn solve(bodies: &[Aggregate], specimen: &Specimen, stone: Moduli, h: f64) -> Stiffness {
     let phases =
         PhaseModuli { mortar: given(MORTAR), aggregate: given(stone), itz: given(MORTAR), ..Default::default() };
-    stiffness((bodies, specimen), &phases, &StiffnessOptions::new(h), &Silent).unwrap()
+    stiffness((bodies, specimen), &phases, &StiffnessOptions::new(h), &Silent).unwrap().0
 }
 
 /// Lame's constant and the modulus of plane strain.
@@ -186,7 +186,7 @@ fn default_moduli_are_those_of_a_test() {
 
 fn solve_defaults() -> Stiffness {
     let options = StiffnessOptions::new(2.5);
-    stiffness((&[][..], &cube(10.0, true)), &PhaseModuli::default(), &options, &Silent).unwrap()
+    stiffness((&[][..], &cube(10.0, true)), &PhaseModuli::default(), &options, &Silent).unwrap().0
 }
 
 #[test]

@@ -6,6 +6,7 @@
 use meso_core::check::check;
 use meso_core::geometry::convex_hull;
 use meso_core::gjk::{self, Algorithm};
+use meso_core::import::volume;
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Tools};
@@ -18,11 +19,12 @@ use std::io;
 pub(crate) type Target = (&'static str, fn(&[u8]));
 
 /// All of them.
-pub(crate) const TARGETS: [Target; 9] = [
+pub(crate) const TARGETS: [Target; 10] = [
     ("spec", spec),
     ("saved-model", saved_model),
     ("stl", stl),
     ("sieve-table", sieve_table),
+    ("volume", label_volume),
     ("materials", materials),
     ("hull", hull),
     ("offset", offset),
@@ -89,6 +91,15 @@ pub(crate) fn sieve_table(bytes: &[u8]) {
     let Ok(spec) = Spec::from_toml_with(text, &mut One(bytes)) else { return };
     let shares: f64 = spec.grading.classes().iter().map(|class| class.share).sum();
     assert!((shares - 1.0).abs() < 1e-9, "the classes take all: {shares}");
+}
+
+/// A label volume in each format has a label for every voxel, or it is refused.
+pub(crate) fn label_volume(bytes: &[u8]) {
+    for ending in volume::ENDINGS {
+        let Ok(volume) = volume::read(&format!("a.{ending}"), bytes) else { continue };
+        assert_eq!(volume.of.len(), volume.counts.iter().product::<usize>());
+        assert!(volume.of.iter().all(|number| usize::from(*number) < volume.labels.len()));
+    }
 }
 
 /// Materials that are read have finite figures.

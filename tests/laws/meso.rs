@@ -107,6 +107,16 @@ fn strengths_are_those_of_tests() {
 }
 
 #[test]
+fn default_mortar_gains_less_from_pressure_than_confined_concrete_by_15_percent_at_most() {
+    let own = law::<f64>(&Materials::default());
+    for pressure in [5.0, 10.0] {
+        let top = peak(&along(&own, HeldStress::Lateral(-pressure), &[-0.02], 5e-6)).stress.abs();
+        let richart = Materials::default().mortar_strength.compressive_mpa + 4.1 * pressure;
+        assert!((0.85..1.0).contains(&(top / richart)), "{top} beside {richart}");
+    }
+}
+
+#[test]
 fn confinement_makes_crushing_cost_more() {
     let work = |pressure: f64| {
         let curve = along(&meso::<f64>(), HeldStress::Lateral(-pressure), &[-0.04], 2e-5);

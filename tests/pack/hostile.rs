@@ -18,9 +18,35 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "sieve-table" => [&b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n"[..], b"sieve_mm;passing_percent\n4;10\n16;100\n"]
             .map(<[u8]>::to_vec)
             .to_vec(),
+        "volume" => vec![npy(), vti(), tif()],
         "materials" => vec![b"[mortar]\nyoungs_modulus_mpa = 25000\npoisson_ratio = 0.2\n".to_vec()],
         _ => (0..8u8).map(|seed| (0..200u8).map(|i| i.wrapping_mul(37).wrapping_add(seed * 11)).collect()).collect(),
     }
+}
+
+/// Label volumes of 2 x 2 x 2, 2 x 2 x 1 and 2 x 2 voxels.
+fn npy() -> Vec<u8> {
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2, 2), }\n";
+    [b"\x93NUMPY\x01\0", &[header.len() as u8, 0][..], header.as_bytes(), &[0, 1, 2, 1, 0, 0, 1, 2]].concat()
+}
+
+fn vti() -> Vec<u8> {
+    let head = "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><ImageData WholeExtent=\"0 2 0 2 0 1\" \
+                Spacing=\"1 1 1\"><CellData><DataArray type=\"UInt8\" Name=\"a\" format=\"appended\" offset=\"0\"/></CellData>";
+    [head.as_bytes(), b"<AppendedData encoding=\"raw\">_\x04\0\0\0\0\x01\x02\x01</AppendedData></VTKFile>"].concat()
+}
+
+fn tif() -> Vec<u8> {
+    let tags: [(u16, u32); 9] =
+        [(256, 2), (257, 2), (258, 8), (259, 1), (262, 1), (273, 122), (277, 1), (278, 2), (279, 4)];
+    let mut bytes = [&b"II*\0\x08\0\0\0"[..], &[tags.len() as u8, 0]].concat();
+    for (tag, value) in tags {
+        let tag = tag.to_le_bytes();
+        bytes.extend([tag[0], tag[1], 4, 0, 1, 0, 0, 0]);
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0; 4]);
+    [&bytes[..], &[0, 1, 2, 1]].concat()
 }
 
 fn model() -> Vec<u8> {

@@ -1,8 +1,10 @@
 """Data sets: many volumes from one call, with the same bytes on any number of jobs, and read by libraries that are not ours."""
 
+import ast
 import hashlib
 import json
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -142,3 +144,17 @@ def test_a_shape_gives_the_size_of_a_voxel():
         packing.voxelize(1.0, shape=16)
     with pytest.raises(ValueError, match="shape is 0; it must be 1 or more"):
         packing.voxelize(shape=0)
+
+
+def test_pytorch_loads_the_class_of_the_gallery(tmp_path):
+    """Its workers get batches of the shapes and types that a network takes."""
+    torch = pytest.importorskip("torch", reason="needs PyTorch (pip install torch)")
+    pytest.importorskip("scipy")
+    page = Path(__file__).parents[2] / "site" / "gallery" / "08_data_set.py"
+    kept = [node for node in ast.parse(page.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
+    names = {"mc": mc, "np": np, "Any": object}
+    exec(compile(ast.Module(kept, []), page.name, "exec"), names)
+    data = mc.dataset(4, sampled, shape=16, what=["phase", "scan"], sink=tmp_path / "data.zarr")
+    batches = list(torch.utils.data.DataLoader(names["Volumes"](data), batch_size=2, num_workers=1))
+    assert [(tuple(scan.shape), tuple(label.shape)) for scan, label in batches] == [((2, 1, 16, 16, 16), (2, 16, 16, 16))] * 2
+    assert all(scan.dtype == torch.float32 and label.dtype == torch.int64 for scan, label in batches)

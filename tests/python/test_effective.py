@@ -1,5 +1,6 @@
 """Effective properties of a packing."""
 
+import numpy as np
 import pytest
 
 import mesocrete as mc
@@ -32,6 +33,44 @@ def test_stiffness_lies_between_its_bounds_and_shrinks(cube):
 def test_only_the_asked_axes_have_columns(cube):
     found = cube.effective("conductivity", voxel_size=3, axes="y")
     assert found["tensor"][0][0] is None and found["tensor"][1][1] > 1.5
+
+
+def test_a_label_array_has_values_by_label():
+    labels = np.zeros((8, 4, 6), dtype=np.uint16)
+    labels[:4] = 7
+    found = mc.effective(labels, phases={0: 1, 7: 3}, voxel_size=(0.5, 0.5, 1), periodic="xy")
+    assert set(found) == set(_results.Effective.__annotations__)
+    assert [found["tensor"][axis][axis] for axis in range(3)] == pytest.approx([2, 2, 1.5], rel=1e-6)
+    assert found["boundary"] == ["periodic", "periodic", "fixed"]
+    assert found["voxel_size_mm"] == [0.5, 0.5, 1]
+    assert [phase["name"] for phase in found["phases"]] == ["0", "7"]
+    elastic = mc.effective(labels, "stiffness", phases={n: {"youngs_modulus_mpa": 3e4} for n in (0, 7)}, eigenstrain={0: 1e-4, 7: 1e-4})
+    assert elastic["isotropic"]["youngs_modulus_mpa"] == pytest.approx(3e4)
+    assert elastic["expansion"][2] == pytest.approx(1e-4)
+
+
+def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
+    found = mc.effective(cube.voxelize(1.5), voxel_size=1.5, periodic="xyz", axes="x")
+    exact = cube.effective(voxel_size=1.5, axes="x")
+    assert found["fine"][0][0] == pytest.approx(exact["tensor"][0][0], rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("labels", "options", "error", "said"),
+    [
+        ([[0.5]], {}, TypeError, "labels has dtype float64; it must be integers"),
+        ([0, 1], {}, ValueError, "labels has 1 axes"),
+        ([[9]], {}, ValueError, "label 9 has no value"),
+        ([[0]], {"phases": {0: -1}}, ValueError, "diffusivity.0 is -1"),
+        ([[0]], {"voxel_size": 0}, ValueError, "voxel_size is 0; it must be a positive number"),
+        ([[0]], {"voxel_size": [1, 2]}, TypeError, "it must be a number or three"),
+        ([[0]], {"periodic": "w"}, ValueError, "periodic is"),
+        (np.arange(300).reshape(1, 300), {}, ValueError, "more than 256 labels"),
+    ],
+)
+def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
+    with pytest.raises(error, match=said):
+        mc.effective(labels, **options)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,14 @@
-"""Meshes read back by programs that are not ours: gmsh, meshio, PyVista, PyDyna (Ansys), mapdl-archive, tifffile."""
+"""Meshes read back by programs that are not ours: gmsh, meshio, PyVista, PyDyna (Ansys), lsdyna-mesh-reader, mapdl-archive."""
 
+import datetime
 import json
+import re
 
 import mesocrete as mc
 import numpy as np
 import pytest
+
+import matrix
 
 SIDES = ("XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX")
 PARTS = {2: 1, 1: 2, 0: 3, 4: 4}  # of a phase: aggregate, ITZ, mortar, fibre
@@ -25,14 +29,44 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=CASES)
-def mesh(request):
+# Cases of the random matrix that the whole suite reads; the slow tier reads all.
+SHORT = [1000, 1006, 1008, 1064]
+ALL = range(1000, 1300)
+
+
+def pytest_generate_tests(metafunc):
+    if "meshed" in metafunc.fixturenames:
+        numbers = ALL if metafunc.config.getoption("--slow") else SHORT
+        metafunc.parametrize("meshed", [*CASES, *numbers], indirect=True, scope="module")
+
+
+@pytest.fixture(scope="module")
+def meshed(request):
+    """A specimen and its mesh."""
+    if request.param not in CASES:
+        specimen, mesh = matrix.meshed(request.param)
+        return (specimen, mesh) if mesh else pytest.skip("no body found a place")
     periodic, options = CASES[request.param]
+    packing = pack(periodic)
     # Small and coarse: what is read back counts, and not the volumes.
-    return pack(periodic).mesh(**options, accept_phase_error=True)
+    return packing.spec.specimen, packing.mesh(**options, accept_phase_error=True)
 
 
-def sides(mesh):
+@pytest.fixture
+def mesh(meshed):
+    return meshed[1]
+
+
+def test_cases_of_the_matrix_are_those_of_the_rust_test():
+    """Every choice stands there in the same order, and the generator draws the same numbers."""
+    source = matrix.RUST.read_text(encoding="utf-8")
+    for texts in [*matrix.TEXTS, [name.removesuffix(" again") for name in matrix.METHODS]]:
+        listed = r",\s*".join(f'"?{re.escape(text)}"?' for text in texts)
+        assert re.search(rf"\[\s*{listed},?\s*\]", source), texts
+    assert len(matrix.meshed(1008)[1].cells) == 7921
+
+
+def on_planes(mesh):
     """The nodes on the bounding planes, by name."""
     points = mesh.points
     low, high = points.min(axis=0), points.max(axis=0)
@@ -41,29 +75,65 @@ def sides(mesh):
     return dict(zip(SIDES, ends, strict=True))
 
 
-def test_vtu_has_every_cell_and_every_cohesive_element(mesh, tmp_path):
-    """Wedges, or hexahedra between voxels, follow the cells in meshio, PyVista and to_meshio; they are of the ITZ."""
-    meshio, pyvista = pytest.importorskip("meshio"), pytest.importorskip("pyvista")
-    joints = mesh.cohesive
-    for name in ("mesh.vtu", "mesh.pvtu"):
-        mesh.write(tmp_path / name)
-        grid = pyvista.read(tmp_path / name)
-        assert grid.n_cells == len(mesh.cells) + len(joints)
-        assert (grid.cell_data["phase"] == 1).sum() == (mesh.phase == 1).sum() + len(joints)
-    read = meshio.read(tmp_path / "mesh.vtu")
-    assert np.array_equal(read.points, mesh.points)
-    for form in (read, mesh.to_meshio()):
-        nodes = np.concatenate([block.data.ravel() for block in form.cells])
-        assert np.array_equal(nodes[: mesh.cells.size], mesh.cells.ravel())
-        # VTK turns wedges about: the base of its wedge looks outwards.
-        faces = nodes[mesh.cells.size :].reshape(joints.shape)
-        assert np.array_equal(np.sort(faces, axis=1), np.sort(joints, axis=1))
-    assert mesh.to_pyvista().n_cells == grid.n_cells
+# Sides that no face of a mesh lies on.
+CURVED = {"cylinder": SIDES[:4], "sphere": SIDES}
 
 
-def test_gmsh_and_meshio_read_periodic_pairs(mesh, tmp_path, gmsh):
-    """Every pair of a periodic surface is a period apart within 1e-12."""
+@pytest.fixture
+def sides(meshed, tmp_path):
+    """The nodes of the sides, by name: on the bounding planes, and on a curved side those of an Abaqus deck."""
+    specimen, mesh = meshed
+    found, curved = on_planes(mesh), CURVED.get(specimen["kind"], ())
+    if curved:
+        mesh.write(tmp_path / "sides.inp", geometry_only=True)
+        deck = (tmp_path / "sides.inp").read_text(encoding="utf-8")
+        for name in curved:
+            numbers = re.search(rf"\*NSET, NSET={name}\n([\d,\s]*)", deck)[1]
+            nodes = np.sort([int(number) - 1 for number in re.findall(r"\d+", numbers)])
+            assert set(found[name]) <= set(nodes)
+            found[name] = nodes
+    return found
+
+
+# Elements of gmsh with so many nodes, as cells and as faces on the sides: type, and order of the nodes.
+GMSH = {4: (4, 2, range(4)), 8: (5, 3, range(8)), 10: (11, 9, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8])}
+
+
+def test_gmsh_and_meshio_find_nodes_cells_groups_and_sides(mesh, sides, tmp_path, gmsh):
+    """Every node, every cell in the group of its phase, and the faces of the sides."""
     meshio = pytest.importorskip("meshio")
+    mesh.write(tmp_path / "mesh.msh")
+    gmsh.open(str(tmp_path / "mesh.msh"))
+    groups = {gmsh.model.getPhysicalName(*group): group for group in gmsh.model.getPhysicalGroups()}
+    tags, points, _ = gmsh.model.mesh.getNodes()
+    assert np.array_equal(points.reshape(-1, 3)[np.argsort(tags)], mesh.points)
+    read = meshio.read(tmp_path / "mesh.msh")
+    assert np.array_equal(read.points, mesh.points)
+    width, joints = mesh.cells.shape[1], mesh.cohesive
+    cell, face, order = GMSH[width]
+    for phase, name in enumerate(("MORTAR", "ITZ", "AGGREGATE", "", "FIBRE")):
+        expected = mesh.cells[mesh.phase == phase]
+        # Cohesive elements of voxels are hexahedra, too, in an entity of their own.
+        entities = [tag for tag in gmsh.model.getEntitiesForPhysicalGroup(*groups[name]) if tag != 4] if name in groups else []
+        found = [gmsh.model.mesh.getElementsByType(cell, tag)[1] for tag in entities]
+        found = np.concatenate([*found, np.zeros(0, np.uint64)]).reshape(-1, width)[:, order]
+        assert np.array_equal(found - 1, expected), name
+        of_group = read.cell_data["gmsh:physical"]
+        solids = [np.arange(len(block))[of == phase + 1] for block, of in zip(read.cells, of_group, strict=True) if block.dim == 3]
+        assert sum(map(len, solids)) == len(expected) + (len(joints) if phase == 1 else 0)
+    if len(joints):
+        kind = 6 if width == 4 else 5
+        assert np.array_equal(gmsh.model.mesh.getElementsByType(kind, 4)[1].reshape(joints.shape) - 1, joints)
+    for tag, name in enumerate(SIDES, 1):
+        assert groups[name] == (2, tag)
+        nodes = np.unique(gmsh.model.mesh.getElementsByType(face, tag)[1]) - 1
+        assert len(nodes) and set(nodes) <= set(sides[name])
+
+
+def test_gmsh_and_meshio_read_periodic_pairs(meshed, tmp_path, gmsh):
+    """Every pair of a periodic surface is a period apart within 1e-12; every place with an opposite one is in a pair."""
+    meshio = pytest.importorskip("meshio")
+    specimen, mesh = meshed
     mesh.write(tmp_path / "mesh.msh")
     points = mesh.points
     lengths = points.max(axis=0) - points.min(axis=0)
@@ -73,31 +143,42 @@ def test_gmsh_and_meshio_read_periodic_pairs(mesh, tmp_path, gmsh):
         pairs[int(slave)] = nodes
         step = np.eye(3)[slave // 2 - 1] * lengths
         assert np.abs(points[nodes[:, 0]] - points[nodes[:, 1]] - step).max() < 1e-12
+    assert list(pairs) == [2 * "xyz".index(axis) + 2 for axis in specimen.get("periodic", ())]
     gmsh.open(str(tmp_path / "mesh.msh"))
-    found = sides(mesh)
+    found = on_planes(mesh)
     for slave, nodes in pairs.items():
         master, own, _, _ = gmsh.model.mesh.getPeriodicNodes(2, slave)
         assert master == slave - 1 and sorted(own) == sorted(nodes[:, 0] + 1)
-        if not len(mesh.cohesive):
-            assert np.array_equal(np.sort(nodes[:, 0]), found[SIDES[slave - 1]])
+        assert len(set(nodes[:, 0])) == len(nodes), "a node has two partners"
+        across = [axis for axis in range(3) if axis != slave // 2 - 1]
+        places = {name: set(map(tuple, points[found[name]][:, across].round(9))) for name in SIDES[slave - 2 : slave]}
+        assert set(map(tuple, points[nodes[:, 0]][:, across].round(9))) == set.intersection(*places.values())
 
 
-def test_ansys_archives_hold_nodes_cells_and_components(mesh, tmp_path):
-    """mapdl-archive finds every node within 1e-12, every element, and the sets."""
+def nodes_of(elements, width):
+    """The first nodes of elements after mapdl-archive, from 0."""
+    return np.array([element[10 : 10 + width] for element in elements]).reshape(-1, width) - 1
+
+
+def test_ansys_archives_hold_nodes_cells_and_components(mesh, sides, tmp_path):
+    """mapdl-archive finds every node within 1e-12, every element with its material, and the sets."""
     reader = pytest.importorskip("mapdl_archive", reason="needs mapdl-archive (pip install mapdl-archive)")
     mesh.write(tmp_path / "mesh.cdb")
     archive = reader.Archive(str(tmp_path / "mesh.cdb"))
     assert np.abs(archive.nodes - mesh.points).max() < 1e-12
-    elements = [element[10:] - 1 for element in archive.elem]
-    width, joints = mesh.cells.shape[1], mesh.cohesive
-    cells = np.array([element[:width] for element in elements[: len(mesh.cells)]])
-    assert np.array_equal(cells, mesh.cells) and len(elements) == len(mesh.cells) + len(joints)
-    if joints.shape[1] == 6 and len(joints):
-        assert np.array_equal(np.array(elements[len(mesh.cells) :])[:, [0, 1, 2, 4, 5, 6]], joints)
-    for name, nodes in sides(mesh).items():
+    width, joints, count = mesh.cells.shape[1], mesh.cohesive, len(mesh.cells)
+    assert len(archive.elem) == count + len(joints)
+    assert np.array_equal(nodes_of(archive.elem[:count], width), mesh.cells)
+    parts = [PARTS[phase] for phase in mesh.phase] + [PARTS[1]] * len(joints)
+    assert [element[0] for element in archive.elem] == parts
+    if len(joints):
+        order = [0, 1, 2, 4, 5, 6] if joints.shape[1] == 6 else range(8)
+        assert np.array_equal(nodes_of(archive.elem[count:], 8)[:, order], joints)
+    for name, nodes in sides.items():
         assert np.array_equal(np.sort(archive.node_components[name]) - 1, nodes)
-    itz = archive.element_components.get("ITZ", [])
-    assert len(itz) == (mesh.phase == 1).sum() + len(joints)
+    for part, name in enumerate(("AGGREGATE", "ITZ", "MORTAR", "FIBRE"), 1):
+        found = archive.element_components.get(name, [])
+        assert np.array_equal(np.sort(found), np.flatnonzero(np.array(parts) == part) + 1)
 
 
 def keyword_deck(path):
@@ -113,7 +194,7 @@ def keywords(deck, title):
     return [keyword for keyword in deck.keywords if keyword.get_title().startswith(title)]
 
 
-def test_keyword_decks_hold_nodes_elements_parts_and_sets(mesh, tmp_path):
+def test_keyword_decks_hold_nodes_elements_parts_and_sets(mesh, sides, tmp_path):
     """PyDyna finds every node within 1e-12, every element with its part, and the sets."""
     mesh.write(tmp_path / "mesh.k")
     deck = keyword_deck(tmp_path / "mesh.k")
@@ -127,12 +208,28 @@ def test_keyword_decks_hold_nodes_elements_parts_and_sets(mesh, tmp_path):
     if len(joints):
         order = [f"n{i}" for i in ((1, 2, 3, 5, 6, 7) if joints.shape[1] == 6 else range(1, 9))]
         assert np.array_equal(blocks[1][order].to_numpy(int) - 1, joints)
-    found = sides(mesh)
     sets = {keyword.title: keyword for keyword in keywords(deck, "*SET_NODE_LIST")}
-    for name, members in found.items():
+    for name, members in sides.items():
         assert np.array_equal(np.sort([node for node in sets[name].nodes.data if node]) - 1, members)
     segments = {keyword.title: keyword.segments for keyword in keywords(deck, "*SET_SEGMENT")}
-    assert set(segments) == set(SIDES) and all(len(of_side) for of_side in segments.values())
+    assert set(segments) == set(SIDES)
+    for name, faces in segments.items():
+        corners = faces[["n1", "n2", "n3", "n4"]].to_numpy(int) - 1
+        assert len(corners) and set(corners.ravel()) <= set(sides[name])
+
+
+def test_a_second_reader_of_keyword_decks_agrees(mesh, tmp_path):
+    """lsdyna-mesh-reader finds the same nodes, elements and parts."""
+    reader = pytest.importorskip("lsdyna_mesh_reader", reason="needs lsdyna-mesh-reader (pip install lsdyna-mesh-reader)")
+    if mesh.cells.shape[1] == 10:
+        pytest.skip("lsdyna-mesh-reader reads no elements of ten nodes")
+    mesh.write(tmp_path / "mesh.k", geometry_only=True)
+    deck = reader.Deck(str(tmp_path / "mesh.k"))
+    assert np.abs(deck.node_sections[0].coordinates - mesh.points).max() < 1e-12
+    solids, width = deck.element_solid_sections, mesh.cells.shape[1]
+    assert np.array_equal(solids[0].node_ids.reshape(-1, 8)[:, :width] - 1, mesh.cells)
+    assert np.array_equal(solids[0].pid, [PARTS[phase] for phase in mesh.phase])
+    assert sum(len(block.eid) for block in solids) == len(mesh.cells) + len(mesh.cohesive)
 
 
 @pytest.mark.parametrize(
@@ -207,3 +304,38 @@ def test_workbooks_are_sieve_tables(tmp_path, caplog):
         mc.Spec(grading=mc.Grading.table(tmp_path / "lab.xlsx", 4, 16))
     chosen = mc.Grading.table(tmp_path / "lab.xlsx", 4, 16, choices={"sheet": "Sheet"})
     assert json.dumps(mc.Spec(grading=chosen).grading["curve"]) == json.dumps(curve)
+
+
+# Rows of sheets, the format of their numbers, and what passes 4, 8 and 16 mm; None where the sheet is refused.
+NASTY = {
+    "lines in headings, a title and remarks": (
+        [["Prüfbericht 17", None], [None, None], ["Sieb\n(mm)", "Durchgang\n(M.-%)"], [16, 100], [8, 60], [4, 10], ["Bemerkung: nass", None]],
+        "General",
+        [0.1, 0.6, 1.0],
+    ),
+    "numbers as text with decimal commas": ([["Sieb (mm)", "Durchgang (%)"], ["16,0", "100,0"], ["8,0", "60,0"], ["4,0", "10,0"]], "@", [0.1, 0.6, 1.0]),
+    "a sign that is only shown": ([["Sieve (mm)", "Passing"], [16, 100], [8, 60], [4, 10]], '0.0"%"', [0.1, 0.6, 1.0]),
+    "shares shown as per cent": ([["Sieve (mm)", "Passing (%)"], [16, 1], [8, 0.6], [4, 0.1]], "0.0%", [0.1, 0.6, 1.0]),
+    "masses with a pan": ([["Sieve (mm)", "Retained (g)"], [16, 0], [8, 1400], [4, 1750], ["Pan", 350]], "#,##0", [0.1, 0.6, 1.0]),
+    "a sieve that became a date": ([["Sieve (mm)", "Passing (%)"], [16, 100], [datetime.date(2026, 8, 4), 60], [4, 10]], "General", None),
+    "a formula without a value": ([["Sieve (mm)", "Passing (%)"], [16, 100], [8, "=100-40"], [4, 10]], "General", None),
+}
+
+
+@pytest.mark.parametrize("name", NASTY)
+def test_nasty_workbooks_are_read_rightly_or_refused(tmp_path, name):
+    """The case: a sign in quotes made 9,550 % of 95.5 %."""
+    openpyxl = pytest.importorskip("openpyxl", reason="needs openpyxl (pip install openpyxl)")
+    rows, form, passing = NASTY[name]
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    for (cell,) in book.active.iter_rows(min_col=2, max_col=2):
+        cell.number_format = form
+    book.save(tmp_path / "lab.xlsx")
+    grading = mc.Grading.table(tmp_path / "lab.xlsx", 4, 16)
+    if passing is None:
+        with pytest.raises(ValueError, match="line 3|cell B3"):
+            mc.Spec(grading=grading)
+    else:
+        assert mc.Spec(grading=grading).grading["curve"] == {"kind": "sieves", "sieves_mm": [4.0, 8.0, 16.0], "passing": passing}

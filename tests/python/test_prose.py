@@ -1,5 +1,6 @@
 """The documents read easily: sentences are short, and lines fit a screen."""
 
+import ast
 import re
 import statistics
 from pathlib import Path
@@ -9,6 +10,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 PAGES = sorted((ROOT / "site" / "pages").glob("*.md"))
+GALLERY = sorted((ROOT / "site" / "gallery").glob("*.py"))
+# Further texts for users: of crates, of the benchmark, of data, of the paper.
+READMES = sorted([*ROOT.glob("crates/*/README.md"), *ROOT.glob("benchmark/*.md"), *ROOT.glob("docs/*/README.md"), *ROOT.glob("paper/*.md")])
 
 MEAN_WORDS = 20
 NINETIETH_PERCENTILE = 35
@@ -17,10 +21,18 @@ LONGEST_MANUAL = 150
 
 # Words of a sentence, over all documents and pages together.
 MEAN_OF_ALL = 15
-# Verbs and phrases that are correct, and that no native writer takes: name a remedy, dissipate, carry, separate, resolve.
-TRANSLATED = re.compile(r"\b(lack(s|ed)?|in place of|the way out|(is|are|was) warned of|spen(d|ds|t)|bears?|bore|of before)\b", re.IGNORECASE)
+# Verbs and phrases that are correct, and that no native writer takes: name a remedy, dissipate, carry, separate, resolve, say.
+TRANSLATED = re.compile(
+    r"\b(lack(s|ed)?|in place of|the way out|(is|are|was) warned of|spen(d|ds|t)|bears?|bore|of before"
+    r"|tells?|told|parted|parts them|can(not)? show)\b",
+    re.IGNORECASE,
+)
 TEXTS = sorted((ROOT / "crates" / "meso-py" / "python" / "mesocrete").glob("_*.py*"))
-SOURCES = sorted((ROOT / "crates").glob("*/src/**/*.rs"))
+SOURCES = sorted(path for path in (ROOT / "crates").glob("*/src/**/*.rs") if path.name != "tests.rs")
+FLAGS = [path for path in SOURCES if path.name == "flags.rs"]
+RECIPES = sorted((ROOT / "crates").glob("*/src/recipes/*.toml"))
+
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef)
 
 # A full stop after these ends no sentence.
 ABBREVIATION = re.compile(r"\b(Sec|Fig|Eq|eq|No|e\.g|i\.e|vs|Dr)\.$")
@@ -91,21 +103,49 @@ def test_the_manual_of_meshes_stays_short():
 
 
 def test_the_mean_sentence_of_all_documents_and_pages_is_short():
-    counts = [count for path in [*DOCUMENTS, *PAGES] for count in lengths(path.read_text(encoding="utf-8"))]
+    counts = [count for path in [*DOCUMENTS, *PAGES, *READMES] for count in lengths(path.read_text(encoding="utf-8"))]
     assert len(counts) > 1000 and statistics.mean(counts) <= MEAN_OF_ALL
 
 
+def test_the_mean_sentence_of_help_hover_texts_and_messages_is_short():
+    """A message is a string of six words or more; what it puts in counts as a word."""
+    hovers = [ast.get_docstring(node) or "" for path in [*TEXTS, *GALLERY] for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, DOCUMENTED)]
+    said = [re.sub(r"\{[^}]*\}", "value", text) for path in SOURCES for text in strings(path)]
+    texts = {
+        "help": [count for path in FLAGS for count in lengths(helps(path))],
+        "hover texts": [count for text in hovers for count in lengths(text)],
+        "messages": [words(sentence) for text in said for sentence in sentences(text) if words(text) >= 6],
+    }
+    means = {kind: statistics.mean(counts) for kind, counts in texts.items()}
+    assert min(map(len, texts.values())) > 100 and max(means.values()) <= MEAN_OF_ALL, means
+
+
+def strings(path: Path) -> list[str]:
+    """What a Rust source says outside its tests: strings with a space, without the tags of pages."""
+    code = re.split(r"#\[cfg\(test\)\]", path.read_text(encoding="utf-8"))[0]
+    code = "\n".join(line for line in code.splitlines() if not line.lstrip().startswith("//"))
+    code = re.sub(r"b?'(\\.|[^'\\])'", "", code)
+    said = re.findall(r'"((?:[^"\\]|\\.)*)"', code, re.DOTALL)
+    return [re.sub(r"<[^>]*>|\\\s+", " ", text) for text in said if " " in text.strip()]
+
+
+def helps(path: Path) -> str:
+    """The help of a command's flags: paragraphs of documentation comments."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return "\n".join(line.strip().removeprefix("///").strip() if line.strip().startswith("///") else "" for line in lines)
+
+
 def read_by_users(path: Path) -> str:
-    """The text of a document, or what a source says: its strings, and the docstrings of what Python sees."""
-    text = path.read_text(encoding="utf-8")
+    """The text of a document, the strings of a Python file, or what a command says: its strings and its help."""
     if path.suffix == ".rs":
-        text = re.split(r"#\[cfg\(test\)\]", text)[0]
-        code = "\n".join(line for line in text.splitlines() if not line.lstrip().startswith("//"))
-        return "\n".join(re.findall(r'"((?:[^"\\]|\\.)*)"', code))
+        return "\n".join([*strings(path), helps(path) if path.name == "flags.rs" else ""])
+    text = path.read_text(encoding="utf-8")
+    if path.suffix in (".py", ".pyi"):
+        return "\n".join(node.value for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant) and isinstance(node.value, str))
     return text
 
 
-@pytest.mark.parametrize("path", [*DOCUMENTS, *PAGES, *TEXTS], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [*DOCUMENTS, *PAGES, *READMES, *RECIPES, *TEXTS, *GALLERY], ids=lambda path: path.name)
 def test_documents_and_hover_texts_use_the_verbs_of_the_field(path):
     assert TRANSLATED.findall(read_by_users(path)) == []
 

@@ -312,10 +312,43 @@ def test_notebooks_show_a_response_with_its_curve(response):
     assert "<polyline points='" in shown and f"{response.result['peak_mpa']:.2f} MPa" in shown
 
 
-def test_a_response_says_what_pickles_instead(response):
-    with pytest.raises(TypeError, match=r"pickle its curve, result or frames, or write it: response.write\(folder\)"):
-        pickle.dumps(response)
-    assert pickle.loads(pickle.dumps(response.result)) == response.result
+def files(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("extra", [{}, {"gauges": [{"kind": "lateral-strain", "name": "wide"}]}])
+def test_a_response_is_pickled_with_all_that_it_writes(mesh, response, extra, tmp_path):
+    """The case: studies on other machines could hand their results back as files only."""
+    if extra:
+        response = mesh.solve(strain=0.0005, frames=1, **extra)
+    again = pickle.loads(pickle.dumps(response))
+    assert repr(again) == repr(response) and again.result == response.result
+    assert list(again.curve) == list(response.curve)
+    for name, column in response.curve.items():
+        assert np.array_equal(again.curve[name], column), name
+    assert len(again.frames) == len(response.frames)
+    for name in ("displacement", "stress", "damage"):
+        assert np.array_equal(getattr(again.last, name), getattr(response.last, name))
+    response.write(tmp_path / "first")
+    again.write(tmp_path / "again")
+    assert files(tmp_path / "first") == files(tmp_path / "again")
+
+
+def test_damaged_pickles_of_a_response_are_refused(response):
+    """Values that do not fit each other must not reach the page or the curve."""
+    restore, contents = response.__reduce__()
+    short = contents[2][:-11]
+    wrong = {2: short[:0], 3: np.ones(1), 4: "{}", 7: ("{}", "nonsense")}
+    for place, value in wrong.items():
+        changed = [*contents]
+        changed[place] = value
+        if place == 2:
+            changed[3] = np.ones(3)
+        with pytest.raises(ValueError, match="the pickle is damaged"):
+            restore(*changed)
+    frame = (contents[5][0][0], [values[:-1] for values in contents[5][0][1]])
+    with pytest.raises(ValueError, match="its fields do not fit its mesh"):
+        restore(*contents[:5], [frame], *contents[6:])
 
 
 def test_materials_of_a_concrete_and_of_its_mortar_are_those_of_a_test():

@@ -6,6 +6,7 @@ use meso_core::formats::ImageFormat;
 use meso_core::geometry::Plane;
 use meso_core::gjk;
 use meso_core::images::Images;
+use meso_core::import::volume;
 use meso_core::math::{Aabb, Vec3};
 use meso_core::spec::Spec;
 use meso_core::specimen::Container;
@@ -210,6 +211,22 @@ fn files_hold_the_values_behind_their_headers() {
     assert!(header.contains("'descr': '|u1', 'fortran_order': False, 'shape': (15, 15, 15)"), "{header}");
     assert!(written(ImageFormat::Vti).windows(values.len()).any(|window| *window == *values.bytes()));
     assert_eq!(&written(ImageFormat::Tif)[..4], b"II*\0");
+}
+
+#[test]
+fn an_image_is_read_again_as_a_label_volume() {
+    let text = "fraction = 0.4\n[specimen]\nkind = \"box\"\nsize_mm = [30, 20, 25]\n";
+    let model = packed(text);
+    let (image, values) = image(&model, ImageOptions { voxel_size_mm: 2.5, ..ImageOptions::default() });
+    for (name, format) in [("a.tif", ImageFormat::Tif), ("a.npy", ImageFormat::Npy), ("a.vti", ImageFormat::Vti)] {
+        let mut out = Cursor::new(Vec::new());
+        format.write_file(&image, &model, Region::Whole, &Silent, &mut out).unwrap();
+        let volume = volume::read(name, &out.into_inner()).unwrap();
+        let labels: Vec<u8> = volume.of.iter().map(|number| volume.labels[usize::from(*number)] as u8).collect();
+        assert_eq!((volume.counts, &labels[..]), ([12, 8, 10], &*values.bytes()), "{name}");
+        let spacing = volume.spacing_mm.map(|spacing| spacing.map(|h| (h * 1e6).round() / 1e6));
+        assert_eq!(spacing, (name != "a.npy").then_some([2.5; 3]), "{name}");
+    }
 }
 
 #[test]

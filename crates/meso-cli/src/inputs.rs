@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::stderr;
+use meso_core::import::volume::{self, Volume};
 use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
 use meso_files::{Beside, missing_recipe};
@@ -78,6 +79,15 @@ pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
         read_rest(path, source, &mut bytes, LONGEST_MODEL, "a saved model")?;
     }
     saved::read_while(&bytes, watch).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+}
+
+/// Longest label volume, bytes: a thousand million voxels of eight bytes.
+const LONGEST_VOLUME: u64 = 8 << 30;
+
+/// Reads a label volume.
+pub(crate) fn volume(path: &Path) -> Result<Volume, Failure> {
+    let bytes = read(path, LONGEST_VOLUME, "a label volume")?;
+    volume::read(&path.to_string_lossy(), &bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }
 
 fn name(path: &Path) -> String {

@@ -6,16 +6,20 @@ use std::path::Path;
 
 /// Refuses a mesh that takes more memory than is free. `size_mm` is its element size.
 pub(crate) fn accept_in_memory(work: &str, bytes: f64, (flag, size_mm): (&str, f64)) -> Result<(), Failure> {
-    let Some(free) = free::memory() else { return Ok(()) };
-    if bytes <= free as f64 {
-        return Ok(());
-    }
-    let (needed, free_gb) = (bytes / 1e9, free as f64 / 1e9);
     // Memory grows with the number of elements; some of it is kept for the rest.
-    let fits = rounded_up(size_mm * (bytes / (0.8 * free as f64)).cbrt());
-    Err(Failure::Run(format!(
-        "{work} takes about {needed:.1} GB of memory, and {free_gb:.1} GB are free; take {flag} {fits} or more"
-    )))
+    let fits = |free: f64| rounded_up(size_mm * (bytes / (0.8 * free)).cbrt());
+    in_memory(work, bytes, |free| format!("take {flag} {} or more", fits(free)))
+}
+
+/// Refuses an image that takes more memory than is free.
+pub(crate) fn accept_image(work: &str, bytes: f64) -> Result<(), Failure> {
+    in_memory(work, bytes, |_| "cut a part out of the image".to_owned())
+}
+
+fn in_memory(work: &str, bytes: f64, fix: impl Fn(f64) -> String) -> Result<(), Failure> {
+    let Some(free) = free::memory().map(|free| free as f64).filter(|free| bytes > *free) else { return Ok(()) };
+    let (needed, free_gb, fix) = (bytes / 1e9, free / 1e9, fix(free));
+    Err(Failure::Run(format!("{work} takes about {needed:.1} GB of memory, and {free_gb:.1} GB are free; {fix}")))
 }
 
 /// Refuses a file of so many bytes that its disk has no space for.

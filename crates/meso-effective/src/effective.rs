@@ -3,7 +3,7 @@
 use crate::bounds::PropertyBounds;
 use crate::error::{self, EffectiveError};
 use crate::field::{Flow, FluxField};
-use crate::grid::{self, End, Grid};
+use crate::grid::{self, End, Grid, Space};
 use crate::links::{Layer, Links};
 use crate::phases::{PhaseValues, Phases, Property};
 use crate::surfaces::Phase;
@@ -39,9 +39,14 @@ impl EffectiveOptions {
     /// # Errors
     /// A voxel size out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
-        let voxels = grid::counts(specimen, self.voxel_size_mm)?.iter().map(|count| *count as f64).product::<f64>();
+        Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
+    }
+
+    /// Memory that `counts` voxels take at most, bytes.
+    pub fn bytes_of(&self, counts: [usize; 3]) -> f64 {
+        let voxels = counts.iter().map(|count| *count as f64).product::<f64>();
         let axes = self.axes.iter().filter(|axis| **axis).count() as f64;
-        Ok(voxels * if self.fields { BYTES + 16.0 * axes } else { BYTES })
+        voxels * if self.fields { BYTES + 16.0 * axes } else { BYTES }
     }
 
     /// All axes, to nine digits, without fields.
@@ -59,10 +64,10 @@ impl EffectiveOptions {
 const BYTES: f64 = 72.0;
 
 /// A phase in the result.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseShare {
-    /// Name of the phase.
-    pub name: &'static str,
+    /// Name of the phase, or its label.
+    pub name: String,
     /// Its value.
     pub value: f64,
     /// Its exact volume over the specimen's.
@@ -114,22 +119,75 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what)?;
     let values = &values;
-    let bodies = error::accepted(bodies, specimen)?;
+    let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
+    of_medium(&Packing { bodies: &bodies, specimen, values }, counts, options, watch)
+}
+
+/// The effective property of `medium`, on grids of `counts` voxels and of half as many along each axis.
+pub(crate) fn of_medium(
+    medium: &dyn Medium,
+    counts: [usize; 3],
+    options: &EffectiveOptions,
+    watch: &dyn Watch,
+) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
-    let task = Task { bodies: &bodies, specimen, values, options, watch, stages };
+    let task = Task { medium, space: medium.space(), options, watch, stages };
     let coarse = EffectiveOptions { fields: false, ..*options };
-    let coarse = Task { options: &coarse, stages: 0, ..task }.columns(counts.map(|count| count / 2))?;
+    let coarse = Task { options: &coarse, stages: 0, ..task }.columns(counts.map(|count| count.div_ceil(2)))?;
     let mut fine = task.columns(counts)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
     Ok((task.result(counts, &coarse, &fine), fields))
 }
 
-#[derive(Clone, Copy)]
-struct Task<'a> {
+/// Geometry and values of phases that conduct.
+pub(crate) trait Medium: Sync {
+    /// The box that is divided into voxels.
+    fn space(&self) -> Space;
+    /// The links of a grid whose third axis is the specimen's `last`.
+    fn links(&self, grid: &Grid, last: usize) -> Links;
+    /// The phases with their volumes.
+    fn phases(&self) -> Vec<PhaseShare>;
+    /// Share of the change from voxels of twice the size by which the fine result is still off (Richardson).
+    fn rest(&self) -> f64;
+}
+
+/// A packing with its values.
+struct Packing<'a> {
     bodies: &'a [Aggregate],
     specimen: &'a Specimen,
     values: &'a PhaseValues,
+}
+
+impl Medium for Packing<'_> {
+    fn space(&self) -> Space {
+        Space::of(self.specimen)
+    }
+
+    fn links(&self, grid: &Grid, last: usize) -> Links {
+        let near = images::near(self.bodies, self.specimen, grid.spacing.max());
+        let layers = Layer::all(&near, self.values, last);
+        Links::new(grid, &layers, self.values.mortar)
+    }
+
+    fn phases(&self) -> Vec<PhaseShare> {
+        let fractions = shares::volume_fractions(self.bodies, self.specimen);
+        let share = |phase: Phase| {
+            let (value, volume_fraction) = (self.values.of(phase), fractions[phase as usize]);
+            PhaseShare { name: phase.name().to_owned(), value, volume_fraction }
+        };
+        Phase::ALL.map(share).to_vec()
+    }
+
+    fn rest(&self) -> f64 {
+        REST
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Task<'a> {
+    medium: &'a dyn Medium,
+    space: Space,
     options: &'a EffectiveOptions,
     watch: &'a dyn Watch,
     /// Solutions that are reported as progress.
@@ -149,7 +207,7 @@ impl Task<'_> {
     /// The solutions along the axes asked for. Periodic axes share one grid; a walled one is turned to the third place.
     fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column>, EffectiveError> {
         let asked = |periodic: bool| {
-            let is = move |axis: usize| self.specimen.period().along(axis).is_some() == periodic;
+            let is = move |axis: usize| self.space.periodic[axis] == periodic;
             (0..3).filter(move |axis| self.options.axes[*axis] && is(*axis))
         };
         let mut columns = Vec::new();
@@ -168,10 +226,8 @@ impl Task<'_> {
     }
 
     fn links(&self, counts: [usize; 3], last: usize, fixed: bool) -> (Grid, Links) {
-        let grid = Grid::new(self.specimen, counts, last, fixed);
-        let near = images::near(self.bodies, self.specimen, grid.spacing.max());
-        let layers = Layer::all(&near, self.values, last);
-        let links = Links::new(&grid, &layers, self.values.mortar);
+        let grid = Grid::new(&self.space, counts, last, fixed);
+        let links = self.medium.links(&grid, last);
         (grid, links)
     }
 
@@ -185,9 +241,9 @@ impl Task<'_> {
         done: usize,
     ) -> Result<Column, EffectiveError> {
         let nothing = vec![0.0; links.counts.iter().product()];
-        let flow = |potential| Flow { grid, links, axis, potential };
-        let energy = flow(&nothing).mean()[axis] * grid.volume();
-        let rhs = flow(&nothing).sources();
+        let given = Flow { grid, links, axis, potential: &nothing };
+        let (energy, rhs) = (given.mean()[axis] * grid.volume(), given.sources());
+        drop(nothing);
         let report = |iteration: usize, _: f64| {
             // Some 20 iterations are usual.
             let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
@@ -196,7 +252,7 @@ impl Task<'_> {
             }
         };
         let found = solver::solve(links, rhs, energy, self.options.accuracy, &report)?;
-        let flow = flow(&found.potential);
+        let flow = Flow { grid, links, axis, potential: &found.potential };
         let mean = flow.mean();
         let place = |axis: usize| (last + 1 + axis) % 3;
         let mut flux = [0.0; 3];
@@ -208,11 +264,11 @@ impl Task<'_> {
     fn result(&self, counts: [usize; 3], coarse: &[Column], fine: &[Column]) -> Effective {
         let (fine_tensor, coarse) = (tensor(fine), tensor(coarse));
         let solver_error = fine.iter().map(|column| column.error).fold(0.0, f64::max);
-        let phases = self.phases();
+        let phases = self.medium.phases();
         let shares: Vec<(f64, f64)> = phases.iter().map(|phase| (phase.value, phase.volume_fraction)).collect();
-        let size = self.specimen.aabb().size();
-        let tensor = combined(&fine_tensor, &coarse, |fine, coarse, _| fine + REST * (fine - coarse));
-        let rest = |fine: f64, coarse: f64, whole: f64| REST * (fine - coarse).abs() + solver_error * whole;
+        let share = self.medium.rest();
+        let tensor = combined(&fine_tensor, &coarse, |fine, coarse, _| fine + share * (fine - coarse));
+        let rest = |fine: f64, coarse: f64, whole: f64| share * (fine - coarse).abs() + solver_error * whole;
         let error = combined(&fine_tensor, &coarse, rest);
         let bounds = PropertyBounds::of(&shares);
         Effective {
@@ -224,21 +280,12 @@ impl Task<'_> {
             fine: fine_tensor,
             coarse,
             phases,
-            boundary: [0, 1, 2].map(|axis| self.specimen.period().along(axis).map_or("fixed", |_| "periodic")),
+            boundary: self.space.boundary("fixed"),
             voxels: counts,
-            voxel_size_mm: [0, 1, 2].map(|axis| size[axis] / counts[axis] as f64),
+            voxel_size_mm: self.space.spacing(counts),
             iterations: fine.iter().map(|column| column.iterations).collect(),
             solver_error,
         }
-    }
-
-    fn phases(&self) -> Vec<PhaseShare> {
-        let fractions = shares::volume_fractions(self.bodies, self.specimen);
-        let share = |phase: Phase| {
-            let (value, volume_fraction) = (self.values.of(phase), fractions[phase as usize]);
-            PhaseShare { name: phase.name(), value, volume_fraction }
-        };
-        Phase::ALL.map(share).to_vec()
     }
 }
 

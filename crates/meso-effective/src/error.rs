@@ -2,7 +2,6 @@
 
 use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::specimen::Specimen;
 use std::borrow::Cow;
 
 /// An error of the options, the values or the specimen.
@@ -19,6 +18,27 @@ pub enum EffectiveError {
         "aggregate {0} has dents; effective properties need convex aggregates: shape.hull = true packs their hulls"
     )]
     Dents(u32),
+    /// A label of a volume that no table has.
+    #[error("label {label} has no value; give it in [{table}] of a phases file, as in {label} = {example}", example = example(table))]
+    Unlabelled {
+        /// Table of the phases file.
+        table: &'static str,
+        /// The label.
+        label: i64,
+    },
+    /// A key of a table that is neither a label nor a phase.
+    #[error(
+        "[{table}] has `{name}`; its keys must be labels, as in 0, or all of them mortar, itz, aggregate, void, fibre"
+    )]
+    Name {
+        /// Table of the phases file.
+        table: &'static str,
+        /// The key.
+        name: String,
+    },
+    /// Only zeros.
+    #[error("all labels of the volume have the value 0 in [{0}]; one must have more")]
+    Nothing(&'static str),
     /// The iterations did not reach the accuracy.
     #[error("after {iterations} iterations the error of the equations is still {reached:.1e} of the result; {fix}")]
     Diverged {
@@ -31,25 +51,21 @@ pub enum EffectiveError {
     },
 }
 
-/// The bodies with facets: balls and ellipsoids become polyhedra of their volume.
-fn faceted(bodies: Cow<'_, [Aggregate]>) -> Cow<'_, [Aggregate]> {
-    if bodies.iter().all(|body| body.body.round().is_none()) {
-        return bodies;
-    }
-    let facets = |body: &Aggregate| Aggregate { body: body.body.faceted().into_owned(), ..body.clone() };
-    bodies.iter().map(facets).collect()
+fn example(table: &str) -> &'static str {
+    if table == "stiffness" { "{ youngs_modulus_mpa = 20000, poisson_ratio = 0.2 }" } else { "1.0" }
 }
 
-/// The bodies as properties are computed for them; refuses those, and specimens, that none can be computed for.
+/// The bodies as properties are computed for them: balls and ellipsoids become polyhedra of their volume.
 ///
 /// # Errors
-/// A body with dents, and a specimen that is no box.
-pub(crate) fn accepted<'a>(
-    bodies: Cow<'a, [Aggregate]>,
-    specimen: &Specimen,
-) -> Result<Cow<'a, [Aggregate]>, EffectiveError> {
+/// A body with dents.
+pub(crate) fn accepted(bodies: Cow<'_, [Aggregate]>) -> Result<Cow<'_, [Aggregate]>, EffectiveError> {
     if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
         return Err(EffectiveError::Dents(body.id));
     }
-    if specimen.container().is_box() { Ok(faceted(bodies)) } else { Err(EffectiveError::Specimen(specimen.kind())) }
+    if bodies.iter().all(|body| body.body.round().is_none()) {
+        return Ok(bodies);
+    }
+    let facets = |body: &Aggregate| Aggregate { body: body.body.faceted().into_owned(), ..body.clone() };
+    Ok(bodies.iter().map(facets).collect())
 }

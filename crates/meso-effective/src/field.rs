@@ -123,27 +123,47 @@ impl FluxField {
     /// # Errors
     /// Fails with the errors of `out`.
     pub fn write_vti(&self, out: impl Write) -> io::Result<()> {
+        let Self { counts, origin_mm, spacing_mm, potential, flux, .. } = self;
+        let place = Place { counts: *counts, origin_mm: *origin_mm, spacing_mm: *spacing_mm };
+        let arrays = [("potential", 1, potential.as_slice()), ("flux", 3, flux.as_flattened())];
+        place.write_vti("Scalars=\"potential\" Vectors=\"flux\"", &arrays, out)
+    }
+}
+
+/// Voxels in space.
+pub(crate) struct Place {
+    /// Voxels along x, y, z.
+    pub(crate) counts: [usize; 3],
+    pub(crate) origin_mm: [f64; 3],
+    pub(crate) spacing_mm: [f64; 3],
+}
+
+impl Place {
+    /// Writes arrays of cells, each with its name and number of components; `active` names those that viewers begin with.
+    pub(crate) fn write_vti(&self, active: &str, arrays: &[(&str, usize, &[f32])], out: impl Write) -> io::Result<()> {
         let mut out = BufWriter::new(out);
-        let Self { counts: [nx, ny, nz], origin_mm: [x, y, z], spacing_mm: [dx, dy, dz], .. } = self;
-        let (extent, voxels) = (format!("0 {nx} 0 {ny} 0 {nz}"), nx * ny * nz);
-        let array = |name: &str, components: usize, offset: usize| {
-            format!(
-                "<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
-            )
-        };
+        let Self { counts: [nx, ny, nz], origin_mm: [x, y, z], spacing_mm: [dx, dy, dz] } = self;
+        let extent = format!("0 {nx} 0 {ny} 0 {nz}");
         writeln!(out, "<?xml version=\"1.0\"?>")?;
         writeln!(
             out,
             "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
         )?;
         writeln!(out, "<ImageData WholeExtent=\"{extent}\" Origin=\"{x} {y} {z}\" Spacing=\"{dx} {dy} {dz}\">")?;
-        writeln!(out, "<Piece Extent=\"{extent}\">\n<CellData Scalars=\"potential\" Vectors=\"flux\">")?;
-        writeln!(out, "{}\n{}", array("potential", 1, 0), array("flux", 3, 8 + 4 * voxels))?;
+        writeln!(out, "<Piece Extent=\"{extent}\">\n<CellData {active}>")?;
+        let mut offset = 0;
+        for (name, components, values) in arrays {
+            writeln!(
+                out,
+                "<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
+            )?;
+            offset += 8 + 4 * values.len();
+        }
         write!(out, "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
-        out.write_all(&(4 * voxels as u64).to_le_bytes())?;
-        self.potential.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
-        out.write_all(&(12 * voxels as u64).to_le_bytes())?;
-        self.flux.iter().flatten().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
+        for (_, _, values) in arrays {
+            out.write_all(&(4 * values.len() as u64).to_le_bytes())?;
+            values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
+        }
         out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
         out.flush()
     }

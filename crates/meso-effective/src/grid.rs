@@ -17,6 +17,31 @@ pub(crate) enum End {
     Fixed,
 }
 
+/// The box of a specimen, and the axes along which it repeats itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Space {
+    pub(crate) min: Vec3,
+    pub(crate) size: Vec3,
+    pub(crate) periodic: [bool; 3],
+}
+
+impl Space {
+    pub(crate) fn of(specimen: &Specimen) -> Self {
+        let (aabb, period) = (specimen.aabb(), specimen.period());
+        Self { min: aabb.min, size: aabb.size(), periodic: [0, 1, 2].map(|axis| period.along(axis).is_some()) }
+    }
+
+    /// Conditions at the ends of each axis, by their name at walls.
+    pub(crate) fn boundary(&self, at_walls: &'static str) -> [&'static str; 3] {
+        self.periodic.map(|is| if is { "periodic" } else { at_walls })
+    }
+
+    /// Edges of a voxel, mm.
+    pub(crate) fn spacing(&self, counts: [usize; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.size[axis] / counts[axis] as f64)
+    }
+}
+
 /// Voxels of a box, its axes turned so that a fixed one is the third.
 pub(crate) struct Grid {
     pub(crate) origin: Vec3,
@@ -32,21 +57,20 @@ pub(crate) struct Link {
 }
 
 impl Grid {
-    /// A grid of `counts` voxels of the specimen. Potentials are fixed along axis `fixed`, which becomes the third; other walls
+    /// A grid of `counts` voxels. Potentials are fixed along axis `fixed`, which becomes the third; other walls
     /// are insulated.
-    pub(crate) fn new(specimen: &Specimen, counts: [usize; 3], last: usize, fixed: bool) -> Self {
-        let (aabb, period) = (specimen.aabb(), specimen.period());
+    pub(crate) fn new(space: &Space, counts: [usize; 3], last: usize, fixed: bool) -> Self {
         let axis = |a: usize| (last + 1 + a) % 3;
-        let ends = [0, 1, 2].map(|a| match period.along(axis(a)) {
-            Some(_) => End::Periodic,
-            None if fixed && a == 2 => End::Fixed,
-            None => End::Insulated,
+        let ends = [0, 1, 2].map(|a| match space.periodic[axis(a)] {
+            true => End::Periodic,
+            false if fixed && a == 2 => End::Fixed,
+            false => End::Insulated,
         });
         let counts = [0, 1, 2].map(|a| counts[axis(a)]);
         let turned = |v: Vec3| Vec3::new(v[axis(0)], v[axis(1)], v[axis(2)]);
-        let size = turned(aabb.size());
+        let size = turned(space.size);
         let spacing = Vec3::new(size.x / counts[0] as f64, size.y / counts[1] as f64, size.z / counts[2] as f64);
-        Self { origin: turned(aabb.min), spacing, counts, ends }
+        Self { origin: turned(space.min), spacing, counts, ends }
     }
 
     /// The link through plane `number` across `axis`; none at an insulated wall.
@@ -77,8 +101,11 @@ const MOST: f64 = 1e9;
 /// Fewest voxels along an axis: the second resolution has half as many.
 const FEWEST: usize = 4;
 
-/// An even number of voxels along each axis, of nearly `size` mm.
+/// An even number of voxels along each axis of a box, of nearly `size` mm.
 pub(crate) fn counts(specimen: &Specimen, size: f64) -> Result<[usize; 3], EffectiveError> {
+    if !specimen.container().is_box() {
+        return Err(EffectiveError::Specimen(specimen.kind()));
+    }
     let ranges = Ranges("effective");
     ranges.positive("voxel_size_mm", size)?;
     let lengths = specimen.aabb().size();

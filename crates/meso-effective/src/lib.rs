@@ -26,6 +26,7 @@ mod elastic;
 mod error;
 mod field;
 mod grid;
+mod labels;
 mod links;
 mod moduli;
 mod phases;
@@ -37,8 +38,11 @@ mod surfaces;
 
 pub use bounds::PropertyBounds;
 pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
-pub use elastic::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
+pub use elastic::{
+    ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, StressField, stiffness,
+};
 pub use error::EffectiveError;
 pub use field::FluxField;
+pub use labels::{LabelPhases, LabelSpecimen, effective_of_labels, stiffness_of_labels};
 pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};

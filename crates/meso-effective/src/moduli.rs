@@ -75,7 +75,7 @@ impl PhaseModuli {
         let table = Phase::ALL.map(|phase| given[phase as usize].or(Moduli::usual(phase)));
         let mortar = table[0].youngs_modulus_mpa;
         Ranges("stiffness").positive("mortar.youngs_modulus_mpa", mortar)?;
-        Phase::ALL.into_iter().try_for_each(|phase| table[phase as usize].validate(phase, mortar))?;
+        Phase::ALL.into_iter().try_for_each(|phase| table[phase as usize].validate(phase.name(), mortar))?;
         Ok(table)
     }
 
@@ -89,7 +89,7 @@ impl PhaseModuli {
 }
 
 impl GivenModuli {
-    fn or(self, usual: Moduli) -> Moduli {
+    pub(crate) fn or(self, usual: Moduli) -> Moduli {
         Moduli {
             youngs_modulus_mpa: self.youngs_modulus_mpa.unwrap_or(usual.youngs_modulus_mpa),
             poisson_ratio: self.poisson_ratio.unwrap_or(usual.poisson_ratio),
@@ -99,6 +99,11 @@ impl GivenModuli {
 }
 
 impl Moduli {
+    /// A phase with the ratio of Poisson of concrete.
+    pub(crate) fn alone(youngs_modulus_mpa: f64) -> Self {
+        Self { youngs_modulus_mpa, poisson_ratio: 0.2, eigenstrain: 0.0 }
+    }
+
     /// Illustrative constants, equal to the elastic ones of a test's materials.
     fn usual(phase: Phase) -> Self {
         let (youngs_modulus_mpa, poisson_ratio) = match phase {
@@ -111,12 +116,18 @@ impl Moduli {
         Self { youngs_modulus_mpa, poisson_ratio, eigenstrain: 0.0 }
     }
 
-    fn validate(&self, phase: Phase, mortar: f64) -> Result<(), OutOfRange> {
-        let (ranges, name) = (Ranges("stiffness"), phase.name());
+    /// Refuses constants out of their ranges, by the name of the phase, in mortar of a modulus.
+    pub(crate) fn validate(&self, name: &str, mortar: f64) -> Result<(), OutOfRange> {
+        let ranges = Ranges("stiffness");
         let (e, nu, strain) = (self.youngs_modulus_mpa, self.poisson_ratio, self.eigenstrain);
         let most = CONTRAST * mortar;
         let accepted = format!("it must be 0 to {most} MPa, 10000 times the mortar's");
-        ranges.require(format!("{name}.youngs_modulus_mpa"), e, (0.0..=most).contains(&e), accepted)?;
+        ranges.require(
+            format!("{name}.youngs_modulus_mpa"),
+            e,
+            (0.0..=most).contains(&e) && e.is_finite(),
+            accepted,
+        )?;
         let accepted = format!("it must be above -1 and at most {INCOMPRESSIBLE}");
         ranges.require(format!("{name}.poisson_ratio"), nu, nu > -1.0 && nu <= INCOMPRESSIBLE, accepted)?;
         let accepted = format!("it must be -{STRAIN} to {STRAIN}");

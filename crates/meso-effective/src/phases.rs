@@ -59,6 +59,20 @@ pub struct GivenValues {
     pub fibre: Option<f64>,
 }
 
+impl GivenValues {
+    /// Given value of a phase, by its name.
+    pub(crate) fn phase_mut(&mut self, name: &str) -> Option<&mut Option<f64>> {
+        Some(match name {
+            "mortar" => &mut self.mortar,
+            "itz" => &mut self.itz,
+            "aggregate" => &mut self.aggregate,
+            "void" => &mut self.void,
+            "fibre" => &mut self.fibre,
+            _ => return None,
+        })
+    }
+}
+
 impl Phases {
     /// The values for `property`.
     pub fn values(&self, property: Property) -> PhaseValues {

@@ -2,7 +2,7 @@
 
 use crate::bounds::PropertyBounds;
 use crate::effective::Effective;
-use crate::elastic::{ElasticShare, Stiffness};
+use crate::elastic::{COMPONENTS, ElasticShare, Stiffness, StressField};
 use crate::field::FluxField;
 use crate::phases::Property;
 use meso_view::embedded::base64;
@@ -18,6 +18,40 @@ pub const PAGE: &str = "effective.html";
 /// Name of the file of a property's field for a gradient along `axis`: `diffusivity_x.vti`.
 pub fn field_file(what: Property, axis: usize) -> String {
     format!("{}_{}.vti", what.name(), ["x", "y", "z"][axis])
+}
+
+/// Name of the file of the stresses for the strain `component`, 0 to 5: `stiffness_xx.vti`.
+pub fn stress_file(component: usize) -> String {
+    format!("stiffness_{}.vti", COMPONENTS[component])
+}
+
+/// A field of a computed property.
+pub enum PropertyField {
+    /// Potential and flux of diffusivity or conductivity.
+    Flux(Property, FluxField),
+    /// Stresses.
+    Stress(StressField),
+}
+
+impl PropertyField {
+    /// Name of its file.
+    pub fn file(&self) -> String {
+        match self {
+            Self::Flux(what, field) => field_file(*what, field.axis),
+            Self::Stress(field) => stress_file(field.strain),
+        }
+    }
+
+    /// Writes VTK image data.
+    ///
+    /// # Errors
+    /// Fails with the errors of `out`.
+    pub fn write_vti(&self, out: impl Write) -> io::Result<()> {
+        match self {
+            Self::Flux(_, field) => field.write_vti(out),
+            Self::Stress(field) => field.write_vti(out),
+        }
+    }
 }
 
 /// A computed property.
@@ -67,7 +101,7 @@ struct Timed<'a> {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_page(found: &[(Found, f64)], fields: &[(Property, FluxField)], out: &mut dyn Write) -> io::Result<()> {
+pub fn write_page(found: &[(Found, f64)], fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Effective properties</title>\n{STYLE}"
@@ -76,27 +110,30 @@ pub fn write_page(found: &[(Found, f64)], fields: &[(Property, FluxField)], out:
     for (of, _) in found {
         match of {
             Found::Flux(of) => write_flux(of, fields, out)?,
-            Found::Stiffness(of) => write_stiffness(of, out)?,
+            Found::Stiffness(of) => write_stiffness(of, fields, out)?,
         }
         of.warnings().iter().try_for_each(|warning| writeln!(out, "<p class=\"warning\">Warning: {warning}.</p>"))?;
     }
     writeln!(out, "</html>")
 }
 
-fn write_flux(of: &Effective, fields: &[(Property, FluxField)], out: &mut dyn Write) -> io::Result<()> {
+fn write_flux(of: &Effective, fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<h2>{}{}</h2>", of.what.title(), of.what.unit())?;
     write_tensor(of, out)?;
     write_bounds(&[("", &of.bounds)], out)?;
     write_phases(of, out)?;
     write_voxels(of.voxels, of.boundary, out)?;
-    fields.iter().filter(|(what, _)| *what == of.what).try_for_each(|(_, field)| write_section(field, of, out))
+    fields.iter().try_for_each(|field| match field {
+        PropertyField::Flux(what, field) if *what == of.what => write_flux_section(field, of, out),
+        _ => Ok(()),
+    })
 }
 
 fn write_voxels([x, y, z]: [usize; 3], [ends_x, ends_y, ends_z]: [&str; 3], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<p>{x} x {y} x {z} voxels; ends of x, y, z: {ends_x}, {ends_y}, {ends_z}.</p>")
 }
 
-fn write_stiffness(of: &Stiffness, out: &mut dyn Write) -> io::Result<()> {
+fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<h2>Stiffness, MPa</h2>")?;
     let (is, error) = (&of.isotropic, &of.isotropic_error);
     for (name, value, error) in [
@@ -109,7 +146,7 @@ fn write_stiffness(of: &Stiffness, out: &mut dyn Write) -> io::Result<()> {
     }
     let bounds = &of.bounds;
     write_bounds(&[("bulk modulus", &bounds.bulk_modulus_mpa), ("shear modulus", &bounds.shear_modulus_mpa)], out)?;
-    let names = ["xx", "yy", "zz", "yz", "zx", "xy"];
+    let names = COMPONENTS;
     writeln!(out, "<table><tr><th>mean stress</th>")?;
     names.iter().try_for_each(|name| write!(out, "<th>strain {name}</th>"))?;
     writeln!(out, "</tr>")?;
@@ -134,7 +171,11 @@ fn write_stiffness(of: &Stiffness, out: &mut dyn Write) -> io::Result<()> {
         let [x, y, z, ..] = of.expansion;
         writeln!(out, "<p>Strain of the free specimen along x, y, z: {x:.4e}, {y:.4e}, {z:.4e}</p>")?;
     }
-    write_voxels(of.voxels, of.boundary, out)
+    write_voxels(of.voxels, of.boundary, out)?;
+    fields.iter().try_for_each(|field| match field {
+        PropertyField::Stress(field) => write_stress_section(field, out),
+        PropertyField::Flux(..) => Ok(()),
+    })
 }
 
 const STYLE: &str = "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;padding:0 1rem}\
@@ -180,27 +221,58 @@ fn write_phases(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
 const BRIGHTEST: f32 = 3.0;
 
 /// The middle section that holds the gradient: amount of the flux over the mean flux.
-fn write_section(field: &FluxField, of: &Effective, out: &mut dyn Write) -> io::Result<()> {
+fn write_flux_section(field: &FluxField, of: &Effective, out: &mut dyn Write) -> io::Result<()> {
     let along = field.axis;
-    let (across, up) = if along == 2 { (0, 2) } else { (along, 2) };
-    let normal = 3 - across - up;
     let mean = of.tensor[along][along].unwrap_or(1.0).abs().max(f64::MIN_POSITIVE) as f32;
-    let [nx, ny, _] = field.counts;
-    let (width, height) = (field.counts[across], field.counts[up]);
+    let amount = |voxel: usize| {
+        let [x, y, z] = field.flux[voxel];
+        (x * x + y * y + z * z).sqrt() / (mean * BRIGHTEST)
+    };
+    let name = ["x", "y", "z"][along];
+    let caption = format!(
+        "Amount of the flux for a gradient along {name}, on the middle section; white is {BRIGHTEST} times the mean."
+    );
+    write_section(field.counts, if along == 2 { 0 } else { along }, amount, ("flux", &caption), out)
+}
+
+/// The middle section that holds the strain: von Mises' stress over twice its mean.
+fn write_stress_section(field: &StressField, out: &mut dyn Write) -> io::Result<()> {
+    let count = field.stress.len();
+    let mean = (0..count).map(|voxel| f64::from(field.von_mises(voxel))).sum::<f64>() / count as f64;
+    let amount = |voxel: usize| field.von_mises(voxel) / (2.0 * mean.max(f64::MIN_POSITIVE)) as f32;
+    let name = COMPONENTS[field.strain];
+    let caption = format!(
+        "Von Mises' stress for a strain {name}, on the middle section; white is twice the mean, {mean:.0} MPa."
+    );
+    write_section(
+        field.counts,
+        if field.strain == 1 || field.strain == 3 { 1 } else { 0 },
+        amount,
+        ("stress", &caption),
+        out,
+    )
+}
+
+/// The middle section of the axis `across` and z: an amount from 0, black, to 1, white.
+fn write_section(
+    counts: [usize; 3],
+    across: usize,
+    amount: impl Fn(usize) -> f32,
+    (name, caption): (&str, &str),
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let (normal, [nx, ny, _]) = (1 - across, counts);
+    let (width, height) = (counts[across], counts[2]);
     let pixel = |number: usize| {
         let mut at = [0; 3];
-        (at[across], at[up], at[normal]) = (number % width, height - 1 - number / width, field.counts[normal] / 2);
-        let [x, y, z] = field.flux[(at[2] * ny + at[1]) * nx + at[0]];
-        let amount = (x * x + y * y + z * z).sqrt() / (mean * BRIGHTEST);
-        (255.0 * amount.min(1.0)) as u8
+        (at[across], at[2], at[normal]) = (number % width, height - 1 - number / width, counts[normal] / 2);
+        (255.0 * amount((at[2] * ny + at[1]) * nx + at[0]).min(1.0)) as u8
     };
     let pixels: Vec<u8> = (0..width * height).map(pixel).collect();
     let picture = base64(&png(width, height, &pixels)?);
-    let name = ["x", "y", "z"][along];
     writeln!(
         out,
-        "<figure><img alt=\"flux\" src=\"data:image/png;base64,{picture}\"><figcaption>Amount of the flux for a gradient along {name}, \
-         on the middle section; white is {BRIGHTEST} times the mean.</figcaption></figure>"
+        "<figure><img alt=\"{name}\" src=\"data:image/png;base64,{picture}\"><figcaption>{caption}</figcaption></figure>"
     )
 }
 

@@ -36,11 +36,11 @@ mod _mesocrete {
     #[pymodule_export]
     use super::mesh::{PyMesh, restore_mesh};
     #[pymodule_export]
-    use super::packing::{PyAggregates, PyPacking, load, pack, restore_packing};
+    use super::packing::{PyAggregates, PyPacking, load, of_labels, pack, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]
-    use super::response::{PyFrame, PyResponse, restore_frame};
+    use super::response::{PyFrame, PyResponse, restore_frame, restore_response};
     #[pymodule_export]
     use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]

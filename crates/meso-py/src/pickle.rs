@@ -1,10 +1,13 @@
 //! Contents of pickles: models as saved, meshes as numpy arrays, small tables as JSON.
 
-use crate::boundary::wrong_value;
+use crate::boundary::{mesh_error, wrong_value};
 use crate::views::cell_type;
+use meso_concrete::aggregate::Itz;
 use meso_core::math::Vec3;
-use meso_core::mesh::{CellKind, Mesh, Notes, Phase};
+use meso_core::mesh::{CellKind, Mesh, MeshTable, Notes, Phase, Purpose};
 use meso_core::{Model, saved};
+use meso_solve::results::{Snapshot, Source};
+use meso_solve::{Extra, Response, Row, Summary};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
@@ -95,4 +98,59 @@ pub(crate) fn of_model<'py>(py: Python<'py>, model: &Model) -> PyResult<(Bound<'
 pub(crate) fn to_model(py: Python<'_>, model: &[u8], report: &str) -> PyResult<Model> {
     let read = py.detach(|| saved::read(model)).map_err(|error| damaged(&error.to_string()))?;
     Ok(Model { report: from_json(report)?, ..read })
+}
+
+/// Fields of a moment: the moment, displacements, stresses, three kinds of damage and openings.
+pub(crate) type Fields<'py> = (String, [PyReadonlyArray1<'py, f32>; 6]);
+
+pub(crate) fn of_snapshot<'py>(py: Python<'py>, fields: &Snapshot) -> PyResult<Bound<'py, PyTuple>> {
+    let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
+    let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
+    let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
+    (json(&fields.moment)?, arrays).into_pyobject(py)
+}
+
+pub(crate) fn to_snapshot(mesh: &Mesh, (moment, fields): Fields<'_>) -> PyResult<Snapshot> {
+    let [displacement, stress, damage, tension, compression, opening_mm] = fields.map(|array| vector(&array));
+    let snapshot = Snapshot {
+        moment: from_json(&moment)?,
+        displacement: displacement?.as_chunks().0.to_vec(),
+        stress: stress?.as_chunks().0.to_vec(),
+        damage: damage?,
+        tension: tension?,
+        compression: compression?,
+        opening_mm: opening_mm?,
+    };
+    let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
+    let fits = snapshot.displacement.len() == mesh.points.len()
+        && snapshot.stress.len() == mesh.cell_count()
+        && cells.iter().all(|values| values.len() == mesh.cell_count());
+    if fits { Ok(snapshot) } else { Err(damaged("its fields do not fit its mesh")) }
+}
+
+/// A curve and its figures, from the values of its rows and those of its further columns.
+pub(crate) fn to_response(
+    rows: &PyReadonlyArray1<'_, f64>,
+    extra: &PyReadonlyArray1<'_, f64>,
+    figures: &str,
+) -> PyResult<Response> {
+    let result: Summary = from_json(figures)?;
+    let curve: Vec<Row> = rows.as_slice()?.as_chunks().0.iter().map(|values| Row::from_values(*values)).collect();
+    let extra = Extra { names: result.columns.clone(), values: vector(extra)? };
+    if extra.values.len() == curve.len() * extra.names.len() {
+        Ok(Response { curve, extra, result })
+    } else {
+        Err(damaged("its columns do not fit its curve"))
+    }
+}
+
+/// Source of a tested mesh: version, seed, fraction and options.
+pub(crate) fn of_source(source: &Source) -> PyResult<(&str, u64, f64, String)> {
+    Ok((&source.version, source.seed, source.fraction, json(&source.mesh)?))
+}
+
+pub(crate) fn to_source((version, seed, fraction, options): (String, u64, f64, String)) -> PyResult<Source> {
+    // The table names its ITZ, so that of the packing has no say.
+    let mesh = from_json::<MeshTable>(&options)?.resolve(Purpose::Mesh, &Itz::default()).map_err(mesh_error)?;
+    Ok(Source { version, seed, fraction, mesh })
 }

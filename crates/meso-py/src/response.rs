@@ -1,9 +1,9 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_type, wrong_value};
+use crate::boundary::{guard, wrong_value};
 use crate::files;
-use crate::pickle;
+use crate::pickle::{self, Fields};
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
@@ -318,11 +318,19 @@ impl PyResponse {
         )
     }
 
-    /// A response holds its mesh and its run; the parts that scripts exchange do pickle.
-    fn __reduce__(&self) -> PyResult<()> {
-        Err(wrong_type(
-            "a Response does not pickle; pickle its curve, result or frames, or write it: response.write(folder)",
-        ))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_response")?;
+        let Tested { mesh, response, source, frames, last, taken, seconds } = &*self.0;
+        let rows = response.curve.iter().flat_map(Row::values).collect();
+        let (rows, extra) = (PyArray1::from_vec(py, rows), PyArray1::from_slice(py, &response.extra.values));
+        let fields = |frame: &Arc<Snapshot>| pickle::of_snapshot(py, frame);
+        let frames = frames.iter().map(fields).collect::<PyResult<Vec<_>>>()?;
+        let page = (pickle::json(taken)?, pickle::json(seconds)?);
+        let figures = pickle::json(&response.result)?;
+        let last = last.as_ref().map(fields).transpose()?;
+        let contents =
+            (pickle::of_mesh(py, mesh)?, pickle::of_source(source)?, rows, extra, figures, frames, last, page);
+        (restore, contents).into_pyobject(py)
     }
 
     /// HTML for notebooks: the curve beside its figures.
@@ -421,10 +429,7 @@ impl PyFrame {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_frame")?;
         let Self(mesh, fields) = self;
-        let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
-        let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
-        let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
-        (restore, (pickle::of_mesh(py, mesh)?, pickle::json(&fields.moment)?, arrays)).into_pyobject(py)
+        (restore, (pickle::of_mesh(py, mesh)?, pickle::of_snapshot(py, fields)?)).into_pyobject(py)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {
@@ -442,34 +447,42 @@ fn rows<'py, const N: usize>(py: Python<'py>, values: &[[f32; N]]) -> PyResult<B
 
 /// Unpickles a `Frame`.
 #[pyfunction(name = "_restore_frame")]
-pub(crate) fn restore_frame(
-    py: Python<'_>,
-    state: &Bound<'_, PyTuple>,
-    moment: &str,
-    fields: [PyReadonlyArray1<'_, f32>; 6],
-) -> PyResult<PyFrame> {
+pub(crate) fn restore_frame(py: Python<'_>, mesh: &Bound<'_, PyTuple>, fields: Fields<'_>) -> PyResult<PyFrame> {
     arrays::load_numpy(py)?;
     guard(|| {
-        let (mesh, moment): (Mesh, results::Moment) = (pickle::to_mesh(state)?, pickle::from_json(moment)?);
-        let [displacement, stress, damage, tension, compression, opening_mm] =
-            fields.map(|array| pickle::vector(&array));
-        let snapshot = Snapshot {
-            moment,
-            displacement: displacement?.as_chunks().0.to_vec(),
-            stress: stress?.as_chunks().0.to_vec(),
-            damage: damage?,
-            tension: tension?,
-            compression: compression?,
-            opening_mm: opening_mm?,
+        let mesh = pickle::to_mesh(mesh)?;
+        let fields = pickle::to_snapshot(&mesh, fields)?;
+        Ok(PyFrame(Arc::new(mesh), Arc::new(fields)))
+    })
+}
+
+/// Unpickles a `Response`: its mesh and source, rows and further columns of its curve, its figures, frames, end and shots.
+#[pyfunction(name = "_restore_response")]
+#[expect(clippy::too_many_arguments, reason = "the contents of a pickle")]
+pub(crate) fn restore_response(
+    py: Python<'_>,
+    mesh: &Bound<'_, PyTuple>,
+    source: (String, u64, f64, String),
+    rows: PyReadonlyArray1<'_, f64>,
+    extra: PyReadonlyArray1<'_, f64>,
+    figures: &str,
+    frames: Vec<Fields<'_>>,
+    last: Option<Fields<'_>>,
+    page: (String, String),
+) -> PyResult<PyResponse> {
+    arrays::load_numpy(py)?;
+    guard(|| {
+        let mesh = pickle::to_mesh(mesh)?;
+        let fields = |fields| pickle::to_snapshot(&mesh, fields).map(Arc::new);
+        let tested = Tested {
+            response: pickle::to_response(&rows, &extra, figures)?,
+            source: pickle::to_source(source)?,
+            frames: frames.into_iter().map(fields).collect::<PyResult<_>>()?,
+            last: last.map(fields).transpose()?,
+            taken: pickle::from_json(&page.0)?,
+            seconds: pickle::from_json(&page.1)?,
+            mesh: Arc::new(mesh),
         };
-        let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
-        let fits = snapshot.displacement.len() == mesh.points.len()
-            && snapshot.stress.len() == mesh.cell_count()
-            && cells.iter().all(|values| values.len() == mesh.cell_count());
-        if fits {
-            Ok(PyFrame(Arc::new(mesh), Arc::new(snapshot)))
-        } else {
-            Err(pickle::damaged("its fields do not fit its mesh"))
-        }
+        Ok(PyResponse(Arc::new(tested)))
     })
 }

@@ -25,7 +25,7 @@ pub use folder::{TABLES, save_tables};
 pub use names::{NameError, Names};
 pub use plan::{Axis, MOST_CASES, Plan, PlanError, Planning};
 pub use record::{CURVE, CaseOutcome, CaseState, Failed, Keep, MODELS, RECORD, Record, Status};
-pub use results::{of_packing, of_summary};
+pub use results::{of_effective, of_packing, of_summary};
 pub use run::{Again, RunError, StudyRun, Tally};
 pub use student::quantile_975;
 pub use table::{Column, Table, Values, tabulate};

@@ -11,14 +11,14 @@ pub const MOST_CASES: usize = 1_000_000;
 /// Number of cases planned between two reports: about 50 ms.
 const REPORT: usize = 1000;
 /// Options outside the spec whose axes change the task, not the spec.
-const TASKS: [&str; 3] = ["mesh", "solve", "test"];
+const TASKS: [&str; 4] = ["mesh", "solve", "effective", "test"];
 /// Column with the names of listed specs.
 const SPEC: &str = "spec";
 
 /// Options that change together, often one, e.g. `grading.d_max_mm` with 16, 20.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// Dotted paths of the options in a SPEC.toml; `mesh.` and `solve.` are flags of these commands, `test.` is a key of
+    /// Dotted paths of the options in a SPEC.toml; `mesh.`, `solve.` and `effective.` are flags of these commands, `test.` is a key of
     /// a TEST.toml.
     pub keys: Vec<String>,
     /// Values of all options, row by row.

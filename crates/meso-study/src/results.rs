@@ -1,4 +1,4 @@
-//! Results that a study records of a packing, a mesh and a test.
+//! Results that a study records of a packing, a mesh, a test and effective properties.
 
 use meso_pack::packing::Report;
 use serde_json::{Map, Value, json};
@@ -41,6 +41,41 @@ pub fn of_summary(summary: &Value) -> Value {
         }
         scalar => scalar.clone(),
     }
+}
+
+/// The figures of effective properties, by property: those of a summary, and the entries of tensor, error and expansion by their
+/// axes, as in `diffusivity.tensor.xx` and `stiffness.tensor.xx_yy`.
+pub fn of_effective(found: &Value) -> Value {
+    let all = found.as_array().map_or(std::slice::from_ref(found), Vec::as_slice);
+    Value::Object(all.iter().filter_map(of_property).collect())
+}
+
+fn of_property(found: &Value) -> Option<(String, Value)> {
+    let name = found["what"].as_str()?.to_owned();
+    let mut figures = of_summary(found);
+    let columns = figures.as_object_mut()?;
+    columns.remove("what");
+    for key in ["tensor", "error", "expansion", "expansion_error"] {
+        columns.extend(found.get(key).map(|entries| (key.to_owned(), by_axes(entries))));
+    }
+    Some((name, figures))
+}
+
+/// Entries by the names of their axes; a symmetric 6 x 6 tensor has its upper part.
+fn by_axes(entries: &Value) -> Value {
+    let rows = entries.as_array().map_or(&[][..], Vec::as_slice);
+    let names = if rows.len() == 3 { &["x", "y", "z"][..] } else { &["xx", "yy", "zz", "yz", "zx", "xy"] };
+    let mut named = Map::new();
+    for (i, (row, name)) in rows.iter().zip(names).enumerate() {
+        let Some(row) = row.as_array() else {
+            named.insert((*name).to_owned(), row.clone());
+            continue;
+        };
+        let (first, between) = if names.len() == 3 { (0, "") } else { (i, "_") };
+        let entries = row.iter().zip(names).skip(first).filter(|(value, _)| !value.is_null());
+        named.extend(entries.map(|(value, other)| (format!("{name}{between}{other}"), value.clone())));
+    }
+    Value::Object(named)
 }
 
 /// A dotted name that two of the `results` have.

@@ -65,7 +65,8 @@ Examples:
   mesocrete effective model.json -o out                      diffusivity, impermeable aggregates
   mesocrete effective model.json --what all --phases p.toml  all properties, with values of your own
   mesocrete effective model.json --what stiffness --eigenstrain mortar=-4e-4
-  mesocrete effective model.json --axes x --voxel-size-mm 1  one axis, larger voxels";
+  mesocrete effective model.json --axes x --voxel-size-mm 1  one axis, larger voxels
+  mesocrete effective scan.tif --phases labels.toml          a label volume; [diffusivity] has 0 = 1.0 and so on";
 
 pub(super) const INIT: &str = "\
 Examples:

@@ -1,8 +1,10 @@
-//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; and sieve tables of laboratories.
+//! Surfaces from files that other programs wrote, STL, PLY, OBJ and OFF; stones as harmonics; label volumes; sieve tables of
+//! laboratories; and tables of numbers.
 //!
 //! Formats of surfaces have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
+mod columns;
 pub mod harmonics;
 mod mend;
 mod obj;
@@ -10,8 +12,10 @@ mod off;
 mod ply;
 pub mod sieve_table;
 mod stl;
+pub mod volume;
 mod words;
 
+pub use columns::Columns;
 pub use mend::without_flat_triangles;
 
 use meso_collision::geometry::{SurfaceError, TriangleMesh};

@@ -1,12 +1,13 @@
 //! From a packing to its stiffness: two grids, six mean strains, error, bounds and expansion.
 
 use super::equations::{Elastic, WEIGHTS};
+use super::field::StressField;
 use super::voxels::Voxels;
 use crate::bounds::PropertyBounds;
 use crate::effective::REST;
 use crate::error::{self, EffectiveError};
-use crate::grid::{self, Grid};
-use crate::moduli::{PhaseModuli, Table};
+use crate::grid::{self, Grid, Space};
+use crate::moduli::{Moduli, PhaseModuli, Table};
 use crate::shares;
 use crate::solver::solve_equations;
 use crate::surfaces::{Phase, Surface};
@@ -26,15 +27,19 @@ pub struct StiffnessOptions {
     pub voxel_size_mm: f64,
     /// Error of the equations, over the result.
     pub accuracy: f64,
+    /// Whether to return the stresses.
+    pub fields: bool,
 }
 
+/// Bytes a voxel of the stresses of all six strains.
+const FIELDS: f64 = 144.0;
 /// Bytes a voxel: 235 were measured with 100^3 voxels around a sphere, and every cut voxel has a material of 108.
 const BYTES: f64 = 350.0;
 
 impl StiffnessOptions {
     /// Stiffness to twelve digits of the energy, six of a strain.
     pub fn new(voxel_size_mm: f64) -> Self {
-        Self { voxel_size_mm, accuracy: 1e-12 }
+        Self { voxel_size_mm, accuracy: 1e-12, fields: false }
     }
 
     /// Memory that a specimen takes at most, bytes.
@@ -42,16 +47,21 @@ impl StiffnessOptions {
     /// # Errors
     /// A voxel size out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
-        let counts = grid::counts(specimen, self.voxel_size_mm)?;
-        Ok(BYTES * counts.iter().map(|count| *count as f64).product::<f64>())
+        Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
+    }
+
+    /// Memory that `counts` voxels take at most, bytes.
+    pub fn bytes_of(&self, counts: [usize; 3]) -> f64 {
+        let bytes = if self.fields { BYTES + FIELDS } else { BYTES };
+        bytes * counts.iter().map(|count| *count as f64).product::<f64>()
     }
 }
 
 /// A phase in the result.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ElasticShare {
-    /// Name of the phase.
-    pub name: &'static str,
+    /// Name of the phase, or its label.
+    pub name: String,
     /// Young's modulus, MPa.
     pub youngs_modulus_mpa: f64,
     /// Poisson's ratio.
@@ -123,7 +133,7 @@ pub struct Stiffness {
     pub warnings: Vec<String>,
 }
 
-/// The stiffness of `parts`, from `moduli`.
+/// The stiffness of `parts`, from `moduli`, and the stresses if asked for.
 ///
 /// # Errors
 /// Values out of range, a body with dents, a specimen that is no box, and equations that do not converge.
@@ -132,22 +142,86 @@ pub fn stiffness<'a>(
     moduli: &PhaseModuli,
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<Stiffness, EffectiveError> {
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
-    let bodies = error::accepted(bodies, specimen)?;
+    let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
-    let task = Task { bodies: &bodies, specimen, table, accuracy: options.accuracy };
-    let coarse = task.solve(counts.map(|count| count / 2), |_| ())?;
-    let fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
-    Ok(task.result(counts, &fine, &coarse))
+    of_medium(&Packing { bodies: &bodies, specimen, table }, counts, options, watch)
 }
 
-struct Task<'a> {
+/// The stiffness of `medium`, on grids of `counts` voxels and of half as many along each axis.
+pub(crate) fn of_medium(
+    medium: &dyn ElasticMedium,
+    counts: [usize; 3],
+    options: &StiffnessOptions,
+    watch: &dyn Watch,
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+    let task = Task { medium, space: medium.space(), options: *options };
+    let coarse_options = StiffnessOptions { fields: false, ..*options };
+    let coarse = Task { options: coarse_options, ..task }.solve(counts.map(|count| count.div_ceil(2)), |_| ())?;
+    let mut fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
+    let fields = std::mem::take(&mut fine.fields);
+    Ok((task.result(counts, &fine, &coarse), fields))
+}
+
+/// Geometry and constants of elastic phases.
+pub(crate) trait ElasticMedium {
+    /// The box that is divided into voxels.
+    fn space(&self) -> Space;
+    /// The materials of a grid.
+    fn voxels(&self, grid: &Grid) -> Voxels;
+    /// The phases with their volumes.
+    fn phases(&self) -> Vec<(Moduli, ElasticShare)>;
+    /// Share of the change from voxels of twice the size by which the fine result is still off (Richardson).
+    fn rest(&self) -> f64;
+}
+
+/// A packing with its constants.
+struct Packing<'a> {
     bodies: &'a [Aggregate],
     specimen: &'a Specimen,
     table: Table,
-    accuracy: f64,
+}
+
+impl ElasticMedium for Packing<'_> {
+    fn space(&self) -> Space {
+        Space::of(self.specimen)
+    }
+
+    fn voxels(&self, grid: &Grid) -> Voxels {
+        let near = images::near(self.bodies, self.specimen, grid.spacing.max());
+        let has_itz = self.table[Phase::Itz as usize] != self.table[Phase::Aggregate as usize];
+        let surfaces = Surface::all(&near, has_itz, &|v| *v);
+        Voxels::new(grid, &surfaces, &self.table)
+    }
+
+    fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
+        let fractions = shares::volume_fractions(self.bodies, self.specimen);
+        let share = |phase: Phase| {
+            let moduli = self.table[phase as usize];
+            (moduli, ElasticShare::new(phase.name().to_owned(), &moduli, fractions[phase as usize]))
+        };
+        Phase::ALL.map(share).to_vec()
+    }
+
+    fn rest(&self) -> f64 {
+        REST
+    }
+}
+
+impl ElasticShare {
+    pub(crate) fn new(name: String, moduli: &Moduli, volume_fraction: f64) -> Self {
+        let Moduli { youngs_modulus_mpa, poisson_ratio, eigenstrain } = *moduli;
+        Self { name, youngs_modulus_mpa, poisson_ratio, eigenstrain, volume_fraction }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Task<'a> {
+    medium: &'a dyn ElasticMedium,
+    space: Space,
+    options: StiffnessOptions,
 }
 
 /// Solutions on one grid.
@@ -157,6 +231,7 @@ struct Solved {
     eigenstress: [f64; 6],
     iterations: Vec<usize>,
     error: f64,
+    fields: Vec<StressField>,
 }
 
 /// Iterations of a usual solution.
@@ -164,14 +239,16 @@ const USUAL: f64 = 40.0;
 
 impl Task<'_> {
     fn solve(&self, counts: [usize; 3], report: impl Fn(f64)) -> Result<Solved, EffectiveError> {
-        let grid = Grid::new(self.specimen, counts, 2, false);
-        let near = images::near(self.bodies, self.specimen, grid.spacing.max());
-        let has_itz = self.table[Phase::Itz as usize] != self.table[Phase::Aggregate as usize];
-        let surfaces = Surface::all(&near, has_itz, &|v| *v);
-        let voxels = Voxels::new(&grid, &surfaces, &self.table);
-        drop((near, surfaces));
+        let grid = Grid::new(&self.space, counts, 2, false);
+        let voxels = self.medium.voxels(&grid);
         let mut elastic = Elastic::new(&grid, &voxels);
-        let mut solved = Solved { tensor: [[0.0; 6]; 6], eigenstress: [0.0; 6], iterations: Vec::new(), error: 0.0 };
+        let mut solved = Solved {
+            tensor: [[0.0; 6]; 6],
+            eigenstress: [0.0; 6],
+            iterations: Vec::new(),
+            error: 0.0,
+            fields: Vec::new(),
+        };
         for column in 0..6 {
             let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
             self.column(&mut elastic, column, &mut solved, &|iteration, _| report(share(iteration)))?;
@@ -197,20 +274,23 @@ impl Task<'_> {
         elastic.forces(&nothing, &mean, &mut rhs);
         rhs.iter_mut().for_each(|force| *force = -*force);
         drop(nothing);
-        let found = solve_equations(elastic, rhs, energy, self.accuracy, report)?;
+        let found = solve_equations(elastic, rhs, energy, self.options.accuracy, report)?;
         let sums = elastic.sums(&found.potential, &mean);
         let volume = elastic.grid.volume();
         (0..6).for_each(|row| solved.tensor[row][column] = sums.stress[row] / volume);
         solved.tensor[column][column] = sums.energy / volume;
         solved.eigenstress[column] = sums.eigen / volume;
+        if self.options.fields {
+            solved.fields.push(StressField::new(elastic, &found.potential, &mean, column));
+        }
         solved.iterations.push(found.iterations);
         solved.error = solved.error.max(found.error);
         Ok(())
     }
 
     fn result(&self, counts: [usize; 3], fine: &Solved, coarse: &Solved) -> Stiffness {
-        let size = self.specimen.aabb().size();
-        let rest = |fine: f64, coarse: f64| fine + REST * (fine - coarse);
+        let share = self.medium.rest();
+        let rest = |fine: f64, coarse: f64| fine + share * (fine - coarse);
         let each = |of: &dyn Fn(usize, usize) -> f64| {
             let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| of(i, j));
             [row(0), row(1), row(2), row(3), row(4), row(5)]
@@ -218,14 +298,15 @@ impl Task<'_> {
         let tensor = each(&|i, j| rest(fine.tensor[i][j], coarse.tensor[i][j]));
         let solver_error = fine.error;
         let error = each(&|i, j| {
-            REST * (fine.tensor[i][j] - coarse.tensor[i][j]).abs() + solver_error * fine.tensor[j][j].abs()
+            share * (fine.tensor[i][j] - coarse.tensor[i][j]).abs() + solver_error * fine.tensor[j][j].abs()
         });
         let (isotropic, on_fine) = (Isotropic::of(&tensor), Isotropic::of(&fine.tensor));
         let [by_fine, by_coarse] = [fine, coarse].map(Solved::expansion);
         let strain = |i: usize| rest(by_fine[i], by_coarse[i]);
-        let strain_error = |i: usize| REST * (by_fine[i] - by_coarse[i]).abs();
+        let strain_error = |i: usize| share * (by_fine[i] - by_coarse[i]).abs();
         let isotropic_error = isotropic.distance(&on_fine);
-        let bounds = self.bounds();
+        let phases = self.medium.phases();
+        let bounds = ElasticBounds::of(&phases);
         Stiffness {
             what: "stiffness",
             warnings: warnings(&isotropic, &isotropic_error, &bounds),
@@ -238,38 +319,22 @@ impl Task<'_> {
             expansion: [0, 1, 2, 3, 4, 5].map(strain),
             expansion_error: [0, 1, 2, 3, 4, 5].map(strain_error),
             bounds,
-            phases: self.phases(),
-            boundary: [0, 1, 2].map(|axis| self.specimen.period().along(axis).map_or("uniform-strain", |_| "periodic")),
+            phases: phases.into_iter().map(|(_, share)| share).collect(),
+            boundary: self.space.boundary("uniform-strain"),
             voxels: counts,
-            voxel_size_mm: [0, 1, 2].map(|axis| size[axis] / counts[axis] as f64),
+            voxel_size_mm: self.space.spacing(counts),
             iterations: fine.iterations.clone(),
             solver_error,
         }
     }
+}
 
-    fn phases(&self) -> Vec<ElasticShare> {
-        let fractions = shares::volume_fractions(self.bodies, self.specimen);
-        let share = |phase: Phase| {
-            let moduli = self.table[phase as usize];
-            ElasticShare {
-                name: phase.name(),
-                youngs_modulus_mpa: moduli.youngs_modulus_mpa,
-                poisson_ratio: moduli.poisson_ratio,
-                eigenstrain: moduli.eigenstrain,
-                volume_fraction: fractions[phase as usize],
-            }
-        };
-        Phase::ALL.map(share).to_vec()
-    }
-
-    fn bounds(&self) -> ElasticBounds {
-        let fractions = shares::volume_fractions(self.bodies, self.specimen);
-        let of = |phase: Phase| {
-            let moduli = &self.table[phase as usize];
-            [moduli.bulk(), moduli.shear(), fractions[phase as usize]]
-        };
-        let [bulk_modulus_mpa, shear_modulus_mpa] = PropertyBounds::of_moduli(&Phase::ALL.map(of));
-        ElasticBounds { bulk_modulus_mpa, shear_modulus_mpa }
+impl ElasticBounds {
+    fn of(phases: &[(Moduli, ElasticShare)]) -> Self {
+        let of = |(moduli, share): &(Moduli, ElasticShare)| [moduli.bulk(), moduli.shear(), share.volume_fraction];
+        let [bulk_modulus_mpa, shear_modulus_mpa] =
+            PropertyBounds::of_moduli(&phases.iter().map(of).collect::<Vec<_>>());
+        Self { bulk_modulus_mpa, shear_modulus_mpa }
     }
 }
 

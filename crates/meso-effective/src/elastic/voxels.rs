@@ -5,7 +5,7 @@
 
 use super::laminate::{Material, VOID};
 use crate::grid::Grid;
-use crate::moduli::Table;
+use crate::moduli::{Moduli, Table};
 use crate::sections::{Section, Squares};
 use crate::surfaces::{Phase, Surface};
 use meso_collision::math::Vec3;
@@ -13,7 +13,7 @@ use meso_concrete::parallel;
 use std::ops::Range;
 
 /// Materials of a grid.
-pub(super) struct Voxels {
+pub(crate) struct Voxels {
     /// Phases alone, in their order, then those of cut voxels.
     pub(super) materials: Vec<Material>,
     /// Number of each voxel's material, x fastest.
@@ -29,10 +29,14 @@ const NOTHING: f64 = 1e-6;
 const WITHIN: f64 = 1e-9;
 
 impl Voxels {
+    /// Voxels of one phase each.
+    pub(crate) fn of_phases(of: Vec<u32>, phases: &[Moduli]) -> Self {
+        let largest = phases.iter().map(|phase| phase.youngs_modulus_mpa).fold(0.0, f64::max);
+        Self { materials: regular(phases, largest).iter().map(Material::pure).collect(), of }
+    }
+
     pub(super) fn new(grid: &Grid, surfaces: &[Surface], table: &Table) -> Self {
-        let mut table = *table;
-        let least = VOID * table[0].youngs_modulus_mpa;
-        table.iter_mut().for_each(|phase| phase.youngs_modulus_mpa = phase.youngs_modulus_mpa.max(least));
+        let table = regular(table, table[0].youngs_modulus_mpa);
         let mut cells = parallel::map(surfaces.len(), |number| cells(grid, &surfaces[number])).concat();
         cells.sort_by_key(|cell| cell.voxel);
         let runs: Vec<&[Cell]> = cells.chunk_by(|a, b| a.voxel == b.voxel).collect();
@@ -55,13 +59,20 @@ impl Voxels {
     }
 }
 
+/// Phases whose modulus is at least a void's in a mortar of `modulus`.
+fn regular(phases: &[Moduli], modulus: f64) -> Vec<Moduli> {
+    let mut phases = phases.to_vec();
+    phases.iter_mut().for_each(|phase| phase.youngs_modulus_mpa = phase.youngs_modulus_mpa.max(VOID * modulus));
+    phases
+}
+
 enum Found {
     Phase(Phase),
     Laminate(Material),
 }
 
 /// The material of a voxel that surfaces reach into.
-fn of(run: &[Cell], table: &Table) -> Found {
+fn of(run: &[Cell], table: &[Moduli]) -> Found {
     let mut shares = [0.0; Phase::ALL.len()];
     shares[Phase::Mortar as usize] = 1.0;
     for cell in run {

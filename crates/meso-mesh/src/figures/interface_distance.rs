@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is
-/// the staircase that is measured. Nodes that cohesive elements parted are one; middles of edges are left out.
+/// the staircase that is measured. Nodes that cohesive elements separate are one; middles of edges are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct InterfaceDistance {
     /// Nodes where an aggregate meets something else.

@@ -144,7 +144,7 @@ impl ItzForm {
     }
 }
 
-/// Treatment of aggregates that share nodes, since the elements cannot show the gap between them.
+/// Treatment of aggregates that share nodes, since the elements cannot resolve the gap between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -152,8 +152,8 @@ pub enum Joined {
     /// They stay joined: an elastic skeleton that no analysis breaks.
     #[default]
     Keep,
-    /// Mortar parts them: of the cells at a shared node those of one aggregate stay. In meshes that follow the surfaces a
-    /// cohesive ITZ parts the few that are left by itself.
+    /// Mortar separates them: of the cells at a shared node those of one aggregate stay. In meshes that follow the surfaces a
+    /// cohesive ITZ separates the few that are left by itself.
     Mortar,
     /// The same with tetrahedra that are cut first: less of the aggregates is lost, and elements get small.
     Cut,

@@ -251,10 +251,9 @@ fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Ve
 }
 
 fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
-    let wall_gap = model.spec.placement.wall_gap_mm;
     let inside = match aggregate.body.round() {
-        Some(round) => container.holds_round(&round, &Vec3::zeros(), wall_gap),
-        None => container.holds(aggregate.body.vertices(), &Vec3::zeros(), wall_gap),
+        Some(round) => container.holds_round(&round, &Vec3::zeros(), model.spec.placement.wall_gap_mm),
+        None => container.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm),
     };
     let (period, middle) = (model.spec.specimen.period(), aggregate.body.aabb());
     let middle = (middle.min + middle.max) / 2.0;

@@ -86,7 +86,11 @@ fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
         Some([a, b]) => a.distance_below(&b, gap),
         None => gjk::distance(p, q).unwrap_or(0.0),
     };
-    (distance_mm < gap).then_some(Finding::Gap { a: a.body, b: b.body, distance_mm })
+    nearer([a.body, b.body], distance_mm, gap)
+}
+
+fn nearer([a, b]: [u32; 2], distance_mm: f64, gap: f64) -> Option<Finding> {
+    (distance_mm < gap).then_some(Finding::Gap { a, b, distance_mm })
 }
 
 /// The verdict where one body is a ball or an ellipsoid.
@@ -103,8 +107,7 @@ fn round_verdict(round: &Round, other: &Placed, [a, b]: [u32; 2], gap: f64) -> O
     if gap == 0.0 || round.is_apart(&other, gap) {
         return None;
     }
-    let distance_mm = round.distance(&other);
-    (distance_mm < gap).then_some(Finding::Gap { a, b, distance_mm })
+    nearer([a, b], round.distance(&other), gap)
 }
 
 /// Boxes sorted by the cell of their lowest corner.

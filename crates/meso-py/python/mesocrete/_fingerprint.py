@@ -276,7 +276,7 @@ def _cell(cell: types.CellType) -> Any:
 
 
 def _is_installed(module: str | None) -> bool:
-    """Tell whether a module is of Python or of an installed package, whose version stands for its content."""
+    """Return whether a module is of Python or of an installed package, whose version stands for its content."""
     if module is None or module == "__main__":
         return False
     if module in sys.builtin_module_names or module.partition(".")[0] == "mesocrete":

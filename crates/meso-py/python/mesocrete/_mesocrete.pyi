@@ -37,6 +37,7 @@ __all__ = [
     "_restore_mesh",
     "_restore_packing",
     "_restore_polyhedron",
+    "_restore_response",
     "_restore_spec",
     "_run_command",
     "_study_results",
@@ -663,7 +664,7 @@ class Packing:
             meshing stops with a `RuntimeError`.
         **options
             The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
-            if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
+            if its elements resolve it: voxels thicker than the thinnest shell cannot. None means "none".
 
         Raises
         ------
@@ -1086,6 +1087,68 @@ def pack(
         too small for a single aggregate.
     """
 
+@overload
+def effective(
+    labels: ArrayLike,
+    what: Literal["diffusivity", "conductivity"] = "diffusivity",
+    *,
+    voxel_size: float | Sequence[float] | None = None,
+    phases: Mapping[int, float] | Mapping[str, float] | None = None,
+    eigenstrain: None = None,
+    axes: str = "xyz",
+    periodic: str = "",
+    progress: bool | Callable[..., object] | None = None,
+) -> _results.Effective:
+    """Effective diffusivity, conductivity or stiffness of a label volume, with its error.
+
+    Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
+    volume of every second voxel, since labels have errors of first order.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
+        One integer a phase, at most 256.
+    what : {"diffusivity", "conductivity", "stiffness"}
+        The property.
+    voxel_size : float or sequence of three float
+        Edge of a voxel, mm; three are along x, y, z.
+    phases : mapping, optional
+        Values by label, as in `{0: 1.0, 1: 0.0}`; for stiffness, each label has a mapping of `youngs_modulus_mpa`,
+        `poisson_ratio`, `eigenstrain`. Without, labels are those of `Packing.voxelize`, with its phases' defaults.
+    eigenstrain : mapping, optional
+        Strains without stress by label, for stiffness.
+    axes : str
+        Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+    periodic : str
+        Axes along which the volume repeats itself; along others both faces have given values.
+    progress : bool or callable, optional
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+
+    Returns
+    -------
+    dict
+        See `Packing.effective`; names of phases are their labels.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Names the option, its value and the accepted range; a label without a value.
+    RuntimeError
+        Where the equations do not converge.
+    """
+
+@overload
+def effective(
+    labels: ArrayLike,
+    what: Literal["stiffness"],
+    *,
+    voxel_size: float | Sequence[float] | None = None,
+    phases: Mapping[int, Mapping[str, float]] | Mapping[str, Mapping[str, float]] | None = None,
+    eigenstrain: Mapping[int, float] | Mapping[str, float] | None = None,
+    axes: Literal["xyz"] = "xyz",
+    periodic: str = "",
+    progress: bool | Callable[..., object] | None = None,
+) -> _results.Stiffness: ...
 def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -> Packing:
     """Reads a saved model.
 
@@ -1161,7 +1224,7 @@ def intersects_many(
 ) -> NDArray[np.bool_]:
     """`intersects` of `a` with each of many bodies.
 
-    Boxes tell most bodies apart. To ask about the same bodies again, make `Bodies` of them.
+    Boxes separate most bodies. To ask about the same bodies again, make `Bodies` of them.
 
     Parameters
     ----------
@@ -1346,5 +1409,15 @@ def _restore_aggregate(
     body: Polyhedron, id: int, size_class: int, itz_thickness: float, phase: str = "aggregate"
 ) -> Aggregate: ...
 def _restore_mesh(state: tuple[Any, ...], packing: tuple[bytes, str], options: str) -> Mesh: ...
-def _restore_frame(state: tuple[Any, ...], moment: str, fields: list[NDArray[np.float32]]) -> Frame: ...
+def _restore_frame(mesh: tuple[Any, ...], fields: tuple[str, list[NDArray[np.float32]]]) -> Frame: ...
+def _restore_response(
+    mesh: tuple[Any, ...],
+    source: tuple[str, int, float, str],
+    rows: NDArray[np.float64],
+    extra: NDArray[np.float64],
+    figures: str,
+    frames: list[tuple[str, list[NDArray[np.float32]]]],
+    last: tuple[str, list[NDArray[np.float32]]] | None,
+    page: tuple[str, str],
+) -> Response: ...
 def _restore_packing(model: bytes, report: str) -> Packing: ...

@@ -25,7 +25,7 @@ class Listener:
             self._staged = False
 
     def __call__(self, done: float, total: float, stage: str) -> object:
-        """Tell; False stops the work."""
+        """Report; False stops the work."""
         return self._told(done, total, stage=stage) if self._staged else self._told(done, total)
 
     def close(self) -> None:
@@ -94,7 +94,7 @@ def _notebook() -> Any:
 
 
 def listener(progress: Any) -> Listener | Bar | None:
-    """Return what is told how far the work is.
+    """Return the listener to the progress of the work.
 
     Raises TypeError for anything but None, a bool or a callable.
     """

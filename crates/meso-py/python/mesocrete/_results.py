@@ -273,7 +273,7 @@ class Statistics(TypedDict):
 
 
 class InterfaceDistance(TypedDict):
-    """How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is the staircase that is measured. Nodes that cohesive elements parted are one; middles of edges are left out."""
+    """How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is the staircase that is measured. Nodes that cohesive elements separate are one; middles of edges are left out."""
 
     nodes: int
     """Nodes where an aggregate meets something else."""
@@ -628,7 +628,7 @@ class TestResult(CurveFigures, BeyondPeak, Lateral):
     energies: Energies
     """Energies at the end, mJ."""
     joined_pairs: int
-    """Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there."""
+    """Pairs of aggregates that share nodes in the mesh, or did before mortar separated them there."""
     joined_cells: int
     """Cells of these aggregates that became mortar, in the mesh and in the test."""
     phases: list[PhaseResult]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from os import PathLike
+from typing import Any
 
 
 def text(path: str | PathLike[str], sheet: str | None) -> str:
@@ -20,7 +23,9 @@ def text(path: str | PathLike[str], sheet: str | None) -> str:
     except Exception as error:
         message = f"it is no workbook that openpyxl reads ({error}); save the sheet as CSV"
         raise ValueError(message) from None
-    names = [name for name in shown.sheetnames if _has_numbers(shown[name])]
+    # Numbers may be stored as text; a sheet of notes has digits, too.
+    tests = (_has_numbers, _has_digits)
+    names = next(filter(None, ([name for name in shown.sheetnames if has(shown[name])] for has in tests)), [])
     if sheet is None and len(names) != 1:
         message = f"{len(names)} of its sheets have numbers; choose one: sheet = {' or '.join(map(repr, names or shown.sheetnames))}"
         raise ValueError(message)
@@ -32,9 +37,17 @@ def text(path: str | PathLike[str], sheet: str | None) -> str:
     return "\n".join("\t".join(_cell(a, b) for a, b in zip(*row, strict=True)) for row in rows)
 
 
-def _has_numbers(sheet: object) -> bool:
+def _cells(sheet: object) -> Iterator[Any]:
     rows = getattr(sheet, "iter_rows", None)  # a sheet of a chart has none
-    return rows is not None and any(cell.data_type == "n" and cell.value is not None for row in rows() for cell in row)
+    return (cell for row in rows() for cell in row) if rows else iter(())
+
+
+def _has_numbers(sheet: object) -> bool:
+    return any(cell.data_type == "n" and cell.value is not None for cell in _cells(sheet))
+
+
+def _has_digits(sheet: object) -> bool:
+    return any(cell.data_type == "s" and re.search(r"\d", cell.value) for cell in _cells(sheet))
 
 
 def _cell(shown: object, typed: object) -> str:
@@ -45,7 +58,8 @@ def _cell(shown: object, typed: object) -> str:
     if value is None:
         return ""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        percent = "%" in (getattr(shown, "number_format", "") or "")
+        # A sign in quotes or behind a backslash is text: such a number counts per cent already.
+        percent = "%" in re.sub(r'"[^"]*"|\\.', "", getattr(shown, "number_format", "") or "")
         # Without an exponent, and with a point, so that no mark is taken for thousands.
         digits = f"{100 * value if percent else value:.10f}".rstrip("0")
         return f"{digits}0%" if percent else f"{digits}0"

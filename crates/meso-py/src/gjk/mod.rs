@@ -145,7 +145,7 @@ fn one_vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec3> {
 
 /// `intersects` of `a` with each of many bodies.
 ///
-/// Boxes tell most bodies apart. To ask about the same bodies again, make `Bodies` of them.
+/// Boxes separate most bodies. To ask about the same bodies again, make `Bodies` of them.
 ///
 /// Parameters
 /// ----------

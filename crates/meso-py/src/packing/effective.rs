@@ -1,18 +1,23 @@
-//! Effective properties of a packing, as dicts.
+//! Effective properties of a packing or a label volume, as dicts.
 
-use crate::boundary::{accept_in_memory, guard, wrong_value};
+use crate::boundary::{accept_in_memory, guard, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
 use meso_core::Watch;
+use meso_core::import::volume::Volume;
 use meso_core::watch::Stage;
 use meso_core::{Model, spec};
 use meso_effective::{
-    EffectiveError, EffectiveOptions, PhaseModuli, Phases, Property, StiffnessOptions, effective, stiffness,
+    EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, PhaseModuli, Phases, Property, StiffnessOptions,
+    effective, effective_of_labels, stiffness, stiffness_of_labels,
 };
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Serialize;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -50,25 +55,40 @@ impl Asked<'_> {
         self.voxel_size.unwrap_or_else(|| EffectiveOptions::default_voxel_size(model.spec.grading.d_min_mm))
     }
 
-    fn options(&self, what: Property, model: &Model) -> PyResult<EffectiveOptions> {
-        let axes = ['x', 'y', 'z'].map(|axis| self.axes.contains(axis));
-        let named = axes.iter().filter(|axis| **axis).count();
-        if named == 0 || self.axes.chars().count() != named {
-            return Err(wrong_value(format!(
-                "axes is {:?}; it must be some of x, y, z, each once, as in \"xz\"",
-                self.axes
-            )));
+    fn options(&self, what: Property, voxel_size_mm: f64) -> PyResult<EffectiveOptions> {
+        let axes = axes("axes", self.axes)?;
+        if axes == [false; 3] {
+            return Err(wrong_value("axes is \"\"; it must be some of x, y, z, each once, as in \"xz\""));
         }
-        Ok(EffectiveOptions { axes, ..EffectiveOptions::new(what, self.size(model)) })
+        Ok(EffectiveOptions { axes, ..EffectiveOptions::new(what, voxel_size_mm) })
+    }
+
+    /// Strains by the name of their phase.
+    fn eigenstrains(&self) -> PyResult<BTreeMap<String, f64>> {
+        self.eigenstrain.map_or_else(|| Ok(BTreeMap::new()), |given| by_text(given)?.extract())
+    }
+
+    /// Values of this property by label.
+    fn label_phases(&self, what: Option<Property>) -> PyResult<LabelPhases> {
+        let table = match what {
+            Some(Property::Diffusivity) => "diffusivity",
+            Some(Property::Conductivity) => "conductivity",
+            None => "stiffness",
+        };
+        let given = self.phases.map_or_else(|| Ok(json!({})), |given| from_python("phases", &by_text(given)?))?;
+        let mut phases: LabelPhases =
+            spec::options_from_value(&json!({ table: given })).map_err(|error| spec_error(&error))?;
+        for (name, strain) in self.eigenstrains()? {
+            phases.stiffness.entry(name).or_default().eigenstrain = Some(strain);
+        }
+        Ok(phases)
     }
 
     /// Elastic constants with the eigenstrains.
     fn moduli(&self) -> PyResult<PhaseModuli> {
         let read = |given| spec::options_from_value(&from_python("phases", given)?).map_err(|error| spec_error(&error));
         let mut moduli: PhaseModuli = self.phases.map_or_else(|| Ok(PhaseModuli::default()), read)?;
-        let strains =
-            self.eigenstrain.map_or_else(|| Ok(BTreeMap::new()), |given| given.extract::<BTreeMap<String, f64>>())?;
-        for (name, strain) in strains {
+        for (name, strain) in self.eigenstrains()? {
             let phase = moduli.phase_mut(&name).ok_or_else(|| {
                 wrong_value(format!("eigenstrain names {name:?}; it must be mortar, itz, aggregate, void or fibre"))
             })?;
@@ -98,34 +118,164 @@ pub(super) fn compute<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     guard(|| match asked.property()? {
         Some(what) => {
-            let (options, phases) = (asked.options(what, model)?, asked.phases(what)?);
+            let (options, phases) = (asked.options(what, asked.size(model))?, asked.phases(what)?);
             let bytes = options.bytes(&model.spec.specimen);
-            solve(py, model, bytes, progress, move |model, watch| {
-                effective(model, &phases, &options, watch).map(|(found, _)| found)
+            let model = Arc::clone(model);
+            solve(py, bytes, progress, move |watch| {
+                effective(&*model, &phases, &options, watch).map(|(found, _)| found)
             })
         }
         None => {
             let (options, moduli) = (StiffnessOptions::new(asked.size(model)), asked.moduli()?);
             let bytes = options.bytes(&model.spec.specimen);
-            solve(py, model, bytes, progress, move |model, watch| stiffness(model, &moduli, &options, watch))
+            let model = Arc::clone(model);
+            solve(py, bytes, progress, move |watch| {
+                stiffness(&*model, &moduli, &options, watch).map(|(found, _)| found)
+            })
         }
     })
+}
+
+/// Effective diffusivity, conductivity or stiffness of a label volume, with its error.
+///
+/// Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
+/// volume of every second voxel, since labels have errors of first order.
+///
+/// Parameters
+/// ----------
+/// labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
+///     One integer a phase, at most 256.
+/// what : {"diffusivity", "conductivity", "stiffness"}
+///     The property.
+/// voxel_size : float or sequence of three float
+///     Edge of a voxel, mm; three are along x, y, z.
+/// phases : mapping, optional
+///     Values by label, as in `{0: 1.0, 1: 0.0}`; for stiffness, each label has a mapping of `youngs_modulus_mpa`,
+///     `poisson_ratio`, `eigenstrain`. Without, labels are those of `Packing.voxelize`, with its phases' defaults.
+/// eigenstrain : mapping, optional
+///     Strains without stress by label, for stiffness.
+/// axes : str
+///     Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+/// periodic : str
+///     Axes along which the volume repeats itself; along others both faces have given values.
+/// progress : bool or callable, optional
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+///
+/// Returns
+/// -------
+/// dict
+///     See `Packing.effective`; names of phases are their labels.
+///
+/// Raises
+/// ------
+/// ValueError, TypeError
+///     Names the option, its value and the accepted range; a label without a value.
+/// RuntimeError
+///     Where the equations do not converge.
+#[pyfunction(name = "effective")]
+#[pyo3(signature = (labels, what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", periodic="", progress=None))]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn of_labels<'py>(
+    py: Python<'py>,
+    labels: &Bound<'py, PyAny>,
+    what: &str,
+    voxel_size: Option<&Bound<'py, PyAny>>,
+    phases: Option<&Bound<'py, PyAny>>,
+    eigenstrain: Option<&Bound<'py, PyAny>>,
+    axes: &str,
+    periodic: &str,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let asked = Asked { what, voxel_size: None, phases, eigenstrain, axes };
+    guard(|| {
+        let property = asked.property()?;
+        let phases = asked.label_phases(property)?;
+        let spacing_mm = spacing(voxel_size)?;
+        let periodic = self::axes("periodic", periodic)?;
+        let specimen = LabelSpecimen { volume: volume(labels)?, spacing_mm, periodic };
+        let counts = specimen.volume.counts;
+        match property {
+            Some(property) => {
+                phases.values(property, &specimen.volume).map_err(|error| raised(&error))?;
+                let options = asked.options(property, spacing_mm[0])?;
+                solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
+                    effective_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
+                })
+            }
+            None => {
+                phases.moduli(&specimen.volume).map_err(|error| raised(&error))?;
+                let options = StiffnessOptions::new(spacing_mm[0]);
+                solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
+                    stiffness_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
+                })
+            }
+        }
+    })
+}
+
+/// Which of x, y, z a text names.
+fn axes(keyword: &str, text: &str) -> PyResult<[bool; 3]> {
+    let axes = ['x', 'y', 'z'].map(|axis| text.contains(axis));
+    if text.chars().count() == axes.iter().filter(|axis| **axis).count() {
+        return Ok(axes);
+    }
+    Err(wrong_value(format!("{keyword} is {text:?}; it must be some of x, y, z, each once, as in \"xz\"")))
+}
+
+/// A dict whose keys are text: labels are integers in Python.
+fn by_text<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let Ok(given) = given.cast::<PyDict>() else { return Ok(given.clone()) };
+    let texts = PyDict::new(given.py());
+    given.iter().try_for_each(|(key, value)| texts.set_item(key.str()?, value))?;
+    Ok(texts.into_any())
+}
+
+/// Edges of a voxel along x, y, z, mm.
+fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
+    let Some(given) = given else { return Ok([1.0; 3]) };
+    let spacing = given.extract().map(|h: f64| [h; 3]).or_else(|_| given.extract::<[f64; 3]>());
+    let spacing = spacing.map_err(|_| wrong_type(format!("voxel_size is {given}; it must be a number or three")))?;
+    if spacing.iter().all(|h| h.is_finite() && *h > 0.0) {
+        return Ok(spacing);
+    }
+    Err(wrong_value(format!("voxel_size is {given}; it must be a positive number, mm")))
+}
+
+/// The label volume that an array is.
+fn volume(labels: &Bound<'_, PyAny>) -> PyResult<Volume> {
+    let numpy = labels.py().import("numpy")?;
+    let array = numpy.call_method1("asarray", (labels,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !["b", "i", "u"].contains(&kind.as_str()) {
+        let dtype = array.getattr("dtype")?;
+        return Err(wrong_type(format!("labels has dtype {dtype}; it must be integers, one a phase")));
+    }
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    let counts = match shape[..] {
+        [y, x] => [x, y, 1],
+        [z, y, x] => [x, y, z],
+        _ => return Err(wrong_value(format!("labels has {} axes; it must have two or three", shape.len()))),
+    };
+    let flat = numpy.call_method1("ascontiguousarray", (array, "int64"))?.call_method1("reshape", (-1,))?;
+    let flat = flat.cast_into::<PyArray1<i64>>()?;
+    let values = flat.try_readonly().map_err(|error| wrong_value(error.to_string()))?;
+    let values = values.as_slice()?.iter().copied();
+    Volume::new(counts, None, values).map_err(|error| wrong_value(format!("labels: {error}")))
 }
 
 /// Runs `work` beside Python if its `bytes` fit into memory.
 fn solve<'py, T: Serialize + Send + 'static>(
     py: Python<'py>,
-    model: &Arc<Model>,
     bytes: Result<f64, EffectiveError>,
     progress: Option<&Bound<'py, PyAny>>,
-    work: impl FnOnce(&Model, &dyn Watch) -> Result<T, EffectiveError> + Send + 'static,
+    work: impl FnOnce(&dyn Watch) -> Result<T, EffectiveError> + Send + 'static,
 ) -> PyResult<Bound<'py, PyAny>> {
     accept_in_memory("effective", bytes.map_err(|error| raised(&error))?, "voxel_size")?;
-    let (model, progress) = (Arc::clone(model), listener(py, progress)?);
+    let progress = listener(py, progress)?;
     let plan = Plan::new(&[(Stage::Solve, 1.0)], Some(1.0));
     let found = in_stages(py, progress.as_ref(), plan, move |watch| {
         watch.stops_soon();
-        work(&model, watch)
+        work(watch)
     })?;
     plain(py, &found.map_err(|error| raised(&error))?)
 }

@@ -8,6 +8,7 @@ mod table;
 
 pub(crate) use aggregates::PyAggregates;
 pub(crate) use by_spec::pack;
+pub(crate) use effective::of_labels;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
@@ -422,7 +423,7 @@ impl PyPacking {
     ///     meshing stops with a `RuntimeError`.
     /// **options
     ///     The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
-    ///     if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
+    ///     if its elements resolve it: voxels thicker than the thinnest shell cannot. None means "none".
     ///
     /// Raises
     /// ------

@@ -49,7 +49,7 @@ impl Sample<'_> {
         (pairs > 0).then(|| {
             format!(
                 "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
-                 pack with a gap that the elements can show, or refine the mesh"
+                 pack with a gap that the elements resolve, or refine the mesh"
             )
         })
     }

@@ -14,15 +14,15 @@ pub struct Row {
     pub stress_mpa: f64,
     /// Kinetic energy, mJ.
     pub kinetic: f64,
-    /// Work of the elements' forces, mJ: stored, spent and hourglass energy.
+    /// Work of the elements' forces, mJ: stored, dissipated and hourglass energy.
     pub internal: f64,
     /// Work of the plates, mJ.
     pub external: f64,
-    /// Lost in friction on the plates, mJ.
+    /// Dissipated by friction on the plates, mJ.
     pub friction_work: f64,
     /// In and through hourglass modes, mJ.
     pub hourglass: f64,
-    /// Spent in cracks, crushing and plastic flow, mJ.
+    /// Dissipated in cracks, crushing and plastic flow, mJ.
     pub dissipated: f64,
     /// Stress on the lower plate, MPa.
     pub stress_bottom_mpa: f64,
@@ -65,7 +65,8 @@ impl Row {
         ]
     }
 
-    pub(crate) fn from_values(values: [f64; 11]) -> Self {
+    /// Row of these [`values`](Self::values).
+    pub fn from_values(values: [f64; 11]) -> Self {
         let [strain, stress_mpa, kinetic, internal, external, friction_work, hourglass, dissipated, ..] = values;
         let [.., stress_bottom_mpa, stress_top_mpa, time_s] = values;
         Self {

@@ -9,10 +9,10 @@ use crate::march::run::Run;
 use crate::test::{Control, Gauge, Smoothing, TestKind};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How a test came to its end.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
     /// At the strain that was asked for.
@@ -40,7 +40,7 @@ pub struct Response {
 }
 
 /// Content of `result.json`, without seconds.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
     /// Compression or tension.
     pub test: TestKind,
@@ -85,14 +85,14 @@ pub struct Summary {
     pub hourglass_over_internal: f64,
     /// Energies at the end, mJ.
     pub energies: Energies,
-    /// Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there.
+    /// Pairs of aggregates that share nodes in the mesh, or did before mortar separated them there.
     pub joined_pairs: usize,
     /// Cells of these aggregates that became mortar, in the mesh and in the test.
     pub joined_cells: usize,
     /// Phases of the test.
     pub phases: Vec<PhaseResult>,
     /// Columns of the curve after those of every test: gauges, and forces of supports in N.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<String>,
     /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
     pub broken_stone: Option<f64>,
@@ -114,7 +114,7 @@ pub struct Summary {
 }
 
 /// Energies at the end of a test, mJ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic energy.
     pub kinetic: f64,
@@ -131,7 +131,7 @@ pub struct Energies {
 }
 
 /// A phase of a test.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhaseResult {
     /// Name in lower case.
     pub name: String,
@@ -290,7 +290,7 @@ impl Summary {
         if self.hourglass_over_internal > HOURGLASS {
             let share = 100.0 * self.hourglass_over_internal;
             let way_out = "take smaller elements or less hourglass stiffness";
-            self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
+            self.warnings.push(format!("hourglass modes have {share:.1} % of the internal energy; {way_out}"));
         }
         if self.energy_balance_error > BALANCE {
             let share = 100.0 * self.energy_balance_error;

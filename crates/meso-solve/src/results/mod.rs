@@ -15,7 +15,7 @@ use crate::march::{Extra, Response, Row};
 use crate::sample::Sample;
 use meso_mesh::{Mesh, MeshOptions, PhaseVolumes};
 use meso_pack::Model;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
 /// The mesh of `model` that `options` gave, ready to be tested, with the exact volumes of its phases.
@@ -47,7 +47,7 @@ pub struct Outcome<'a> {
 #[derive(Clone, Debug, Serialize)]
 pub struct Source {
     /// Version of mesocrete.
-    pub version: &'static str,
+    pub version: String,
     /// Seed of the packing.
     pub seed: u64,
     /// Volume of the aggregates over the specimen's.
@@ -60,12 +60,12 @@ impl Source {
     /// Source of a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
-        Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), seed, fraction, mesh: mesh.clone() }
     }
 }
 
 /// How long the parts took, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TestSeconds {
     /// Packing; 0 where a saved model was read.
     pub pack: f64,

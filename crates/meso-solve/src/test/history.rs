@@ -3,6 +3,7 @@
 use crate::error::TEST;
 use crate::test::{Test, Turn, TurnOf};
 use meso_concrete::OutOfRange;
+use meso_concrete::import::Columns;
 
 /// Columns that give the turns, and their quantities.
 const COLUMNS: [(&str, TurnOf); 3] =
@@ -24,25 +25,19 @@ impl Test {
     }
 }
 
-/// Turns of a table: a header, then a row for each turn. Lines that begin with # are remarks.
+/// Turns of a table: a header, then a row for each turn.
 fn turns(text: &str) -> Result<Vec<Turn>, String> {
-    let is_row = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
-    let mut rows = (1..).zip(text.lines()).filter(is_row);
-    let first = rows.next().map(|(_, line)| line).unwrap_or_default();
-    // A decimal comma is no comma between cells.
-    let between = [';', '\t'].into_iter().find(|sign| first.contains(*sign)).unwrap_or(',');
-    let cells = |line: &str| -> Vec<String> {
-        line.split(between).map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
-    };
-    let header = cells(first);
-    let place = |name: &str| header.iter().position(|cell| cell.eq_ignore_ascii_case(name));
-    let found = COLUMNS.into_iter().find_map(|(name, of)| place(name).map(|place| (place, of)));
+    let table = Columns::parse(text)?;
+    let mut found = None;
+    for (name, of) in COLUMNS {
+        found = found.or(table.place(name)?.map(|place| (place, of)));
+    }
     let (place, of) = found.ok_or("it has no column strain, stress_mpa or opening_mm in its first line")?;
-    let turn = |(number, line): (usize, &str)| {
-        let value = cells(line).get(place).and_then(|cell| cell.parse::<f64>().ok()).filter(|at| at.is_finite());
-        value.map(|at| Turn { at, of }).ok_or_else(|| format!("its line {number} has no number in that column"))
+    let turn = |(line, cells): &(usize, Vec<Option<f64>>)| {
+        let at = cells[place].filter(|at| at.is_finite());
+        at.map(|at| Turn { at, of }).ok_or_else(|| format!("its line {line} has no number in that column"))
     };
-    let turns: Vec<Turn> = rows.map(turn).collect::<Result<_, _>>()?;
+    let turns: Vec<Turn> = table.rows.iter().map(turn).collect::<Result<_, _>>()?;
     if turns.is_empty() { Err("it has no row; give one for each turn".to_owned()) } else { Ok(turns) }
 }
 
@@ -67,6 +62,8 @@ mod tests {
             turns(TurnOf::Stress, &[10.0, 1.0])
         );
         assert_eq!(taken("opening_mm\n0.1"), turns(TurnOf::Opening, &[0.1]));
+        // As a table calculation writes them.
+        assert_eq!(taken("t;strain\r1;0,002\r2;0\r"), turns(TurnOf::Strain, &[0.002, 0.0]));
     }
 
     #[test]
@@ -77,6 +74,8 @@ mod tests {
             ("strain\n", "it has no row"),
             ("strain\n0.1\nfar\n", "its line 3 has no number"),
             ("strain\ninf\n", "its line 2 has no number"),
+            ("strain,strain\n0.1,0.2\n", "the column strain twice"),
+            ("t,strain\n1\n", "line 2 has 1 cells and line 1 has 2"),
         ] {
             let error = taken(text).unwrap_err();
             assert!(error.contains("test.history is") && error.contains(why), "{error}");

@@ -47,7 +47,7 @@ impl TestKind {
                 "kind = \"biaxial\"\nstress_ratio = 0.5          # lateral over axial stress\nfriction = 0.005\n",
             ),
             Self::Cyclic => (
-                "Plates press along z and turn where they are told to.",
+                "Plates press along z and make the turns that are listed.",
                 "kind = \"cyclic\"\nturns = [\n    { at = 0.002 },             # a strain\n    { at = 1.0, of = \"stress\" },  # MPa\n    { at = 0.005 },\n]\n",
             ),
             Self::Expansion => (

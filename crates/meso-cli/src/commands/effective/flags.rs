@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json or .json.gz); `-` is standard input
+    /// A saved model (.json or .json.gz), `-` for standard input; or a label volume (.tif, .npy, .vti)
     pub(super) model: PathBuf,
-    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti and so on
+    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti, stiffness_xx.vti and so on
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
     /// Property: diffusivity, conductivity, stiffness, or all
@@ -16,16 +16,21 @@ pub(crate) struct Args {
     pub(super) what: What,
     /// Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate,
     /// itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as
-    /// [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain
+    /// [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too,
+    /// as in 0 = 1.0
     #[arg(long, value_name = "FILE")]
     pub(super) phases: Option<PathBuf>,
-    /// Edge of a voxel, mm; the error follows from voxels of twice the size [default: an eighth of the smallest grain]
+    /// Edge of a voxel, mm; the error follows from voxels of twice the size [default: an eighth of the smallest grain; of a
+    /// label volume, the file's, or else 1]
     #[arg(long, value_name = "H", value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     pub(super) voxel_size_mm: Option<f64>,
     /// Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4
     #[arg(long, value_name = "PHASE=STRAIN", value_delimiter = ',', value_parser = eigenstrain)]
     pub(super) eigenstrain: Vec<(String, f64)>,
+    /// Axes along which a label volume repeats itself; without, it has walls
+    #[arg(long, value_name = "AXES", value_parser = axes)]
+    pub(super) periodic: Option<Axes>,
     /// Axes of the gradient; each takes a solution. Stiffness always has all
     #[arg(long, value_name = "AXES", default_value = "xyz", value_parser = axes)]
     pub(super) axes: Axes,

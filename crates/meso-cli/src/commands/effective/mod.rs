@@ -1,4 +1,4 @@
-//! `mesocrete effective`: effective diffusivity, conductivity and stiffness of a saved model.
+//! `mesocrete effective`: effective diffusivity, conductivity and stiffness of a saved model or a label volume.
 
 mod flags;
 mod run;

@@ -1,7 +1,7 @@
-//! The work of `mesocrete effective`: tensors, page and fields of a saved model.
+//! The work of `mesocrete effective`: tensors, page and fields of a saved model or a label volume.
 
 use super::flags::Args;
-use super::settings::wrong;
+use super::settings::{Values, wrong};
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
@@ -9,8 +9,11 @@ use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
 use meso_core::Model;
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, Found, PAGE, field_file, write_figures, write_page};
-use meso_effective::{Effective, FluxField, Phases, Property, Stiffness, StiffnessOptions, effective, stiffness};
+use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, write_figures, write_page};
+use meso_effective::{
+    Effective, FluxField, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, StressField, effective,
+    effective_of_labels, stiffness, stiffness_of_labels,
+};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -18,28 +21,30 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let phases = args.phases()?;
+    let values = args.values()?;
     let force = args.writing.force;
     let names = args.files();
     let _own = OwnFolder::open(&args.output)?;
     let target = |name: &str| Target::new(&args.output.join(name), force);
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
-    let model = inputs::model(&args.model, &watch)?;
-    accept(args, &model)?;
+    let subject = Subject::read(args, values, &watch)?;
+    subject.accept(args)?;
     let (mut found, mut fields) = (Vec::new(), Vec::new());
     for property in args.properties() {
-        let (result, theirs) = solve(args, property, &model, &phases, &watch)?;
+        let (result, theirs) = subject.solve(args, property, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(|field| (property, field)));
+        fields.extend(theirs.into_iter().map(|field| PropertyField::Flux(property, field)));
     }
     if args.what.stiffness {
-        found.push(solve_stiffness(args, &model, &phases, &watch)?);
+        let (result, theirs) = subject.solve_stiffness(args, &watch)?;
+        found.push(result);
+        fields.extend(theirs.into_iter().map(PropertyField::Stress));
     }
     watch.finish();
     let mut unit = Unit::default();
-    for (what, field) in &fields {
-        unit.fill(&target(&field_file(*what, field.axis))?, force, |out| field.write_vti(out))?;
+    for field in &fields {
+        unit.fill(&target(&field.file())?, force, |out| field.write_vti(out))?;
     }
     unit.fill(&target(FIGURES)?, force, |out| write_figures(&found, out))?;
     unit.fill(&target(PAGE)?, force, |out| write_page(&found, &fields, out))?;
@@ -51,34 +56,86 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
-type Solved = ((Found, f64), Vec<FluxField>);
-
-fn solve(args: &Args, what: Property, model: &Model, phases: &Phases, watch: &Watch) -> Result<Solved, Failure> {
-    let options = args.options(what, &model.spec);
-    let begun = Instant::now();
-    let (found, fields) = effective(model, phases, &options, watch).map_err(|error| wrong(&error))?;
-    Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
+/// A specimen with the values of its phases.
+enum Subject {
+    Packing(Box<Model>, Box<Phases>),
+    Labels(LabelSpecimen, LabelPhases),
 }
 
-fn solve_stiffness(args: &Args, model: &Model, phases: &Phases, watch: &Watch) -> Result<(Found, f64), Failure> {
-    let options = StiffnessOptions::new(args.size(&model.spec));
-    let begun = Instant::now();
-    let found = stiffness(model, &phases.stiffness, &options, watch).map_err(|error| wrong(&error))?;
-    Ok((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()))
-}
-
-/// Refuses voxels out of range and beyond the memory, for all properties before any of them is computed.
-fn accept(args: &Args, model: &Model) -> Result<(), Failure> {
-    let specimen = &model.spec.specimen;
-    let flux = |what: Property| (what.name(), args.options(what, &model.spec).bytes(specimen));
-    let stiffness = || ("stiffness", StiffnessOptions::new(args.size(&model.spec)).bytes(specimen));
-    let size = args.size(&model.spec);
-    for (what, bytes) in args.properties().into_iter().map(flux).chain(args.what.stiffness.then(stiffness)) {
-        let bytes = bytes.map_err(|error| wrong(&error))?;
-        room::accept_in_memory(&format!("the {what} of voxels of {size} mm"), bytes, ("--voxel-size-mm", size))?;
+impl Subject {
+    fn read(args: &Args, values: Values, watch: &Watch) -> Result<Self, Failure> {
+        Ok(match values {
+            Values::Packing(phases) => Self::Packing(Box::new(inputs::model(&args.model, watch)?), phases),
+            Values::Labels(phases) => Self::Labels(args.labels()?, phases),
+        })
     }
-    Ok(())
+
+    /// Edge of a voxel, mm.
+    fn size(&self, args: &Args) -> f64 {
+        match self {
+            Self::Packing(model, _) => args.size(&model.spec),
+            Self::Labels(specimen, _) => specimen.spacing_mm[0],
+        }
+    }
+
+    fn solve(&self, args: &Args, what: Property, watch: &Watch) -> Result<Solved, Failure> {
+        let options = args.options(what, self.size(args));
+        let begun = Instant::now();
+        let found = match self {
+            Self::Packing(model, phases) => effective(&**model, phases, &options, watch),
+            Self::Labels(specimen, phases) => effective_of_labels(specimen, phases, &options, watch),
+        };
+        let (found, fields) = found.map_err(|error| wrong(&error))?;
+        Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
+    }
+
+    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<((Found, f64), Vec<StressField>), Failure> {
+        let options = args.stiffness_options(self.size(args));
+        let begun = Instant::now();
+        let found = match self {
+            Self::Packing(model, phases) => stiffness(&**model, &phases.stiffness, &options, watch),
+            Self::Labels(specimen, phases) => stiffness_of_labels(specimen, phases, &options, watch),
+        };
+        let (found, fields) = found.map_err(|error| wrong(&error))?;
+        Ok(((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
+    }
+
+    /// Refuses voxels out of range and beyond the memory, for all properties before any of them is computed.
+    fn accept(&self, args: &Args) -> Result<(), Failure> {
+        let size = self.size(args);
+        let properties = args.properties().into_iter().map(Some).chain(args.what.stiffness.then_some(None));
+        for property in properties {
+            let name = property.map_or("stiffness", Property::name);
+            match self {
+                Self::Packing(model, _) => {
+                    let specimen = &model.spec.specimen;
+                    let bytes = property.map_or_else(
+                        || args.stiffness_options(size).bytes(specimen),
+                        |property| args.options(property, size).bytes(specimen),
+                    );
+                    let work = format!("the {name} of voxels of {size} mm");
+                    room::accept_in_memory(&work, bytes.map_err(|error| wrong(&error))?, ("--voxel-size-mm", size))?;
+                }
+                Self::Labels(specimen, phases) => {
+                    let counts = specimen.volume.counts;
+                    let checked = match property {
+                        Some(property) => phases.values(property, &specimen.volume).map(drop),
+                        None => phases.moduli(&specimen.volume).map(drop),
+                    };
+                    checked.map_err(|error| wrong(&error))?;
+                    let bytes = property.map_or_else(
+                        || args.stiffness_options(size).bytes_of(counts),
+                        |property| args.options(property, size).bytes_of(counts),
+                    );
+                    room::accept_image(&format!("the {name} of the volume"), bytes)?;
+                }
+            }
+        }
+        Ok(())
+    }
 }
+
+type Solved = ((Found, f64), Vec<FluxField>);
 
 /// Prints the result with its errors, then warnings.
 fn tell(found: &Found, quiet: bool) {

@@ -3,25 +3,69 @@
 use super::flags::Args;
 use crate::failure::Failure;
 use crate::inputs;
+use meso_core::import::{ending, volume};
 use meso_core::{Spec, spec};
-use meso_effective::results::{FIGURES, PAGE, field_file};
-use meso_effective::{EffectiveError, EffectiveOptions, Phases, Property};
+use meso_effective::results::{FIGURES, PAGE, field_file, stress_file};
+use meso_effective::{
+    EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
+};
+
+/// Values of the phases.
+pub(super) enum Values {
+    Packing(Box<Phases>),
+    Labels(LabelPhases),
+}
 
 impl Args {
     /// Values of the phases, from the file if one is named.
-    pub(super) fn phases(&self) -> Result<Phases, Failure> {
+    pub(super) fn values(&self) -> Result<Values, Failure> {
+        self.go_together()?;
+        if self.is_volume() {
+            return self.label_phases().map(Values::Labels);
+        }
+        self.phases().map(|phases| Values::Packing(Box::new(phases)))
+    }
+
+    /// Refuses flags that contradict each other.
+    fn go_together(&self) -> Result<(), Failure> {
+        if !self.eigenstrain.is_empty() && !self.what.stiffness {
+            return Err(Failure::Usage("--eigenstrain needs --what stiffness or all".to_owned()));
+        }
+        if self.properties().is_empty() && self.axes.0 != [true; 3] {
+            return Err(Failure::Usage("--axes needs --what diffusivity, conductivity or all".to_owned()));
+        }
+        if self.periodic.is_some() && !self.is_volume() {
+            return Err(Failure::Usage(
+                "--periodic is for label volumes; a model's specimen says it itself".to_owned(),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Refuses flags that are wrong with any file.
+    pub(crate) fn validate(&self) -> Result<(), Failure> {
+        if self.phases.is_some() { self.go_together() } else { self.values().map(drop) }
+    }
+
+    /// Refuses flags that a packing of `spec` has no property for.
+    pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.values()?;
+        let bytes = EffectiveOptions::new(Property::default(), self.size(spec)).bytes(&spec.specimen);
+        bytes.map(drop).map_err(|error| wrong(&error))
+    }
+
+    /// Whether the input is a label volume, by its ending.
+    fn is_volume(&self) -> bool {
+        ending(&self.model.to_string_lossy()).is_some_and(|ending| volume::ENDINGS.contains(&ending.as_str()))
+    }
+
+    fn phases(&self) -> Result<Phases, Failure> {
         let mut phases = match &self.phases {
             Some(path) => inputs::toml(path, spec::options_from_toml)?,
             None => Phases::default(),
         };
         for property in self.properties() {
             phases.values(property).validate(property).map_err(|error| Failure::Usage(error.to_string()))?;
-        }
-        if !self.eigenstrain.is_empty() && !self.what.stiffness {
-            return Err(Failure::Usage("--eigenstrain needs --what stiffness or all".to_owned()));
-        }
-        if self.properties().is_empty() && self.axes.0 != [true; 3] {
-            return Err(Failure::Usage("--axes needs --what diffusivity, conductivity or all".to_owned()));
         }
         for (name, strain) in &self.eigenstrain {
             let phase = phases.stiffness.phase_mut(name).ok_or_else(|| {
@@ -37,20 +81,44 @@ impl Args {
         Ok(phases)
     }
 
+    fn label_phases(&self) -> Result<LabelPhases, Failure> {
+        let mut phases: LabelPhases = match &self.phases {
+            Some(path) => inputs::toml(path, spec::options_from_toml)?,
+            None => LabelPhases::default(),
+        };
+        for (name, strain) in &self.eigenstrain {
+            phases.stiffness.entry(name.clone()).or_default().eigenstrain = Some(*strain);
+        }
+        Ok(phases)
+    }
+
+    /// The label volume, with the edges of its voxels.
+    pub(super) fn labels(&self) -> Result<LabelSpecimen, Failure> {
+        let volume = inputs::volume(&self.model)?;
+        let given = self.voxel_size_mm.map(|h| [h; 3]);
+        let spacing_mm = given.or(volume.spacing_mm).unwrap_or([1.0; 3]);
+        Ok(LabelSpecimen { volume, spacing_mm, periodic: self.periodic.map_or([false; 3], |axes| axes.0) })
+    }
+
     pub(super) fn properties(&self) -> Vec<Property> {
         let asked = [(Property::Diffusivity, self.what.diffusivity), (Property::Conductivity, self.what.conductivity)];
         asked.into_iter().filter(|(_, asked)| *asked).map(|(property, _)| property).collect()
     }
 
     /// Names of the files that a run writes.
-    pub(super) fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         let axes = || (0..3).filter(|axis| self.axes.0[*axis] && !self.no_fields);
         let fields = self.properties().into_iter().flat_map(|what| axes().map(move |axis| field_file(what, axis)));
-        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).collect()
+        let stresses = (0..6).filter(|_| self.what.stiffness && !self.no_fields).map(stress_file);
+        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).chain(stresses).collect()
     }
 
-    pub(super) fn options(&self, what: Property, spec: &Spec) -> EffectiveOptions {
-        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, ..EffectiveOptions::new(what, self.size(spec)) }
+    pub(super) fn options(&self, what: Property, voxel_size_mm: f64) -> EffectiveOptions {
+        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, ..EffectiveOptions::new(what, voxel_size_mm) }
+    }
+
+    pub(super) fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
+        StiffnessOptions { fields: !self.no_fields, ..StiffnessOptions::new(voxel_size_mm) }
     }
 
     /// Edge of a voxel, mm.

@@ -2,16 +2,8 @@
 
 use crate::failure::Failure;
 use crate::inputs;
-use meso_core::import::sieve_table;
+use meso_core::import::{Columns, sieve_table};
 use std::path::Path;
-
-/// The columns of strain and stress in a file.
-struct Columns {
-    strain: usize,
-    stress: usize,
-    /// Strain per unit of the first.
-    scale: f64,
-}
 
 /// Reads strain and stress, MPa, of a specimen of this height. Curves of compression with negative signs are turned round.
 pub(super) fn read(path: &Path, height_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
@@ -21,54 +13,26 @@ pub(super) fn read(path: &Path, height_mm: f64) -> Result<Vec<[f64; 2]>, Failure
 }
 
 fn parse(text: &str, height_mm: f64) -> Result<Vec<[f64; 2]>, String> {
-    let text = text.replace("\r\n", "\n");
-    let lines =
-        || text.split(['\n', '\r']).zip(1..).filter(|(line, _)| !(line.trim().is_empty() || line.starts_with('#')));
-    let Some((first, number)) = lines().next() else { return Ok(Vec::new()) };
-    let separator = [';', '\t', ','].into_iter().find(|separator| first.contains(*separator)).unwrap_or(',');
-    let columns = match numbers(first, separator).contains(&None) {
-        true => named(&first.split(separator).map(str::trim).collect::<Vec<_>>(), height_mm)?,
-        false => Columns { strain: 0, stress: 1, scale: 1.0 },
-    };
-    let count = first.split(separator).count();
-    let row = |(line, place): (&str, usize)| {
-        let cells = numbers(line, separator);
+    let table = Columns::parse(text)?;
+    let (strain, stress, scale) = if table.names.is_empty() { (0, 1, 1.0) } else { named(&table, height_mm)? };
+    let row = |(line, cells): &(usize, Vec<Option<f64>>)| {
         let cell = |column: usize| cells.get(column).copied().flatten();
-        if cells.len() != count {
-            return Err(format!("line {place} has {} cells and line {number} has {count}", cells.len()));
-        }
-        let pair = cell(columns.strain).zip(cell(columns.stress));
-        pair.map(|(strain, stress)| [columns.scale * strain, stress])
-            .ok_or_else(|| format!("line {place} has no number there"))
+        let pair = cell(strain).zip(cell(stress)).ok_or_else(|| format!("line {line} has no number there"));
+        pair.map(|(strain, stress)| [scale * strain, stress])
     };
-    let has_header = usize::from(numbers(first, separator).contains(&None));
-    let mut curve: Vec<[f64; 2]> = lines().skip(has_header).map(row).collect::<Result<_, _>>()?;
+    let mut curve: Vec<[f64; 2]> = table.rows.iter().map(row).collect::<Result<_, _>>()?;
     if curve.iter().map(|point| point[1]).sum::<f64>() < 0.0 {
         curve.iter_mut().flatten().for_each(|value| *value = -*value);
     }
     Ok(curve)
 }
 
-/// The cells of a line as numbers. Where commas separate no cells, they stand before decimals.
-fn numbers(line: &str, separator: char) -> Vec<Option<f64>> {
-    let number = |cell: &str| match separator {
-        ',' => cell.trim().parse().ok(),
-        _ => cell.trim().replace(',', ".").parse().ok(),
-    };
-    line.split(separator).map(number).collect()
-}
-
-fn named(header: &[&str], height_mm: f64) -> Result<Columns, String> {
-    let places = |name: &str| {
-        let is_it = |cell: &&str| cell.trim_matches('"').eq_ignore_ascii_case(name);
-        let places: Vec<usize> = (0..header.len()).filter(|&place| is_it(&header[place])).collect();
-        if places.len() > 1 { Err(format!("it has the column {name} twice; keep one of the two")) } else { Ok(places) }
-    };
-    let place = |name: &str| places(name).map(|places| places.first().copied());
-    let stress = place("stress_mpa")?.ok_or("it has no column stress_mpa")?;
-    match (place("strain")?, place("displacement_mm")?) {
-        (Some(strain), _) => Ok(Columns { strain, stress, scale: 1.0 }),
-        (None, Some(strain)) => Ok(Columns { strain, stress, scale: 1.0 / height_mm }),
+/// Columns of strain and stress, and strain per unit of the first.
+fn named(table: &Columns, height_mm: f64) -> Result<(usize, usize, f64), String> {
+    let stress = table.place("stress_mpa")?.ok_or("it has no column stress_mpa")?;
+    match (table.place("strain")?, table.place("displacement_mm")?) {
+        (Some(strain), _) => Ok((strain, stress, 1.0)),
+        (None, Some(way)) => Ok((way, stress, 1.0 / height_mm)),
         (None, None) => Err("it has no column strain and none displacement_mm".to_owned()),
     }
 }

@@ -32,6 +32,7 @@ struct Content {
     draw: Option<Sampling>,
     mesh: Option<Map<String, Value>>,
     solve: Option<Map<String, Value>>,
+    effective: Option<Map<String, Value>>,
     test: Option<Value>,
 }
 
@@ -64,7 +65,7 @@ impl StudyFile {
         let Base { tree: base, folder, specs } = base(&content, path)?;
         let axes = all_axes(specs, &content).map_err(wrong)?;
         let mut task = Map::from_iter([("outputs".to_owned(), json!(content.outputs))]);
-        for (name, flags) in [("mesh", content.mesh), ("solve", content.solve)] {
+        for (name, flags) in [("mesh", content.mesh), ("solve", content.solve), ("effective", content.effective)] {
             task.extend(flags.map(|flags| (name.to_owned(), Value::Object(flags))));
         }
         if let Some(test) = content.test {
@@ -75,7 +76,7 @@ impl StudyFile {
         }
         for key in axes.iter().flat_map(|axis| &axis.keys) {
             let section = key.split('.').next().unwrap_or_default();
-            if ["mesh", "solve", "test"].contains(&section) && !task.contains_key(section) {
+            if ["mesh", "solve", "effective", "test"].contains(&section) && !task.contains_key(section) {
                 return Err(wrong(format!("{key} changes [{section}], which is not there; add it")));
             }
         }
@@ -95,7 +96,8 @@ impl StudyFile {
         let cases = study.axes.iter().map(|axis| axis.rows.len()).fold(1, usize::saturating_mul);
         let mut values = study.task.to_string();
         study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.keys, axis.rows));
-        let names_files = values.contains("materials") || values.to_lowercase().contains(".toml");
+        let names_files =
+            ["materials", "phases"].iter().any(|flag| values.contains(flag)) || values.to_lowercase().contains(".toml");
         Ok((cases <= MOST_ALONE && !names_files).then_some(study))
     }
 
@@ -169,7 +171,7 @@ impl Planning for Completing<'_> {
     }
 
     fn complete(&mut self, task: &mut Value) -> Result<(), String> {
-        for section in ["mesh", "solve"] {
+        for section in ["mesh", "solve", "effective"] {
             for flag in flag_files::FLAGS {
                 let files = flag_files::of(flag, &task[section][flag]);
                 let hashes = files.map(|file| self.hash(file)).collect::<Result<Vec<_>, _>>()?;

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Flags whose value may be a file that determines the result.
-pub(super) const FLAGS: [&str; 2] = ["materials", "test"];
+pub(super) const FLAGS: [&str; 3] = ["materials", "phases", "test"];
 /// Ending of the key with a file's hash.
 const HASH: &str = "-sha256";
 

@@ -27,8 +27,8 @@ const REDRAW: Duration = Duration::from_millis(200);
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// Study (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]` and `[solve]`,
-    /// the work on each packing; see docs/studies.md
+    /// Study (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]`, `[solve]` and
+    /// `[effective]`, the work on each packing; see docs/studies.md
     study: PathBuf,
     /// Folder of the study: a folder for each case, table.csv and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]

@@ -1,7 +1,7 @@
-//! The steps of each case: pack, write, mesh, solve. Flags in a study are the commands' own.
+//! The steps of each case: pack, write, mesh, solve, effective properties. Flags in a study are the commands' own.
 
 use super::{beside, flag_files};
-use crate::commands::{mesh, solve};
+use crate::commands::{effective, mesh, solve};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
@@ -9,7 +9,8 @@ use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Silent, Spec};
-use meso_study::{Case, CaseOutcome, Keep, NameError, Names, RECORD, of_packing, of_summary};
+use meso_effective::results::FIGURES;
+use meso_study::{Case, CaseOutcome, Keep, NameError, Names, RECORD, of_effective, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -32,6 +33,13 @@ struct SolveLine {
     args: solve::Args,
 }
 
+#[derive(Parser)]
+#[command(name = "[effective]", no_binary_name = true, disable_help_flag = true)]
+struct EffectiveLine {
+    #[command(flatten)]
+    args: effective::Args,
+}
+
 /// Flags of the study's own command line that its steps take.
 pub(super) struct Given {
     pub(super) threads: Option<u16>,
@@ -46,6 +54,7 @@ pub(super) struct Steps {
     keep: Keep,
     mesh: Option<mesh::Args>,
     solve: Option<solve::Args>,
+    effective: Option<effective::Args>,
     threads: Option<u16>,
 }
 
@@ -61,16 +70,18 @@ impl Steps {
     ) -> Result<Self, Failure> {
         let mut common = vec!["--force".to_owned(), "--quiet".to_owned()];
         common.extend(given.threads.map(|threads| format!("--threads={threads}")));
-        common.extend(given.gmsh.as_ref().map(|program| format!("--gmsh={}", program.display())));
+        let gmsh: Vec<String> = given.gmsh.iter().map(|program| format!("--gmsh={}", program.display())).collect();
         let line = |section: &str, first: [&Path; 3], takes_output: bool| {
             let flags = case.task[section].as_object()?;
             let [model, flag, value] = first.map(|word| word.to_string_lossy().into_owned());
             let words = words(section, flags, takes_output.then_some(folder), study);
-            Some(words.map(|words| [vec![model, flag, value], common.clone(), words].concat()))
+            let gmsh = if section == "effective" { Vec::new() } else { gmsh.clone() };
+            Some(words.map(|words| [vec![model, flag, value], common.clone(), gmsh, words].concat()))
         };
         let (model, summary) = (folder.join(keep.model()), folder.join(MESH_SUMMARY));
         let mesh_line = line("mesh", [&model, Path::new("--summary-json"), &summary], true).transpose()?;
         let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
+        let effective_line = line("effective", [&model, Path::new("-o"), folder], false).transpose()?;
         let mesh = mesh_line.map(|line| -> Result<_, Failure> {
             let line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
             line.args.validate().map(|()| line.args)
@@ -80,15 +91,20 @@ impl Steps {
             case.task.get("test").map_or(Ok(()), |test| line.args.set_test(test))?;
             line.args.validate_alone().map(|()| line.args)
         });
-        let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
-        claim((outputs, keep), mesh.as_ref(), solve.is_some())?;
+        let effective = effective_line.map(|line| -> Result<_, Failure> {
+            let line = EffectiveLine::try_parse_from(line).map_err(|error| wrong_flag("effective", &error))?;
+            line.args.validate().map(|()| line.args)
+        });
+        let (mesh, solve, effective) = (mesh.transpose()?, solve.transpose()?, effective.transpose()?);
+        claim((outputs, keep), mesh.as_ref(), solve.is_some(), effective.as_ref())?;
         let outputs = outputs.iter().map(|name| packing_file(folder, name)).collect::<Result<_, _>>()?;
-        Ok(Self { outputs, keep, mesh, solve, threads: given.threads })
+        Ok(Self { outputs, keep, mesh, solve, effective, threads: given.threads })
     }
 
     /// Refuses flags that the packing of `spec` cannot be meshed or tested with, and a missing gmsh.
     pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.check(spec))?;
+        self.effective.as_ref().map_or(Ok(()), |effective| effective.check(spec))?;
         self.solve.as_ref().map_or(Ok(()), |solve| solve.check(spec))
     }
 
@@ -135,6 +151,10 @@ impl Steps {
                 _ => return Err(Failure::Run("the test has no valid end; result.json says why".to_owned())),
             };
         }
+        if let Some(args) = &self.effective {
+            effective::run(args)?;
+            results.insert("effective".to_owned(), of_effective(&read(&folder.join(FIGURES))?));
+        }
         self.keep.tidy(folder).map_err(|error| Failure::file(folder, &error))?;
         Ok(results)
     }
@@ -160,7 +180,12 @@ impl Steps {
 }
 
 /// Refuses files that two steps would write under one name.
-fn claim((outputs, keep): (&[String], Keep), mesh: Option<&mesh::Args>, has_test: bool) -> Result<(), Failure> {
+fn claim(
+    (outputs, keep): (&[String], Keep),
+    mesh: Option<&mesh::Args>,
+    has_test: bool,
+    effective: Option<&effective::Args>,
+) -> Result<(), Failure> {
     let mut names = Names::default();
     let wrong = |error: NameError| Failure::Usage(error.to_string());
     let summary = mesh.map(|_| MESH_SUMMARY);
@@ -169,6 +194,8 @@ fn claim((outputs, keep): (&[String], Keep), mesh: Option<&mesh::Args>, has_test
     if has_test {
         solve::Args::claim("[solve]", &mut names).map_err(wrong)?;
     }
+    let properties = effective.map_or_else(Vec::new, effective::Args::files);
+    properties.iter().try_for_each(|name| names.claim("[effective]", name)).map_err(wrong)?;
     outputs.iter().try_for_each(|name| names.claim("outputs", name)).map_err(wrong)?;
     mesh.map_or(Ok(()), |mesh| mesh.claim("[mesh] output", &mut names))
 }
@@ -245,8 +272,10 @@ fn wrong_flag(section: &str, error: &clap::Error) -> Failure {
 }
 
 fn summary(path: &Path) -> Result<Value, Failure> {
+    read(path).map(|summary| of_summary(&summary))
+}
+
+fn read(path: &Path) -> Result<Value, Failure> {
     let bytes = std::fs::read(path).map_err(|error| Failure::file(path, &error))?;
-    let summary: Value =
-        serde_json::from_slice(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", path.display())))?;
-    Ok(of_summary(&summary))
+    serde_json::from_slice(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", path.display())))
 }

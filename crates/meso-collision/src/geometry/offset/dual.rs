@@ -57,7 +57,7 @@ impl Dual {
 }
 
 fn flat() -> OffsetError {
-    ill_conditioned("the planes, moved inwards, cannot be told apart in f64")
+    ill_conditioned("the planes, moved inwards, cannot be distinguished in f64")
 }
 
 /// Dual points in a unit that makes the nearest plane about 1 away.

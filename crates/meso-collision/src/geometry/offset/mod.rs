@@ -166,6 +166,6 @@ fn ill_conditioned(reason: &str) -> OffsetError {
 
 impl From<HullError> for OffsetError {
     fn from(_: HullError) -> Self {
-        ill_conditioned("the planes, moved inwards, cannot be told apart in f64")
+        ill_conditioned("the planes, moved inwards, cannot be distinguished in f64")
     }
 }

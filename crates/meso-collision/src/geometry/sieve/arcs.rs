@@ -13,11 +13,9 @@ const BITS: usize = 64;
 /// Bodies with at most this many vertices find the face beyond an edge in a table, others by sorting.
 const TABLE: usize = 64;
 
-/// Vertices relative to the first, by axis.
-///
-/// The last vertex is repeated until registers are full.
-pub(super) struct Points {
-    axes: [Vec<f64>; 3],
+/// Vertices relative to the first, by axis, in registers. The last vertex fills the last register.
+pub(super) struct Points<S: Simd> {
+    registers: Vec<[S::F64; 3]>,
 }
 
 /// Directions along which an edge is outermost.
@@ -48,26 +46,26 @@ pub(super) struct Piece {
 /// Directions at both ends of a piece.
 pub(super) type Ends = [Vec3; 2];
 
-impl Points {
+impl<S: Simd> Points<S> {
     #[inline(always)]
-    pub(super) fn of(body: &Polyhedron) -> Self {
+    pub(super) fn of(simd: S, body: &Polyhedron) -> Self {
         let vertices = body.vertices();
-        let last = vertices.len() - 1;
-        let axis = |axis: usize| {
-            let relative = |k: usize| vertices[k.min(last)][axis] - vertices[0][axis];
-            (0..vertices.len().next_multiple_of(LANES)).map(relative).collect()
-        };
-        Self { axes: [0, 1, 2].map(axis) }
+        let (first, last) = (&vertices[0], vertices.len() - 1);
+        let mut registers = Vec::with_capacity(vertices.len().div_ceil(S::F64::LANES));
+        for at in starts::<S>(vertices.len()) {
+            let lane = |axis: usize| S::F64::of_lanes(simd, |l| vertices[(at + l).min(last)][axis] - first[axis]);
+            registers.push([lane(0), lane(1), lane(2)]);
+        }
+        Self { registers }
     }
 
     /// Width along the unit vector `u`.
     #[inline(always)]
-    pub(super) fn width<S: Simd>(&self, simd: S, u: &Vec3) -> f64 {
+    pub(super) fn width(&self, simd: S, u: &Vec3) -> f64 {
         let [x, y, z] = all(simd, u);
         let zero = S::F64::all(simd, 0.0);
         let [mut most, mut least] = [S::F64::all(simd, f64::NEG_INFINITY); 2];
-        for at in (0..self.axes[0].len()).step_by(S::F64::LANES) {
-            let [px, py, pz] = self.at(simd, at);
+        for &[px, py, pz] in &self.registers {
             let along = px.times_plus(x, py.times_plus(y, pz * z));
             most = most.max(along);
             least = least.max(zero - along);
@@ -77,42 +75,41 @@ impl Points {
 
     /// The first vertices that are more than `side` below a plane, one bit each; the plane's origin is `first`.
     #[inline(always)]
-    fn excluding<S: Simd>(&self, simd: S, plane: &Plane, first: &Vec3, side: f64) -> u64 {
+    fn excluding(&self, simd: S, plane: &Plane, first: &Vec3, side: f64) -> u64 {
         let [x, y, z] = all(simd, &plane.normal);
         let limit = S::F64::all(simd, side - (plane.offset - plane.normal.dot(first)));
         let zero = S::F64::all(simd, 0.0);
         let mut bits = 0;
-        for at in (0..self.axes[0].len().min(BITS)).step_by(S::F64::LANES) {
-            let [px, py, pz] = self.at(simd, at);
+        for (&[px, py, pz], at) in self.registers.iter().zip(0..BITS / S::F64::LANES) {
             let along = px.times_plus(x, py.times_plus(y, pz * z));
-            bits |= u64::from((zero - along).above(limit).bits()) << at;
+            bits |= u64::from((zero - along).above(limit).bits()) << (at * S::F64::LANES);
         }
         bits
     }
+}
 
-    /// The vertex that is outermost along `u`, relative to the first.
-    #[inline(always)]
-    pub(super) fn support(&self, u: &Vec3) -> Vec3 {
-        let [x, y, z] = &self.axes;
-        let points = x.iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(*x, *y, *z));
-        points
-            .fold((f64::NEG_INFINITY, Vec3::zeros()), |(most, best), p| match p.dot(u) {
-                along if along > most => (along, p),
-                _ => (most, best),
-            })
-            .1
-    }
+/// The first lanes of the registers that hold `count` numbers.
+#[inline(always)]
+fn starts<S: Simd>(count: usize) -> impl Iterator<Item = usize> {
+    (0..count.div_ceil(S::F64::LANES)).map(|register| register * S::F64::LANES)
+}
 
-    #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, at: usize) -> [S::F64; 3] {
-        let [x, y, z] = &self.axes;
-        [S::F64::load(simd, x, at), S::F64::load(simd, y, at), S::F64::load(simd, z, at)]
+/// The vertex that is outermost along `u`, relative to the first.
+pub(super) fn support(body: &Polyhedron, u: &Vec3) -> Vec3 {
+    let first = body.vertices()[0];
+    let (mut most, mut best) = (f64::NEG_INFINITY, Vec3::zeros());
+    for p in body.vertices() {
+        let along = (p - first).dot(u);
+        if along > most {
+            (most, best) = (along, p - first);
+        }
     }
+    best
 }
 
 /// The coordinates of a vector in all lanes.
 #[inline(always)]
-fn all<S: Simd>(simd: S, v: &Vec3) -> [S::F64; 3] {
+pub(super) fn all<S: Simd>(simd: S, v: &Vec3) -> [S::F64; 3] {
     [S::F64::all(simd, v.x), S::F64::all(simd, v.y), S::F64::all(simd, v.z)]
 }
 
@@ -141,7 +138,7 @@ impl Arc {
     pub(super) fn narrow<S: Simd>(
         &self,
         simd: S,
-        points: &Points,
+        points: &Points<S>,
         side: f64,
         excluded: &mut Excluded,
         pieces: &mut Vec<Piece>,
@@ -163,13 +160,12 @@ impl Arc {
 
     /// Replaces `excluded` by the vertices whose distance from the corner, projected, exceeds `side` on the arc.
     #[inline(always)]
-    fn exclude<S: Simd>(&self, simd: S, points: &Points, side: f64, excluded: &mut Excluded) {
+    fn exclude<S: Simd>(&self, simd: S, points: &Points<S>, side: f64, excluded: &mut Excluded) {
         let (corner, start, across) = (all(simd, &self.corner), all(simd, &self.start), all(simd, &self.across));
         let (cosine, sine) = (S::F64::all(simd, self.turn[0]), S::F64::all(simd, self.turn[1]));
         let (limit, square, zero) = (S::F64::all(simd, side), S::F64::all(simd, side * side), S::F64::all(simd, 0.0));
         excluded.count = 0;
-        for at in (0..points.axes[0].len()).step_by(S::F64::LANES) {
-            let [x, y, z] = points.at(simd, at);
+        for &[x, y, z] in &points.registers {
             let (dx, dy, dz) = (corner[0] - x, corner[1] - y, corner[2] - z);
             let c = dx.times_plus(start[0], dy.times_plus(start[1], dz * start[2]));
             let s = dx.times_plus(across[0], dy.times_plus(across[1], dz * across[2]));
@@ -194,8 +190,8 @@ pub(super) struct Excluded {
 
 impl Excluded {
     /// Room for the pieces of all points.
-    pub(super) fn of(points: &Points) -> Self {
-        let room = || vec![0.0; points.axes[0].len() + LANES];
+    pub(super) fn of<S: Simd>(points: &Points<S>) -> Self {
+        let room = || vec![0.0; points.registers.len() * S::F64::LANES + LANES];
         Self { c: room(), s: room(), from: room(), to: room(), count: 0 }
     }
 
@@ -218,7 +214,7 @@ impl Excluded {
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, side: f64) {
         let (limit, zero) = (S::F64::all(simd, side), S::F64::all(simd, 0.0));
-        for at in (0..self.count).step_by(S::F64::LANES) {
+        for at in starts::<S>(self.count) {
             let (c, s) = (S::F64::load(simd, &self.c, at), S::F64::load(simd, &self.s, at));
             let square = c * c + s * s;
             let root = (square - limit * limit).max(zero).sqrt();
@@ -238,7 +234,7 @@ impl Excluded {
         loop {
             let now = S::F64::all(simd, end);
             let mut most = now;
-            for k in (0..self.count).step_by(S::F64::LANES) {
+            for k in starts::<S>(self.count) {
                 let (from, to) = (S::F64::load(simd, &self.from, k), S::F64::load(simd, &self.to, k));
                 most = most.or(to.above(most).but_not(from.above(now)), to);
             }
@@ -255,7 +251,7 @@ impl Excluded {
     fn next_after<S: Simd>(&self, simd: S, at: f64) -> f64 {
         let (now, zero) = (S::F64::all(simd, -at), S::F64::all(simd, 0.0));
         let mut most = S::F64::all(simd, f64::NEG_INFINITY);
-        for k in (0..self.count).step_by(S::F64::LANES) {
+        for k in starts::<S>(self.count) {
             let before = zero - S::F64::load(simd, &self.from, k);
             most = most.or(before.above(most) & now.above(before), before);
         }
@@ -269,7 +265,7 @@ impl Arc {
     /// The projected distance from a vertex to an edge is a cosine along the arc, so it exceeds `side` between two
     /// directions where it does.
     #[inline(always)]
-    pub(super) fn open<S: Simd>(simd: S, body: &Polyhedron, points: &Points, side: f64) -> Vec<Self> {
+    pub(super) fn open<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>, side: f64) -> Vec<Self> {
         let (planes, vertices): (Vec<_>, _) = (body.planes().collect(), body.vertices());
         let mut excluding = Vec::with_capacity(planes.len());
         for plane in &planes {

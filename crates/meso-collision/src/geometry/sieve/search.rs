@@ -1,7 +1,7 @@
 //! The search for orthogonal directions in which a body is narrow.
 
 use super::SLACK;
-use super::arcs::{Arc, Ends, Excluded, LANES, Piece, Points};
+use super::arcs::{Arc, Ends, Excluded, LANES, Piece, Points, all, support};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::simd::{Lanes, Mask, Simd, Vectorized, for_each_lane};
@@ -29,8 +29,8 @@ impl Vectorized for Smallest<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> f64 {
-        let points = Points::of(self.body);
-        let mut side = turned(simd, &points);
+        let points = Points::of(simd, self.body);
+        let mut side = turned(simd, self.body, &points);
         let arcs = Arc::open(simd, self.body, &points, side);
         let excluded = Excluded::of(&points);
         let mut search = Search { simd, points, arcs: &arcs, excluded, pieces: [Vec::new(), Vec::new()] };
@@ -51,8 +51,8 @@ impl Vectorized for Smallest<'_> {
 
 /// The side of a square around a projection: along two vertices that are far apart first, then turned while that helps.
 #[inline(always)]
-fn turned<S: Simd>(simd: S, points: &Points) -> f64 {
-    let (mut least, mut best) = lengthwise(simd, points);
+fn turned<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> f64 {
+    let (mut least, mut best) = lengthwise(simd, body, points);
     let mut step = STEPS[0];
     while step > STEPS[1] {
         let before = least;
@@ -72,10 +72,10 @@ fn turned<S: Simd>(simd: S, points: &Points) -> f64 {
 
 /// The smallest of [`ROLLS`] squares around a projection along two vertices that are far apart, and its frame.
 #[inline(always)]
-fn lengthwise<S: Simd>(simd: S, points: &Points) -> (f64, [Vec3; 3]) {
+fn lengthwise<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> (f64, [Vec3; 3]) {
     let mut along = Vec3::x();
     for _ in 0..2 {
-        along = points.support(&along) - points.support(&-along);
+        along = support(body, &along) - support(body, &-along);
     }
     let along = along.normalize();
     let across = along.cross(&Vec3::ith(along.iamin(), 1.0)).normalize();
@@ -93,7 +93,7 @@ fn lengthwise<S: Simd>(simd: S, points: &Points) -> (f64, [Vec3; 3]) {
 
 /// The side of the square around the body whose sides are along and across `u` and `v`.
 #[inline(always)]
-fn square<S: Simd>(simd: S, points: &Points, u: &Vec3, v: &Vec3) -> f64 {
+fn square<S: Simd>(simd: S, points: &Points<S>, u: &Vec3, v: &Vec3) -> f64 {
     points.width(simd, u).max(points.width(simd, v))
 }
 
@@ -114,9 +114,9 @@ struct Pair {
     reach: f64,
 }
 
-struct Search<'a, S> {
+struct Search<'a, S: Simd> {
     simd: S,
-    points: Points,
+    points: Points<S>,
     arcs: &'a [Arc],
     excluded: Excluded,
     pieces: [Vec<Piece>; 2],
@@ -178,16 +178,13 @@ impl<S: Simd> Search<'_, S> {
     /// Visits the spans from the `first` on that hold a direction orthogonal to one between `ends`.
     #[inline(always)]
     fn partners(&self, ends: &Ends, spans: &Spans, first: usize, mut visit: impl FnMut(usize, f64)) {
-        let all = |k: f64| S::F64::all(self.simd, k);
-        let ends = ends.map(|end| [end.x, end.y, end.z].map(all));
-        let (zero, limit) = (all(0.0), all(-TOUCH));
-        for at in (first - first % S::F64::LANES..spans.columns[0].len()).step_by(S::F64::LANES) {
-            let [ax, ay, az, bx, by, bz] = spans.columns.each_ref().map(|column| S::F64::load(self.simd, column, at));
-            let dots = ends.map(|[x, y, z]| {
-                let dot = |px: S::F64, py: S::F64, pz: S::F64| x.times_plus(px, y.times_plus(py, z * pz));
-                [dot(ax, ay, az), dot(bx, by, bz)]
-            });
-            let [[p, q], [r, s]] = dots;
+        let [a, b] = [all(self.simd, &ends[0]), all(self.simd, &ends[1])];
+        let (zero, limit) = (S::F64::all(self.simd, 0.0), S::F64::all(self.simd, -TOUCH));
+        let [ax, ay, az, bx, by, bz] = spans.columns.each_ref();
+        for at in (first / S::F64::LANES..ax.len() / S::F64::LANES).map(|register| register * S::F64::LANES) {
+            let load = |column| S::F64::load(self.simd, column, at);
+            let (c, d) = ([load(ax), load(ay), load(az)], [load(bx), load(by), load(bz)]);
+            let (p, q, r, s) = (dot(&a, &c), dot(&a, &d), dot(&b, &c), dot(&b, &d));
             let most = p.max(q).max(r.max(s));
             let least = (zero - p).max(zero - q).max((zero - r).max(zero - s));
             let reach = least.or(least.above(most), most);
@@ -291,6 +288,12 @@ impl<S: Simd> Search<'_, S> {
         }
         least
     }
+}
+
+/// Dot products, lane by lane.
+#[inline(always)]
+fn dot<L: Lanes<T = f64>>(&[ax, ay, az]: &[L; 3], &[bx, by, bz]: &[L; 3]) -> L {
+    ax.times_plus(bx, ay.times_plus(by, az * bz))
 }
 
 /// How far the dot products of directions on two pieces reach beyond 0 on both sides; below 0 if all have one sign.

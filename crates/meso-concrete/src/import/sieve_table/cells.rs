@@ -146,6 +146,11 @@ pub(super) fn is_number(text: &str) -> bool {
     number(text, Marks::COMMA).is_ok()
 }
 
+/// Whether a cell has a mass in kg, where others may be in g.
+pub(super) fn is_in_kg(text: &str) -> bool {
+    text.trim().to_lowercase().ends_with("kg")
+}
+
 /// Which decimal mark a cell proves by itself.
 pub(super) fn proof(text: &str) -> Marks {
     let digits =
@@ -275,7 +280,7 @@ pub(super) fn sieve(text: &str, unit: Option<SieveUnit>, marks: Marks) -> Result
 }
 
 fn bare(text: &str, unit: Option<SieveUnit>, marks: Marks) -> Result<Option<Sieve>, String> {
-    if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '½' | '¼' | '¾' | '⅜' | '⅛')) {
+    if !begins_a_number(text) {
         return Ok(None);
     }
     if unit == Some(SieveUnit::Inch) {
@@ -301,6 +306,15 @@ fn bare(text: &str, unit: Option<SieveUnit>, marks: Marks) -> Result<Option<Siev
         None => Some(Sieve::Bare(size)),
     })
 }
+
+/// Whether a text begins with a digit, a mark or a fraction.
+pub(super) fn begins_a_number(text: &str) -> bool {
+    let is_fraction = |c: char| FRACTIONS.iter().any(|(sign, _)| sign.starts_with(c));
+    text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',') || is_fraction(c))
+}
+
+const FRACTIONS: [(&str, &str); 7] =
+    [("½", " 1/2"), ("¼", " 1/4"), ("¾", " 3/4"), ("⅛", " 1/8"), ("⅜", " 3/8"), ("⅝", " 5/8"), ("⅞", " 7/8")];
 
 /// Lower case, one kind of quote, of micro sign and of space.
 fn usual(text: &str) -> String {
@@ -446,9 +460,7 @@ fn of_inches(inches: f64) -> f64 {
 
 /// Inches: `3/4`, `1 1/2`, `1-1/2`, `1½`, `0.75`.
 fn fraction(text: &str, marks: Marks) -> Option<f64> {
-    let text = [("½", " 1/2"), ("¼", " 1/4"), ("¾", " 3/4"), ("⅜", " 3/8"), ("⅛", " 1/8")]
-        .iter()
-        .fold(text.to_owned(), |text, (sign, digits)| text.replace(sign, digits));
+    let text = FRACTIONS.iter().fold(text.to_owned(), |text, (sign, digits)| text.replace(sign, digits));
     let parts: Vec<&str> = text.split([' ', '-']).filter(|part| !part.is_empty()).collect();
     let part = |text: &str| match text.split_once('/') {
         Some((above, below)) => {

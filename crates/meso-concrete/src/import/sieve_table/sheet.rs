@@ -47,7 +47,8 @@ impl Sheet {
         let bodies: Vec<Body> = (0..width.min(64)).filter_map(|column| grid.body(column)).collect();
         let named = bodies.iter().filter(|body| body.said.is_sieve);
         let best = named.min_by_key(|body| (!body.is_metric(), body.column)).or_else(|| sole(&bodies));
-        let Some(best) = best else { return Err(no_sieves(&bodies)) };
+        let Some(best) = best else { return Err(grid.no_sieves(&bodies)) };
+        grid.leaves_no_row_above(best)?;
         let sheet = grid.sheet(best)?;
         let mut others = bodies.iter().filter(|body| body.said.is_sieve && body.column != best.column);
         others.try_for_each(|body| grid.agrees(best, body))?;
@@ -60,17 +61,6 @@ fn sole(bodies: &[Body]) -> Option<&Body> {
     bodies
         .iter()
         .find(|body| !body.said.has_meaning && body.said.unit.is_none() && !body.said.is_foreign && !body.is_index)
-}
-
-fn no_sieves(bodies: &[Body]) -> String {
-    let what = if bodies.is_empty() {
-        "it has no column of sieves with a number beside each"
-    } else {
-        "no column is that of the sieves"
-    };
-    format!(
-        "{what}; write a line for each sieve, its opening and the per cent that passes, as in Sieve (mm);Passing (%)"
-    )
 }
 
 /// Decimal marks that cells prove by themselves.
@@ -107,6 +97,8 @@ fn upright(rows: Vec<Row>) -> Vec<Row> {
 /// One column as the column of sieves: where its rows are, and what stands above them.
 struct Body {
     column: usize,
+    /// First row below the nearest heading; 0 without a heading.
+    after: usize,
     first: usize,
     said: Said,
     /// The numbers 1, 2, 3: rows are counted.
@@ -143,14 +135,18 @@ impl Grid<'_> {
         is_sieve && row.cells.iter().enumerate().any(is_number)
     }
 
+    /// Whether a row heads a table with its sieves in `column`.
+    fn is_heading(&self, at: usize, column: usize) -> bool {
+        let cell = self.rows[at].cells.get(column).map_or("", String::as_str);
+        // A sieve with a slip of the keys is no heading.
+        let is_word = !cells::begins_a_number(cell) && !matches!(cells::sieve(cell, None, self.marks), Ok(Some(_)));
+        let data = self.rows[at + 1..].iter().filter(|row| self.has_data(row, column));
+        is_word && words::read(cell).is_sieve && data.count() > 1
+    }
+
     fn body(&self, column: usize) -> Option<Body> {
         let data = |row: &Row| self.has_data(row, column);
-        let is_heading = |at: usize| {
-            let cell = self.rows[at].cells.get(column).map_or("", String::as_str);
-            let is_word = !matches!(cells::sieve(cell, None, self.marks), Ok(Some(_)));
-            is_word && words::read(cell).is_sieve && self.rows[at + 1..].iter().filter(|row| data(row)).count() > 1
-        };
-        let after = (0..self.rows.len()).rev().find(|&at| is_heading(at)).map_or(0, |at| at + 1);
+        let after = (0..self.rows.len()).rev().find(|&at| self.is_heading(at, column)).map_or(0, |at| at + 1);
         let first = (after..self.rows.len()).find(|&at| data(&self.rows[at]))?;
         // Sieves without a number above the first row of data belong to the table.
         let is_sieve = |at: &usize| {
@@ -163,7 +159,40 @@ impl Grid<'_> {
         let said = words::read(&self.heading(first, column));
         let counts = self.rows[first..].iter().filter(|row| data(row)).zip(1_u32..);
         let is_index = counts.clone().all(|(row, count)| row.cells[column] == count.to_string());
-        Some(Body { column, first, said, is_index })
+        Some(Body { column, after, first, said, is_index })
+    }
+
+    /// Rows above the first one belong to no other table, and name no sieve that cannot be read.
+    fn leaves_no_row_above(&self, body: &Body) -> Result<(), String> {
+        let heading = (0..body.after).find(|&at| self.is_heading(at, body.column)).unwrap_or(body.after);
+        let is_left = |row: &&Row| self.has_data(row, body.column);
+        if let Some(row) = self.rows[heading..body.after].iter().find(is_left) {
+            let line = self.rows[body.after - 1].line;
+            return Err(format!(
+                "line {line}: a second heading, below the sieves from line {} on; keep one table",
+                row.line
+            ));
+        }
+        let is_meant = |row: &&Row| {
+            let cell = row.cells.get(body.column).map_or("", String::as_str);
+            !self.is_share_row(row) && (body.after > 0 || cells::begins_a_number(cell))
+        };
+        let mut above = self.rows[body.after..body.first].iter().filter(is_meant);
+        above.try_for_each(|row| {
+            self.is_remark(row, body.column).map_err(|reason| format!("line {}: {reason}", row.line))
+        })
+    }
+
+    fn no_sieves(&self, bodies: &[Body]) -> String {
+        let has_number = |row: &&Row| row.cells.iter().skip(1).any(|cell| cells::is_number(cell));
+        let what = match self.rows.iter().find(has_number) {
+            _ if !bodies.is_empty() => "no column is that of the sieves".to_owned(),
+            Some(row) => format!("line {}: {:?} names no sieve", row.line, row.cells[0]),
+            None => "it has no column of sieves with a number beside each".to_owned(),
+        };
+        format!(
+            "{what}; write a line for each sieve, its opening and the per cent that passes, as in Sieve (mm);Passing (%)"
+        )
     }
 
     /// Cells above the first row of data: the nearest rows of words, at most three.
@@ -197,6 +226,14 @@ impl Grid<'_> {
         let sieve_heading = self.heading(body.first, body.column);
         let width = self.rows[body.first..].iter().map(|row| row.cells.len()).max().unwrap_or(0);
         self.fits_its_headings(body)?;
+        if let Some(unit) =
+            words::foreign_unit(&sieve_heading).filter(|_| self.chosen.or(body.said.sieve_unit).is_none())
+        {
+            let line = self.rows[body.first].line;
+            return Err(format!(
+                "line {line}: the sieves are in {unit:?} by the heading {sieve_heading:?}; write them in mm"
+            ));
+        }
         let mut found: Vec<(f64, bool, &Row)> = Vec::new();
         let (mut pans, mut total) = (Vec::new(), None);
         for row in self.rows[body.first..].iter().filter(|row| !row.cells.is_empty()) {
@@ -228,6 +265,8 @@ impl Grid<'_> {
             let cell = row.cells.get(at).map_or("", String::as_str);
             if cells::is_blank(cell) { Ok(None) } else { cells::number(cell, marks).map(Some) }
         };
+        let weighed = found.iter().map(|row| row.2).chain(pan).chain(total);
+        (0..width).try_for_each(|at| one_unit_of_mass(weighed.clone(), at))?;
         let one = |row: Option<&Row>, at: usize| Some(number(row?, at).ok()??.value);
         let columns = (0..width).filter(|&at| at != body.column).map(|at| {
             let heading = self.heading(body.first, at);
@@ -323,6 +362,21 @@ fn is_index(values: &Values) -> bool {
     let upwards = values.numbers.iter().enumerate().all(|(i, number)| at(i + 1, number));
     let downwards = values.numbers.iter().enumerate().all(|(i, number)| at(count - i, number));
     values.said.unit.is_none() && !values.said.has_meaning && count > 2 && (upwards || downwards)
+}
+
+/// Masses of a column are all in kg by their cells, or none is.
+fn one_unit_of_mass<'a>(rows: impl Iterator<Item = &'a Row>, column: usize) -> Result<(), String> {
+    let cell = |row: &'a Row| Some((row.line, row.cells.get(column)?));
+    let is_mass =
+        |(_, cell): &(usize, &String)| cells::number(cell, Marks::COMMA).is_ok_and(|number| number.value > 0.0);
+    let (kg, others): (Vec<_>, Vec<_>) =
+        rows.filter_map(cell).filter(is_mass).partition(|(_, cell)| cells::is_in_kg(cell));
+    match (kg.first(), others.first()) {
+        (Some((line, cell)), Some((other, _))) => {
+            Err(format!("line {line}: {cell:?} is in kg, and line {other} is not; write all masses in one unit"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn has_digits(row: &Row, column: usize) -> bool {

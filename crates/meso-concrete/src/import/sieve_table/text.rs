@@ -29,7 +29,25 @@ pub fn decode(bytes: &[u8]) -> Result<String, String> {
             Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
         },
     };
-    if text.contains('\0') { Err("it is not text; save the table as CSV".to_owned()) } else { Ok(text) }
+    if text.contains('\0') {
+        return Err("it is not text; save the table as CSV".to_owned());
+    }
+    // Lines of old spreadsheets end in a carriage return alone.
+    Ok(text.replace("\r\n", "\n").chars().map(plain).collect())
+}
+
+/// Digits and marks of Arabic, Persian and full-width text as ASCII; a carriage return as the end of a line.
+fn plain(letter: char) -> char {
+    let shifted = |first: char, to: char| char::from_u32(u32::from(letter) - u32::from(first) + u32::from(to));
+    let found = match letter {
+        '\r' => Some('\n'),
+        '٠'..='٩' => shifted('٠', '0'),
+        '۰'..='۹' => shifted('۰', '0'),
+        '٫' => Some('.'),
+        '\u{ff01}'..='\u{ff5e}' => shifted('\u{ff01}', '!'),
+        _ => None,
+    };
+    found.unwrap_or(letter)
 }
 
 /// Separators of fields that stand in at least two lines, the most telling first; a space stands for any white space.

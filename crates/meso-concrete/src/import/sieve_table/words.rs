@@ -207,6 +207,12 @@ fn sieve_unit(text: &str) -> Option<SieveUnit> {
     if said.next().is_some() { None } else { first }
 }
 
+/// A unit of a heading in which no sieve is read.
+pub(super) fn foreign_unit(heading: &str) -> Option<&'static str> {
+    let text = heading.to_lowercase();
+    ["cm", "см", "dm", "m", "ft", "nm", "phi", "φ", "ϕ", "mm²", "mm2"].into_iter().find(|unit| has_word(&text, unit))
+}
+
 /// Whether a row gives the share of every column in a blend.
 pub(super) fn is_share_row(label: &str) -> bool {
     let label = label.to_lowercase();

@@ -70,7 +70,7 @@ fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         stops.join(",")
     )?;
     let source = outcome.source;
-    let (version, seed, fraction) = (source.version, source.seed, source.fraction);
+    let (version, seed, fraction) = (&source.version, source.seed, source.fraction);
     let (mesh, size) = (word(&source.mesh.method.name()), source.mesh.element_size_mm);
     let elements = thousands(result.elements);
     writeln!(

@@ -1,0 +1,150 @@
+"""Diffusivity and stiffness of one label image by mesocrete and by other programs: CPU time against error.
+
+    python3 benches/effective.py [PROGRAM]      # enters benches/results/effective_peers.csv
+
+Needs taufactor, porespy (with openpnm and pyamg) and muSpectre; one that is not there is left out. Each solution has a process of
+its own, on two threads. Times are those of the solution alone: imports and reading are subtracted by a run without it. The error
+is relative to the value that the same program reaches at its tightest tolerance: programs differ by their conditions at the
+faces, and so by 1 % in the value. `--voxels 99` is the edge of the image: muSpectre takes odd ones.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import textwrap
+import time
+from pathlib import Path
+
+from origin import RESULTS, origin
+
+TABLE = RESULTS / "effective_peers.csv"
+HEADER = "property,program,tolerance,voxels,value,relative_error,wall_s,cpu_s,peak_mb,machine,date,commit"
+SPEC = """fraction = 0.5
+seed = 1
+specimen = { kind = "cube", side_mm = 60, periodic = ["x", "y", "z"] }
+grading = { d_min_mm = 5, d_max_mm = 20 }
+"""
+# Mortar conducts, aggregates and their ITZ do not; all of them are elastic.
+PHASES = """[diffusivity]
+0 = 1.0
+1 = 0.0
+[stiffness.0]
+youngs_modulus_mpa = 20000
+poisson_ratio = 0.2
+[stiffness.1]
+youngs_modulus_mpa = 60000
+poisson_ratio = 0.2
+"""
+# `binary` is True in the aggregates; each prints the value.
+TAUFACTOR = """
+    import torch, taufactor
+    torch.set_num_threads(2)
+    if solve:
+        solver = taufactor.Solver((~binary).transpose(2, 1, 0).astype(np.uint8), device="cpu")
+        solver.solve(iter_limit=100_000, verbose=False, conv_crit=tolerance)
+        print(float(np.ravel(solver.D_eff)[0]))
+"""
+PORESPY = """
+    import openpnm, pyamg, porespy
+    if solve:
+        found = porespy.simulations.tortuosity_fd(~binary, axis=2, tol=tolerance)
+        print(1 / found.formation_factor)
+"""
+MUSPECTRE = """
+    import muSpectre as msp
+    if solve:
+        cell = msp.Cell(list(binary.shape), [1.0] * 3, msp.Formulation.small_strain)
+        elastic = msp.material.MaterialLinearElastic1_3d
+        phases = [elastic.make(cell, "mortar", 20000.0, 0.2), elastic.make(cell, "aggregate", 60000.0, 0.2)]
+        # Its first axis is x, which varies fastest in its order of pixels.
+        for pixel, inside in enumerate(binary.ravel().tolist()):
+            phases[inside].add_pixel(pixel)
+        cell.initialise()
+        krylov = msp.solvers.KrylovSolverCG(cell, tolerance, 1000, msp.Verbosity.Silent)
+        strain = np.diag([1e-3, 0, 0])
+        result = msp.solvers.newton_cg(cell, strain, krylov, tolerance, tolerance, msp.Verbosity.Silent)
+        print(float(np.asarray(result.stress).reshape(-1, 9)[:, 0].mean() / 1e-3))
+"""
+PROGRAMS = {
+    "taufactor": ("diffusivity", TAUFACTOR, [1e-1, 1e-2, 1e-3, 1e-4, 1e-5]),
+    "porespy": ("diffusivity", PORESPY, [1e-3, 1e-5, 1e-7, 1e-9]),
+    "muSpectre (one strain)": ("stiffness", MUSPECTRE, [1e-2, 1e-3, 1e-4, 1e-6]),
+}
+
+
+def measure(command):
+    """Run a command; its output, wall and CPU seconds, peak memory in MB. None where it fails."""
+    start = time.perf_counter()
+    with tempfile.TemporaryFile() as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "2"})
+        _, status, used = os.wait4(process.pid, 0)
+        out.seek(0)
+        text = out.read().decode()
+    figures = [time.perf_counter() - start, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024 / 1e6]
+    return (text, *figures) if status == 0 else None
+
+
+def script(body, tolerance, image, solve):
+    head = f"import numpy as np\nbinary = np.load({str(image)!r}) > 0\ntolerance, solve = {tolerance}, {solve}\n"
+    return [sys.executable, "-c", head + textwrap.dedent(body)]
+
+
+def peers(image, voxels):
+    """Yield the rows of the other programs."""
+    for name, (what, body, tolerances) in PROGRAMS.items():
+        empty = measure(script(body, 0, image, solve=False))
+        if empty is None:
+            print(f"{name} is not installed; it is left out", file=sys.stderr)
+            continue
+        found = []
+        for tolerance in tolerances:
+            run = measure(script(body, tolerance, image, solve=True))
+            if run is None:
+                print(f"{name} failed at {tolerance}", file=sys.stderr)
+                continue
+            text, wall, cpu, peak = run
+            found.append((tolerance, float(text.split()[-1]), wall - empty[1], cpu - empty[2], peak))
+            print(name, *found[-1], flush=True)
+        for tolerance, value, wall, cpu, peak in found:
+            error = abs(value / found[-1][1] - 1)
+            yield f"{what},{name},{tolerance},{voxels},{value:.8g},{error:.1e},{wall:.2f},{cpu:.2f},{peak:.0f},{origin()}"
+
+
+def own(program, image, phases, what, voxels):
+    """The row of mesocrete: all its solutions, those on the coarse image too."""
+    axes = ["--axes", "x"] if what == "diffusivity" else ["--periodic", "xyz"]
+    with tempfile.TemporaryDirectory() as folder:
+        flags = ["--what", what, "--phases", str(phases), "--no-fields", "--quiet", "--threads", "2", "-o", folder]
+        _, wall, cpu, peak = measure([program, "effective", str(image), *axes, *flags])
+        found = json.loads((Path(folder) / "effective.json").read_text())
+    value, error = found["fine"][0][0], found["solver_error"]
+    name = "mesocrete" if what == "diffusivity" else "mesocrete (six strains)"
+    return f"{what},{name},,{voxels},{value:.8g},{error:.1e},{wall:.2f},{cpu:.2f},{peak:.0f},{origin()}"
+
+
+def main():
+    words = iter(sys.argv[1:])
+    program, voxels = "mesocrete", 99
+    for word in words:
+        if word == "--voxels":
+            voxels = int(next(words))
+        else:
+            program = word
+    with tempfile.TemporaryDirectory() as folder:
+        spec, model, image, phases = (Path(folder) / name for name in ["s.toml", "m.json", "labels.npy", "p.toml"])
+        spec.write_text(SPEC)
+        phases.write_text(PHASES)
+        subprocess.run([program, "pack", spec, "-o", model, "--quiet"], check=True)
+        subprocess.run([program, "image", model, "-o", image, "--voxel-size-mm", str(60 / voxels), "--quiet"], check=True)
+        binary = ["import numpy as np", f"name = {str(image)!r}", "np.save(name, (np.load(name) > 0).astype('uint8'))"]
+        subprocess.run([sys.executable, "-c", "\n".join(binary)], check=True)
+        lines = [HEADER] + [own(program, image, phases, what, voxels) for what in ["diffusivity", "stiffness"]]
+        print(*lines, sep="\n", flush=True)
+        lines += peers(image, voxels)
+    TABLE.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+//! Label volumes: an integer for each voxel, as computed tomography leaves them after segmentation.
+//!
+//! Arrays are [z, y, x] in C order, as in the images that mesocrete writes. A reader gives its values one after another, x
+//! fastest; [`Values`] numbers the labels.
+
+mod npy;
+mod tif;
+mod vti;
+
+use super::{ending, list};
+use std::collections::BTreeMap;
+
+/// Endings of the names of files that are read, in lower case.
+pub const ENDINGS: [&str; 4] = ["tif", "tiff", "npy", "vti"];
+/// Most labels; grey values have more.
+const MOST: usize = 256;
+
+/// A label at every voxel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// Voxels along x, y, z.
+    pub counts: [usize; 3],
+    /// Edges of a voxel along x, y, z, mm; `None` if the file does not say.
+    pub spacing_mm: Option<[f64; 3]>,
+    /// The labels that occur, ascending.
+    pub labels: Vec<i64>,
+    /// Index into [`labels`](Self::labels) of every voxel, x fastest.
+    pub of: Vec<u8>,
+}
+
+/// Why bytes are no label volume.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum VolumeError {
+    /// The name ends like no format that is read.
+    #[error("its name must end in {}", list(&ENDINGS))]
+    Ending,
+    /// The file does not begin as its format does.
+    #[error("this is not {0}")]
+    Begin(&'static str),
+    /// The file is shorter than its header says.
+    #[error("it ends within its {0}; it was cut off, or its header is wrong")]
+    Cut(&'static str),
+    /// A part of a format that is not read.
+    #[error("{found} is not read; {fix}")]
+    Unread {
+        /// The part.
+        found: String,
+        /// Remedy.
+        fix: &'static str,
+    },
+    /// A header without a needed entry.
+    #[error("its header has no {0}")]
+    Missing(&'static str),
+    /// No voxels.
+    #[error("it has no voxels")]
+    Empty,
+    /// A value that is no integer.
+    #[error("voxel {voxel}, counted from 0, has the value {value}; labels are integers: segment the image first")]
+    Fraction {
+        /// Number, x fastest.
+        voxel: usize,
+        /// The value as text.
+        value: String,
+    },
+    /// More labels than phases could be.
+    #[error("it has more than {MOST} labels; segment the image first, one label a phase")]
+    Many,
+}
+
+/// Reads the label volume in `bytes`; the ending of `name` decides the format.
+///
+/// # Errors
+/// See [`VolumeError`].
+pub fn read(name: &str, bytes: &[u8]) -> Result<Volume, VolumeError> {
+    match ending(name).as_deref() {
+        Some("tif" | "tiff") => tif::read(bytes),
+        Some("npy") => npy::read(bytes),
+        Some("vti") => vti::read(bytes),
+        _ => Err(VolumeError::Ending),
+    }
+}
+
+impl Volume {
+    /// A volume from its labels, x fastest.
+    ///
+    /// # Errors
+    /// More labels than phases could be, and a number of values that is not that of the voxels.
+    pub fn new(
+        counts: [usize; 3],
+        spacing_mm: Option<[f64; 3]>,
+        labels: impl IntoIterator<Item = i64>,
+    ) -> Result<Self, VolumeError> {
+        let mut values = Values::default();
+        labels.into_iter().try_for_each(|label| values.add(label))?;
+        values.volume(counts, spacing_mm)
+    }
+}
+
+/// Labels as they are read, numbered in the order of their first voxel.
+#[derive(Default)]
+struct Values {
+    numbers: BTreeMap<i64, u8>,
+    /// The label before, and its number.
+    last: Option<(i64, u8)>,
+    of: Vec<u8>,
+}
+
+impl Values {
+    fn add(&mut self, label: i64) -> Result<(), VolumeError> {
+        let number = match self.last {
+            Some((last, number)) if last == label => number,
+            _ => self.number(label)?,
+        };
+        self.last = Some((label, number));
+        self.of.push(number);
+        Ok(())
+    }
+
+    fn number(&mut self, label: i64) -> Result<u8, VolumeError> {
+        if let Some(number) = self.numbers.get(&label) {
+            return Ok(*number);
+        }
+        let number = u8::try_from(self.numbers.len()).map_err(|_| VolumeError::Many)?;
+        self.numbers.insert(label, number);
+        Ok(number)
+    }
+
+    fn add_real(&mut self, value: f64) -> Result<(), VolumeError> {
+        // Larger values are no labels, and their neighbours cannot be told from them.
+        if value.fract() != 0.0 || value.abs() > 9e15 {
+            return Err(VolumeError::Fraction { voxel: self.of.len(), value: value.to_string() });
+        }
+        self.add(value as i64)
+    }
+
+    /// Adds values as a file has them.
+    fn add_bytes(&mut self, bytes: &[u8], kind: Kind, is_big: bool) -> Result<(), VolumeError> {
+        for value in bytes.chunks_exact(kind.size) {
+            let mut eight = [0; 8];
+            eight[..kind.size].copy_from_slice(value);
+            if is_big {
+                eight[..kind.size].reverse();
+            }
+            let raw = u64::from_le_bytes(eight);
+            let unused = 64 - 8 * kind.size as u32;
+            match kind.number {
+                Number::Unsigned => self.add_unsigned(raw)?,
+                Number::Signed => self.add((raw << unused).cast_signed() >> unused)?,
+                Number::Real if kind.size == 4 => self.add_real(f64::from(f32::from_bits(raw as u32)))?,
+                Number::Real => self.add_real(f64::from_bits(raw))?,
+            }
+        }
+        Ok(())
+    }
+
+    fn add_unsigned(&mut self, raw: u64) -> Result<(), VolumeError> {
+        let label = i64::try_from(raw);
+        let fault = || VolumeError::Fraction { voxel: self.of.len(), value: raw.to_string() };
+        let label = label.map_err(|_| fault())?;
+        self.add(label)
+    }
+
+    fn volume(self, counts: [usize; 3], spacing_mm: Option<[f64; 3]>) -> Result<Volume, VolumeError> {
+        if self.of.is_empty() {
+            return Err(VolumeError::Empty);
+        }
+        if voxels(counts) != Some(self.of.len()) {
+            return Err(VolumeError::Cut("values"));
+        }
+        let mut places = [0; MOST];
+        self.numbers.values().enumerate().for_each(|(place, number)| places[usize::from(*number)] = place as u8);
+        let mut of = self.of;
+        of.iter_mut().for_each(|number| *number = places[usize::from(*number)]);
+        let is_length = |h: &f64| h.is_finite() && *h > 0.0;
+        let spacing_mm = spacing_mm.filter(|spacing| spacing.iter().all(is_length));
+        Ok(Volume { counts, spacing_mm, labels: self.numbers.into_keys().collect(), of })
+    }
+}
+
+/// Number of voxels, if it can be one.
+fn voxels(counts: [usize; 3]) -> Option<usize> {
+    counts.iter().try_fold(1_usize, |product, count| product.checked_mul(*count))
+}
+
+/// Type of the values of a file.
+#[derive(Clone, Copy)]
+struct Kind {
+    number: Number,
+    /// Bytes: 1, 2, 4 or 8.
+    size: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Number {
+    Unsigned,
+    Signed,
+    Real,
+}

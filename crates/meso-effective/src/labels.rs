@@ -1,0 +1,271 @@
+//! Effective properties of label volumes: every voxel has the value of its label.
+//!
+//! A link has the harmonic mean of two voxels. Labels put interfaces on the faces of voxels, so the error falls with the first
+//! power of the size. The coarse volume takes the label at the centre of each of its voxels, as a coarser scan would.
+
+use crate::effective::{self, Effective, EffectiveOptions, Medium, PhaseShare};
+use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, StressField, Voxels};
+use crate::error::EffectiveError;
+use crate::field::FluxField;
+use crate::grid::{End, Grid, Space};
+use crate::links::Links;
+use crate::moduli::{GivenModuli, Moduli, PhaseModuli};
+use crate::phases::{GivenValues, Phases, Property};
+use crate::surfaces::Phase;
+use meso_collision::math::Vec3;
+use meso_concrete::import::volume::Volume;
+use meso_concrete::watch::Watch;
+use meso_concrete::{Ranges, parallel};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A label volume as a specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelSpecimen {
+    /// Labels at the voxels.
+    pub volume: Volume,
+    /// Edges of a voxel along x, y, z, mm.
+    pub spacing_mm: [f64; 3],
+    /// Axes along which the volume repeats itself.
+    pub periodic: [bool; 3],
+}
+
+/// Values of a phases file for labels. The keys of a table are labels, as in `0 = 1.0`; or they are the phases of the images that
+/// mesocrete writes, as in `mortar = 1.0`, where omitted phases keep their defaults.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LabelPhases {
+    /// Diffusivities, relative to any of them.
+    pub diffusivity: BTreeMap<String, f64>,
+    /// Conductivities, W/(m K).
+    pub conductivity: BTreeMap<String, f64>,
+    /// Elastic constants.
+    pub stiffness: BTreeMap<String, GivenModuli>,
+}
+
+/// The effective property of a label volume, and the fields if asked for. The size of voxels is the volume's.
+///
+/// # Errors
+/// Labels without a value, values out of range, and equations that do not converge.
+pub fn effective_of_labels(
+    specimen: &LabelSpecimen,
+    phases: &LabelPhases,
+    options: &EffectiveOptions,
+    watch: &dyn Watch,
+) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
+    let values = phases.values(options.what, &specimen.volume)?;
+    effective::of_medium(&Labelled { specimen, of: &values }, specimen.volume.counts, options, watch)
+}
+
+/// The stiffness of a label volume, and the stresses if asked for. The size of voxels is the volume's.
+///
+/// # Errors
+/// Labels without constants, constants out of range, and equations that do not converge.
+pub fn stiffness_of_labels(
+    specimen: &LabelSpecimen,
+    phases: &LabelPhases,
+    options: &StiffnessOptions,
+    watch: &dyn Watch,
+) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+    let moduli = phases.moduli(&specimen.volume)?;
+    elastic::of_medium(&Labelled { specimen, of: &moduli }, specimen.volume.counts, options, watch)
+}
+
+impl LabelPhases {
+    /// Values of `property` by the labels of `volume`.
+    ///
+    /// # Errors
+    /// Labels without a value, names that are none, and values out of range.
+    pub fn values(&self, property: Property, volume: &Volume) -> Result<Vec<f64>, EffectiveError> {
+        let given = match property {
+            Property::Diffusivity => &self.diffusivity,
+            Property::Conductivity => &self.conductivity,
+        };
+        let ranges = Ranges(property.name());
+        let named = || {
+            let mut values = GivenValues::default();
+            for (name, value) in given {
+                *values.phase_mut(name).ok_or_else(|| unknown(property.name(), name))? = Some(*value);
+            }
+            let phases = Phases { diffusivity: values, conductivity: values, ..Phases::default() };
+            let values = phases.values(property);
+            values.validate(property)?;
+            Ok(Phase::ALL.map(|phase| values.of(phase)))
+        };
+        let numbered = |label: i64, value: &f64| {
+            let met = *value >= 0.0 && value.is_finite();
+            ranges.require(label.to_string(), *value, met, "it must be 0 or a positive number")?;
+            Ok(*value)
+        };
+        let values = by_label(property.name(), given, volume, numbered, named)?;
+        if values.iter().all(|value| *value == 0.0) {
+            return Err(EffectiveError::Nothing(property.name()));
+        }
+        Ok(values)
+    }
+
+    /// Constants by the labels of `volume`.
+    ///
+    /// # Errors
+    /// Labels without constants, names that are none, and constants out of range.
+    pub fn moduli(&self, volume: &Volume) -> Result<Vec<Moduli>, EffectiveError> {
+        let named = || {
+            let mut moduli = PhaseModuli::default();
+            for (name, given) in &self.stiffness {
+                *moduli.phase_mut(name).ok_or_else(|| unknown("stiffness", name))? = *given;
+            }
+            Ok(moduli.table()?)
+        };
+        let numbered = |label: i64, given: &GivenModuli| {
+            let missing = EffectiveError::Unlabelled { table: "stiffness", label };
+            let moduli = given.or(Moduli::alone(given.youngs_modulus_mpa.ok_or(missing)?));
+            moduli.validate(&label.to_string(), moduli.youngs_modulus_mpa)?;
+            Ok(moduli)
+        };
+        let moduli = by_label("stiffness", &self.stiffness, volume, numbered, named)?;
+        if moduli.iter().all(|moduli| moduli.youngs_modulus_mpa == 0.0) {
+            return Err(EffectiveError::Nothing("stiffness"));
+        }
+        Ok(moduli)
+    }
+}
+
+/// The entry of a table for each label of a volume. Without a numbered entry, labels are those of mesocrete's own images.
+fn by_label<T, U: Copy>(
+    table: &'static str,
+    given: &BTreeMap<String, T>,
+    volume: &Volume,
+    numbered: impl Fn(i64, &T) -> Result<U, EffectiveError>,
+    named: impl FnOnce() -> Result<[U; Phase::ALL.len()], EffectiveError>,
+) -> Result<Vec<U>, EffectiveError> {
+    let numbers: BTreeMap<i64, &T> =
+        given.iter().filter_map(|(name, entry)| Some((name.parse().ok()?, entry))).collect();
+    let missing = |label: &i64| EffectiveError::Unlabelled { table, label: *label };
+    if numbers.is_empty() {
+        let own = named()?;
+        let of = |label: &i64| usize::try_from(*label).ok().and_then(|label| own.get(label)).copied();
+        return volume.labels.iter().map(|label| of(label).ok_or_else(|| missing(label))).collect();
+    }
+    if let Some(name) = given.keys().find(|name| name.parse::<i64>().is_err()) {
+        return Err(unknown(table, name));
+    }
+    volume.labels.iter().map(|label| numbered(*label, numbers.get(label).ok_or_else(|| missing(label))?)).collect()
+}
+
+fn unknown(table: &'static str, name: &str) -> EffectiveError {
+    EffectiveError::Name { table, name: name.to_owned() }
+}
+
+/// A label volume with what each label has.
+struct Labelled<'a, T> {
+    specimen: &'a LabelSpecimen,
+    of: &'a [T],
+}
+
+/// Richardson's share of an error of first order.
+const FIRST_ORDER: f64 = 1.0;
+
+impl<T> Labelled<'_, T> {
+    fn space(&self) -> Space {
+        let LabelSpecimen { volume, spacing_mm, periodic } = self.specimen;
+        let size = Vec3::from_fn(|axis, _| spacing_mm[axis] * volume.counts[axis] as f64);
+        Space { min: Vec3::zeros(), size, periodic: *periodic }
+    }
+
+    /// The label in the middle of every voxel of a grid of `counts`, whose third axis is the specimen's `last`.
+    fn sampled(&self, counts: [usize; 3], last: usize) -> Vec<u8> {
+        let volume = &self.specimen.volume;
+        let axis = |a: usize| (last + 1 + a) % 3;
+        let stride = [1, volume.counts[0], volume.counts[0] * volume.counts[1]];
+        let places = [0, 1, 2].map(|a| {
+            let own = volume.counts[axis(a)];
+            let place = |i: usize| (2 * i + 1) * own / (2 * counts[a]) * stride[axis(a)];
+            (0..counts[a]).map(place).collect::<Vec<_>>()
+        });
+        let mut labels = vec![0; counts.iter().product()];
+        parallel::chunks_mut(&mut labels, counts[0] * counts[1], |k, layer| {
+            for (row, y) in layer.chunks_mut(counts[0]).zip(&places[1]) {
+                let start = y + places[2][k];
+                row.iter_mut().zip(&places[0]).for_each(|(label, x)| *label = volume.of[start + x]);
+            }
+        });
+        labels
+    }
+
+    /// Share of each label in the volume.
+    fn fractions(&self) -> Vec<f64> {
+        let volume = &self.specimen.volume;
+        let mut counts = vec![0_usize; volume.labels.len()];
+        volume.of.iter().for_each(|label| counts[usize::from(*label)] += 1);
+        counts.into_iter().map(|count| count as f64 / volume.of.len() as f64).collect()
+    }
+
+    /// A result for each label, by its name and volume.
+    fn each<U>(&self, of: impl Fn(String, &T, f64) -> U) -> Vec<U> {
+        let labels = self.specimen.volume.labels.iter().zip(self.of).zip(self.fractions());
+        labels.map(|((label, entry), fraction)| of(label.to_string(), entry, fraction)).collect()
+    }
+}
+
+impl Medium for Labelled<'_, f64> {
+    fn space(&self) -> Space {
+        self.space()
+    }
+
+    fn links(&self, grid: &Grid, last: usize) -> Links {
+        let labels = self.sampled(grid.counts, last);
+        let across = [0, 1, 2].map(|axis| along(grid, &labels, self.of, axis));
+        Links { counts: grid.counts, wraps: grid.ends[2] == End::Periodic, across }
+    }
+
+    fn phases(&self) -> Vec<PhaseShare> {
+        self.each(|name, value, volume_fraction| PhaseShare { name, value: *value, volume_fraction })
+    }
+
+    fn rest(&self) -> f64 {
+        FIRST_ORDER
+    }
+}
+
+/// The links along an axis, in the grid's order: harmonic means, and at given ends one half voxel.
+fn along(grid: &Grid, labels: &[u8], values: &[f64], axis: usize) -> Vec<f32> {
+    let [nx, ny, nz] = grid.counts;
+    let over = grid.area(axis) / (grid.spacing[axis] / 2.0);
+    let of = |a: f64, b: f64| (over / (1.0 / a + 1.0 / b)) as f32;
+    let pairs: Vec<f32> = values.iter().flat_map(|a| values.iter().map(move |b| of(*a, *b))).collect();
+    let ends: Vec<f32> = values.iter().map(|a| (over * a) as f32).collect();
+    let label = |number: usize| usize::from(labels[number]);
+    let stride = [1, nx, nx * ny][axis];
+    let count = grid.counts[axis];
+    let link = |number: usize| {
+        let at = number / stride % if axis == 2 { count + 1 } else { count };
+        match grid.ends[axis] {
+            _ if at > 0 && at < count => pairs[label(number) * values.len() + label(number - stride)],
+            End::Periodic => {
+                let (first, last) = (number - at * stride, number - at * stride + (count - 1) * stride);
+                pairs[label(first) * values.len() + label(last)]
+            }
+            End::Fixed => ends[label(if at == 0 { number } else { number - stride })],
+            End::Insulated => 0.0,
+        }
+    };
+    parallel::map_short(nx * ny * (nz + usize::from(axis == 2)), link)
+}
+
+impl ElasticMedium for Labelled<'_, Moduli> {
+    fn space(&self) -> Space {
+        self.space()
+    }
+
+    fn voxels(&self, grid: &Grid) -> Voxels {
+        Voxels::of_phases(self.sampled(grid.counts, 2).into_iter().map(u32::from).collect(), self.of)
+    }
+
+    fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
+        self.each(|name, moduli, fraction| (*moduli, ElasticShare::new(name, moduli, fraction)))
+    }
+
+    fn rest(&self) -> f64 {
+        FIRST_ORDER
+    }
+}

@@ -1,0 +1,86 @@
+//! Label volumes of other programs.
+
+use meso_core::import::volume::{Volume, VolumeError, read};
+
+/// A file of `numpy.save`.
+fn npy(descr: &str, shape: &str, fortran: bool, data: &[u8]) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n");
+    [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), data].concat()
+}
+
+/// A cell array of 3 x 2 x 1 voxels by VTK's writer.
+fn vti(attributes: &str, array: &str, rest: &str) -> Vec<u8> {
+    format!(
+        "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" {attributes}>\
+         <ImageData WholeExtent=\"0 3 0 2 0 1\" Origin=\"0 0 0\" Spacing=\"0.5 0.5 0.25\"><Piece><CellData Scalars=\"b\">\
+         <DataArray type=\"Float64\" Name=\"a\" NumberOfComponents=\"3\" format=\"ascii\">0.5</DataArray>{array}\
+         </CellData></Piece></ImageData>{rest}</VTKFile>"
+    )
+    .into_bytes()
+}
+
+fn labels(volume: &Volume) -> Vec<i64> {
+    volume.of.iter().map(|number| volume.labels[usize::from(*number)]).collect()
+}
+
+#[test]
+fn arrays_of_numpy_have_any_type_and_order() {
+    let values = [5_i64, -2, 7, 7, 5, -2];
+    let little: Vec<u8> = values.iter().flat_map(|value| (*value as i16).to_le_bytes()).collect();
+    let big: Vec<u8> = values.iter().flat_map(|value| (*value as f64).to_be_bytes()).collect();
+    for (bytes, counts) in [
+        (npy("<i2", "(1, 2, 3)", false, &little), [3, 2, 1]),
+        (npy(">f8", "(2, 3)", false, &big), [3, 2, 1]),
+        (npy("<i2", "(3, 2, 1)", true, &little), [1, 2, 3]),
+    ] {
+        let volume = read("a.NPY", &bytes).unwrap();
+        assert_eq!((volume.counts, &volume.labels[..], volume.spacing_mm), (counts, &[-2, 5, 7][..], None));
+        let expected = if counts[0] == 3 { values } else { [5, 7, 5, -2, 7, -2] };
+        assert_eq!(labels(&volume), expected);
+    }
+}
+
+#[test]
+fn image_data_of_vtk_is_text_base64_or_compressed() {
+    let tag = |format: &str| format!("<DataArray type=\"UInt8\" Name=\"b\" format=\"{format}\"");
+    // Six bytes after their length; the second text encodes the length alone, as some writers do.
+    let joined = format!("{}>BgAAAAABAgECAA==</DataArray>", tag("binary"));
+    let apart = format!("{}>BgAAAA==AAECAQIA</DataArray>", tag("binary"));
+    let zlib = "AQAAAAAAAAAGAAAAAAAAAAAAAAAAAAAADgAAAAAAAAA=eJxjYGRiZGIAAAAaAAc=";
+    let packed = format!("{}>{zlib}</DataArray>", tag("binary"));
+    let appended = format!("{} offset=\"0\"/>", tag("appended"));
+    for bytes in [
+        vti("", &format!("{}>0 1 2\n1 2 0 </DataArray>", tag("ascii")), ""),
+        vti("", &joined, ""),
+        vti("header_type=\"UInt32\"", &apart, ""),
+        vti("header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"", &packed, ""),
+        vti("", &appended, "<AppendedData encoding=\"raw\">_\u{6}\0\0\0\0\u{1}\u{2}\u{1}\u{2}\0</AppendedData>"),
+        vti("", &appended, "<AppendedData encoding=\"base64\">_BgAAAAABAgECAA==</AppendedData>"),
+    ] {
+        let volume = read("a.vti", &bytes).unwrap();
+        assert_eq!((volume.counts, volume.spacing_mm), ([3, 2, 1], Some([0.5, 0.5, 0.25])));
+        assert_eq!(labels(&volume), [0, 1, 2, 1, 2, 0]);
+    }
+}
+
+#[test]
+fn files_that_hold_no_labels_are_refused_with_a_reason() {
+    let refused = |name: &str, bytes: &[u8]| read(name, bytes).unwrap_err();
+    assert_eq!(refused("a.raw", b""), VolumeError::Ending);
+    assert_eq!(refused("a.npy", b"PK"), VolumeError::Begin("a file of numpy.save"));
+    assert_eq!(refused("a.tif", b"PK\0\0\0\0\0\0"), VolumeError::Begin("a TIFF file"));
+    assert_eq!(refused("a.vti", b"<VTKFile type='PolyData'>"), VolumeError::Begin("VTK image data"));
+    assert_eq!(refused("a.npy", &npy("|u1", "(2, 3)", false, &[1; 5])), VolumeError::Cut("values"));
+    assert_eq!(refused("a.npy", &npy("|u1", "(0, 3)", false, &[])), VolumeError::Empty);
+    let axes = refused("a.npy", &npy("|u1", "(1, 1, 2, 3)", false, &[1; 6])).to_string();
+    assert!(axes.starts_with("an array of 4 axes is not read; save integers"), "{axes}");
+    assert!(refused("a.npy", &npy("<c8", "(2, 3)", false, &[1; 48])).to_string().starts_with("the type `<c8`"));
+    let grey: Vec<u8> = (0..300_u16).flat_map(u16::to_le_bytes).collect();
+    assert_eq!(refused("a.npy", &npy("<u2", "(3, 100)", false, &grey)), VolumeError::Many);
+    let real: Vec<u8> = [1.0_f32, 0.5].into_iter().flat_map(f32::to_le_bytes).collect();
+    let said = refused("a.npy", &npy("<f4", "(1, 2)", false, &real)).to_string();
+    assert_eq!(said, "voxel 1, counted from 0, has the value 0.5; labels are integers: segment the image first");
+    let huge = vti("", "<DataArray type=\"UInt8\" Name=\"b\" format=\"appended\" offset=\"9\"/>", "<AppendedData>_");
+    assert_eq!(refused("a.vti", &huge), VolumeError::Cut("values"));
+}
