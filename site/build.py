@@ -42,7 +42,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if not arguments.keep:
         shutil.rmtree(GALLERY, ignore_errors=True)
-    scripts = sorted((SITE / "gallery").glob("*.py"))
+    scripts = sorted((SITE / "gallery").rglob("*.py"), key=lambda script: script.stem)
     shown = [gallery_page(script) for script in scripts if script.stem.startswith(arguments.only or "")]
     if arguments.only:
         return
@@ -58,7 +58,7 @@ def main() -> None:
 def copy_pages() -> None:
     """Lay the documents, the site's own pages and the gallery into one folder."""
     shutil.rmtree(PAGES, ignore_errors=True)
-    shutil.copytree(ROOT / "docs", PAGES, ignore=shutil.ignore_patterns("*.py", "*.toml", "experiments"))
+    shutil.copytree(ROOT / "docs", PAGES, ignore=shutil.ignore_patterns("*.py", "*.toml", "README.md", "experiments"))
     shutil.copytree(SITE / "pages", PAGES, dirs_exist_ok=True)
     shutil.copytree(GALLERY, PAGES / "gallery")
     for document, page in ROOT_PAGES.items():

@@ -147,8 +147,9 @@ def influences(side: float, seed: int, coarse: list[str]) -> list[Case]:
         text = "" if ratio == "0.7" else f"itz_strength_ratio = {ratio}"
         found.append(Case("itz", ratio, seed, cube(side, seed), coarse, text))
     for thickness in (0.1, 0.3, 0.5):
-        # Elements of 3 mm would give a layer of 0.1 mm 2.7 times its volume.
-        found.append(Case("thickness", f"{thickness}", seed, cube(side, seed, itz=thickness), ["--itz", "solid"]))
+        # Elements of 3 mm would give a layer of 0.1 mm 2.7 times its volume, and those of 2 mm still 1.2 times.
+        layer = ["--itz", "solid", "--accept-phase-error"]
+        found.append(Case("thickness", f"{thickness}", seed, cube(side, seed, itz=thickness), layer))
     return found
 
 

@@ -9,8 +9,8 @@ import mesocrete as mc
 
 spec = {"specimen": mc.Specimen.cube(40), "grading": mc.Grading.fuller(8, 14), "placement": {"min_gap_mm": 1.0}}
 packing = mc.pack(spec, fraction=0.25, seed=1)
-mesh = packing.mesh(method="voxel", element_size=4.0, itz="none")
-response = mesh.solve(test="compression", friction=0.1, strain=0.004, duration_s=0.002)
+mesh = packing.mesh(for_test=True, element_size=4.0)
+response = mesh.solve(test="compression", friction=0.1, strain=0.006)
 print({key: response.result[key] for key in ("peak_mpa", "peak_strain", "modulus_mpa", "softened")})
 
 figure, axes = plt.subplots(figsize=(6, 4))

@@ -31,6 +31,7 @@ fn faceted() -> [Specimen; 4] {
             depth_mm: 25.0,
             notch_depth_mm: 7.7,
             notch_width_mm: 3.3,
+            upper_notch_depth_mm: 0.0,
         },
         Specimen::Dogbone {
             length_mm: 60.0,

@@ -61,7 +61,11 @@ fn effective_properties_are_columns() {
         rows(&folder).into_iter().map(|row| row[place].clone()).collect::<Vec<_>>()
     };
     let along_x = column("effective.diffusivity.tensor.xx");
-    assert!(along_x.iter().all(|value| value.parse::<f64>().unwrap() > 0.3) && along_x[0] != along_x[2]);
+    assert!(
+        along_x.iter().all(|value| value.parse::<f64>().unwrap() > 0.3)
+            && along_x[0] == along_x[2]
+            && along_x[0] != along_x[1]
+    );
     assert_eq!(column("effective.diffusivity.tensor.zz")[0], "");
     assert!(column("effective.stiffness.isotropic.youngs_modulus_mpa")[0].parse::<f64>().unwrap() > 20_000.0);
     assert!(names.contains(&"effective.stiffness.tensor.xx_yy") && names.contains(&"effective.conductivity.error.xx"));
@@ -467,6 +471,26 @@ fn a_changed_test_file_beside_a_study_changes_the_cases_that_use_it() {
     folder.write("sub/a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 26000\n");
     let last = names();
     assert!(after[0] != last[0] && after[1] != last[1], "{after:?} {last:?}");
+}
+
+/// The case: the table that a TEST.toml of `[solve] test` names was no part of the case, so that old results were kept.
+#[test]
+fn a_changed_table_of_a_test_file_changes_the_cases_that_use_it() {
+    let study =
+        "[solve]\nelement-size-mm = 5\ntest = 'tests/T.toml'\n[over]\nsolve.test = ['tests/T.toml', 'tension']\n";
+    let folder = folder(&tiny_then(study));
+    std::fs::create_dir(folder.path("tests")).unwrap();
+    folder.write("tests/T.toml", "kind = 'cyclic'\nhistory = 'turns.csv'\n");
+    folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.003\n");
+    let names = || -> Vec<String> {
+        let listed = folder.run(&["study", "STUDY.toml", "--dry-run"]);
+        assert_eq!(listed.code, 0, "{}", listed.stderr);
+        String::from_utf8(listed.stdout).unwrap().lines().map(str::to_owned).collect()
+    };
+    let before = names();
+    folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.004\n");
+    let after = names();
+    assert!(before[0] != after[0] && before[1] == after[1], "{before:?} {after:?}");
 }
 
 #[test]

@@ -148,6 +148,7 @@ fn notched() -> Specimen {
         depth_mm: 50.0,
         notch_depth_mm: 12.0,
         notch_width_mm: 4.0,
+        upper_notch_depth_mm: 0.0,
     }
 }
 

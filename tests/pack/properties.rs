@@ -95,7 +95,14 @@ fn specimen() -> impl Strategy<Value = Specimen> {
         length().prop_map(|diameter_mm| Specimen::Sphere { diameter_mm }),
         (uniform3(length()), uniform2(1.0..20.0)).prop_map(|([length_mm, width_mm, depth_mm], notch)| {
             let [notch_depth_mm, notch_width_mm] = notch;
-            Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm }
+            Specimen::NotchedPrism {
+                length_mm,
+                width_mm,
+                depth_mm,
+                notch_depth_mm,
+                notch_width_mm,
+                upper_notch_depth_mm: 0.0,
+            }
         }),
         vec(uniform3(length()), 4..8).prop_map(|vertices_mm| Specimen::Polyhedron { vertices_mm }),
     ]

@@ -15,7 +15,7 @@ import mesocrete as mc
 from mesocrete import _types
 
 ROOT = Path(__file__).resolve().parents[2]
-GALLERY = sorted((ROOT / "site" / "gallery").glob("*.py"))
+GALLERY = sorted((ROOT / "site" / "gallery").rglob("*.py"))
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 

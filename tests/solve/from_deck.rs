@@ -46,7 +46,7 @@ impl Model {
             volume_mm3,
             element_size_mm: 2.0,
             band_factor: band_factor(&self.mesh),
-            notch_mm: 0.0,
+            notches_mm: [0.0; 2],
             exact: None,
         };
         let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);

@@ -1,9 +1,11 @@
 //! Supports, loads, turns and gauges against closed forms, the law at one point, and the frames of the same test.
 
 use crate::samples::{Meshed, brittle, options};
+use meso_core::aggregate::{Aggregate, Kind};
+use meso_core::geometry::convex_hull;
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
-use meso_core::mesh::{ItzForm, Method, Phase};
+use meso_core::mesh::{ItzForm, Method, Phase, PhaseVolumes};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Silent;
 use meso_solve::law::point::{self, HeldStress};
@@ -19,7 +21,7 @@ fn column(response: &Response, name: &str) -> Vec<f64> {
     (0..response.curve.len()).map(|row| response.extra.row(row)[place]).collect()
 }
 
-fn cylinder(diameter_mm: f64, height_mm: f64, element_size_mm: f64) -> Meshed {
+pub(crate) fn cylinder(diameter_mm: f64, height_mm: f64, element_size_mm: f64) -> Meshed {
     let specimen = Specimen::Cylinder { diameter_mm, height_mm };
     Meshed::of(&[], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
 }
@@ -278,21 +280,25 @@ fn a_strip_with_fewer_than_three_rows_of_nodes_is_warned_about() {
     assert!(said, "{warnings:?}");
 }
 
-/// A notched beam of mortar, three times and a half as long as deep, the notch a quarter of the depth.
-fn beam(method: Method, depth_mm: f64, element_size_mm: f64) -> Meshed {
-    let specimen = Specimen::NotchedPrism {
-        length_mm: 3.6 * depth_mm,
-        width_mm: 3.0 * element_size_mm,
-        depth_mm,
-        notch_depth_mm: 0.25 * depth_mm,
-        notch_width_mm: element_size_mm,
-    };
-    Meshed::of(&[], specimen, options(method, element_size_mm, ItzForm::None))
+/// A notched beam of mortar, three times and a half as long as deep.
+fn beam(depth_mm: f64, element_size_mm: f64) -> Meshed {
+    notched([3.6 * depth_mm, 3.0 * element_size_mm, depth_mm], [0.25 * depth_mm, 0.0, element_size_mm], element_size_mm)
+}
+
+/// A prism of mortar with a lower and perhaps an upper notch of some width.
+pub(crate) fn notched(
+    [length_mm, width_mm, depth_mm]: [f64; 3],
+    [notch_depth_mm, upper_notch_depth_mm, notch_width_mm]: [f64; 3],
+    element_size_mm: f64,
+) -> Meshed {
+    let specimen =
+        Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm, upper_notch_depth_mm };
+    Meshed::of(&[], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
 }
 
 #[test]
 fn a_notched_beam_breaks_slowly_above_its_notch() {
-    let (meshed, materials) = (beam(Method::FITTED, 16.0, 4.0), brittle());
+    let (meshed, materials) = (beam(16.0, 4.0), brittle());
     let response = meshed.solve(&materials, &Test { kind: TestKind::Bending, ..Test::default() });
     let (result, last) = (&response.result, response.curve.last().unwrap());
     assert!(result.kinetic_over_internal_to_half_peak < 0.01 && result.energy_balance_error < 1e-3, "{result:?}");
@@ -309,7 +315,7 @@ fn a_notched_beam_breaks_slowly_above_its_notch() {
 /// The case: a test that ended at a strain of 0.002 had spent two thirds of the energy; its crack was still closing the load.
 #[test]
 fn a_notched_beam_spends_its_fracture_energy_over_its_ligament() {
-    let (meshed, materials) = (beam(Method::FITTED, 24.0, 3.0), brittle());
+    let (meshed, materials) = (beam(24.0, 3.0), brittle());
     let response = meshed.solve(&materials, &Test { kind: TestKind::Bending, ..Test::default() });
     let ligament = 18.0 * 9.0;
     let work = response.result.energies.external / ligament / materials.mortar_strength.fracture_energy_n_per_mm;
@@ -328,7 +334,7 @@ fn rates(response: &Response, name: &str, rows: usize) -> Vec<f64> {
 #[test]
 fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
     let cube = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
-    let beam = beam(Method::FITTED, 16.0, 4.0);
+    let beam = beam(16.0, 4.0);
     for (meshed, kind, control, name) in [
         (&cube, TestKind::Compression, Control::LateralStrain, "lateral_strain"),
         (&beam, TestKind::Bending, Control::CrackMouth, "crack_mouth_mm"),
@@ -354,8 +360,8 @@ fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
 }
 
 #[test]
-fn halves_that_are_glued_to_plates_shear_the_plane_between_them() {
-    let meshed = Meshed::mortar([18.0, 6.0, 12.0], Method::FITTED, 3.0);
+fn halves_that_are_glued_to_plates_shear_the_plane_between_two_notches() {
+    let meshed = notched([20.0, 6.0, 24.0], [6.0, 6.0, 4.0], 2.0);
     let response = meshed.solve(&brittle(), &Test { kind: TestKind::Shear, law: LawName::Meso, ..Test::default() });
     let result = &response.result;
     let ratio = result.figures.peak_mpa / brittle().mortar_strength.tensile_mpa;
@@ -457,23 +463,30 @@ fn volume(corners: &[Vec3]) -> f64 {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).dot(&(corners[3] - corners[0])).abs() / 6.0
 }
 
+/// A ball of mortar, 24 mm wide, around an aggregate of 14 mm whose surface the mesh follows.
+fn sphere_in_shell(element_size_mm: f64) -> Meshed {
+    let specimen = Specimen::Sphere { diameter_mm: 24.0 };
+    let centre = 0.5 * (specimen.aabb().min + specimen.aabb().max);
+    // Fibonacci's points on a sphere.
+    let turn = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let point = |i: u32| {
+        let z: f64 = 1.0 - (2.0 * f64::from(i) + 1.0) / 400.0;
+        let (sine, cosine) = (turn * f64::from(i)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        centre + 7.0 * Vec3::new(r * cosine, r * sine, z)
+    };
+    let body = convex_hull(&(0..400).map(point).collect::<Vec<_>>()).unwrap();
+    let body = Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body };
+    Meshed::of(&[body], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
+}
+
+/// The case: a sphere of whole cells, jagged and 1.0 of its volume, had 6.1 % too much in elements of this size. Cells that
+/// follow its surface have 1.2 % too much, and smoothed ones less.
 #[test]
-fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame_within_7_percent() {
-    let mut meshed =
-        Meshed::of(&[], Specimen::Sphere { diameter_mm: 24.0 }, options(Method::FITTED, 1.5, ItzForm::None));
-    let centre = 0.5 * (meshed.specimen.aabb().min + meshed.specimen.aabb().max);
-    let corners = |cell: &[u32], points: &[Vec3]| cell.iter().map(|&node| points[node as usize]).collect::<Vec<_>>();
-    let (mut inner, mut all) = (0.0, 0.0);
-    for cell in 0..meshed.mesh.cell_count() {
-        let corners = corners(meshed.mesh.cell(cell), &meshed.mesh.points);
-        all += volume(&corners);
-        if (corners.iter().sum::<Vec3>() / 4.0 - centre).norm() < 7.0 {
-            meshed.mesh.phase[cell] = Phase::Aggregate;
-            inner += volume(&corners);
-        }
-    }
-    let share = inner / all;
-    assert!((share / (7.0_f64 / 12.0).powi(3) - 1.0).abs() < 0.05, "{share}");
+fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame() {
+    let meshed = sphere_in_shell(1.5);
+    let volumes = PhaseVolumes::of_mesh(&meshed.mesh);
+    let share = volumes.aggregate / (volumes.aggregate + volumes.mortar);
     let stiffness = 26e3;
     let mut materials = brittle();
     materials.aggregate = materials.mortar;
@@ -484,12 +497,9 @@ fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame_within_7_percent() {
     let shell = (share * (1.0 - 2.0 * nu) + 0.5 * (1.0 + nu)) / (shell * (1.0 - share));
     let expected = 1e-3 / (sphere + shell);
     let seen = Squeezed(&meshed, RefCell::default());
-    let test =
-        Test { smoothing: Some(Smoothing::None), ..expansion(Expansion { aggregate: 1e-3, ..Expansion::default() }) };
-    meshed.watched(&materials, &test, &Silent, &seen);
+    meshed.watched(&materials, &expansion(Expansion { aggregate: 1e-3, ..Expansion::default() }), &Silent, &seen);
     let found = *seen.1.borrow();
-    // Tetrahedra of a fifth of the radius are too stiff: 6.1 % here.
-    assert!((found / expected - 1.0).abs() < 0.07, "{stiffness} {found} {expected}");
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
 }
 
 #[test]
@@ -524,6 +534,7 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         (Test { span_mm: Some(60.0), ..of(TestKind::Bending) }, &cube, "the rollers must stand on the beam"),
         (of(TestKind::Biaxial), &cylinder, "no plane sides for its plates"),
         (of(TestKind::Shear), &cylinder, "no plane sides for its plates"),
+        (of(TestKind::Shear), &cube, "no two notches"),
         (
             Test { control: Control::CrackMouth, ..Test::default() },
             &cube,

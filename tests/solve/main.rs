@@ -20,4 +20,5 @@ mod samples;
 mod servo;
 mod softening;
 mod stone;
+mod test_decks;
 mod twins;

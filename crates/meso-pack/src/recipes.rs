@@ -30,6 +30,7 @@ impl Recipe {
         Self { name: "astm-cylinder-150", text: include_str!("recipes/astm-cylinder-150.toml") },
         Self { name: "astm-beam-150", text: include_str!("recipes/astm-beam-150.toml") },
         Self { name: "rilem-notched-150", text: include_str!("recipes/rilem-notched-150.toml") },
+        Self { name: "double-notched-100", text: include_str!("recipes/double-notched-100.toml") },
         Self { name: "dogbone-200", text: include_str!("recipes/dogbone-200.toml") },
         Self { name: "rve-60", text: include_str!("recipes/rve-60.toml") },
         Self { name: "fibres-voids-100", text: include_str!("recipes/fibres-voids-100.toml") },

@@ -10,7 +10,7 @@ use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
 use meso_concrete::thousands;
-use meso_core::export::abaqus::DeckOptions;
+use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
@@ -18,6 +18,7 @@ use meso_core::mesh::{Mesh, MeshError, MeshOptions, MeshTable, PhaseVolumes, Pur
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
+use meso_solve::Sample;
 use meso_solve::footing::{self, Footing};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyUserWarning;
@@ -245,6 +246,8 @@ impl PyMesh {
     ///     Whether a file that is there already is replaced.
     /// compress : bool
     ///     Whether the data of a `.vtu` are compressed.
+    /// test : str or dict, optional
+    ///     A named test, or a dict as `Test` returns it: an `.inp` then has its supports and loads (docs/decks.md).
     /// **deck
     ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
     ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
@@ -256,12 +259,13 @@ impl PyMesh {
     ///     For an extension that names no mesh format, and for options that a deck cannot have; the message lists the accepted ones.
     /// OSError
     ///     Where the file cannot be written.
-    #[pyo3(signature = (path, *, overwrite=true, compress=false, **deck))]
+    #[pyo3(signature = (path, *, overwrite=true, compress=false, test=None, **deck))]
     fn write(
         slf: &Bound<'_, Self>,
         path: PathBuf,
         overwrite: bool,
         compress: bool,
+        test: Option<&Bound<'_, PyAny>>,
         deck: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
@@ -271,10 +275,16 @@ impl PyMesh {
             return call_view("write_xdmf", slf, Some(&options)).map(drop);
         }
         guard(|| {
-            let keys = deck.map_or(0, |deck| deck.len());
+            let keys = deck.map_or(0, |deck| deck.len()) + usize::from(test.is_some());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
-            files::check_deck(&mesh, &deck, &path, keys > 0)?;
             let spec = &slf.get().1.spec;
+            if let Some(test) = test.map(response::test_of).transpose()? {
+                let sample = Sample::of(&mesh, &spec.specimen, &slf.get().2);
+                let loads =
+                    test.suits_deck(&spec.specimen).and_then(|()| test.loads(&sample, deck.loading.time_increment_s));
+                (deck.analysis, deck.loads) = (Analysis::Test, Some(loads.map_err(|error| response::wrong(&error))?));
+            }
+            files::check_deck(&mesh, &deck, &path, keys > 0)?;
             deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));
             if deck.heading.is_empty() {
                 let (seed, fraction, kind) = (spec.seed, spec.fraction, spec.specimen.kind());

@@ -1,7 +1,7 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_value};
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::files;
 use crate::pickle::{self, Fields};
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
@@ -103,8 +103,26 @@ impl Asked {
     }
 }
 
+/// A test without a specimen: its name, or a dict as `Test` returns it.
+///
+/// # Errors
+/// `TypeError` for anything else, `ValueError` for values out of their ranges.
+pub(crate) fn test_of(given: &Bound<'_, PyAny>) -> PyResult<Test> {
+    if let Ok(kind) = given.extract::<String>() {
+        return Ok(Asked::new(&kind, None, None, &PyDict::new(given.py()))?.test);
+    }
+    let keywords =
+        given.cast::<PyDict>().map_err(|_| wrong_type(format!("test is {given}; it must be a name or a dict")))?;
+    let keywords = keywords.copy()?;
+    let kind = keywords.get_item("test")?.map_or_else(|| Ok("compression".to_owned()), |kind| kind.extract())?;
+    if keywords.contains("test")? {
+        keywords.del_item("test")?;
+    }
+    Ok(Asked::new(&kind, None, None, &keywords)?.test)
+}
+
 /// A keyword has the name of the test's value.
-fn wrong(error: &SolveError) -> PyErr {
+pub(crate) fn wrong(error: &SolveError) -> PyErr {
     wrong_value(match error {
         SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
         _ => error.to_string(),

@@ -20,13 +20,16 @@ pub struct Geometry {
     pub section_mm2: f64,
     /// Depth of the notch in the middle of the lower side, mm; 0 without a notch.
     pub notch_mm: f64,
+    /// Depth of the notch in the middle of the upper side, mm; 0 without a notch.
+    pub upper_notch_mm: f64,
 }
 
 impl Geometry {
     /// Measures of a specimen.
     pub fn of(specimen: &Specimen) -> Self {
         let (size_mm, section_mm2) = (specimen.aabb().size().into(), gross_section_mm2(specimen));
-        Self { size_mm, section_mm2, notch_mm: notch_mm(specimen) }
+        let [notch_mm, upper_notch_mm] = notches_mm(specimen);
+        Self { size_mm, section_mm2, notch_mm, upper_notch_mm }
     }
 }
 
@@ -43,8 +46,8 @@ pub struct Sample<'a> {
     pub element_size_mm: f64,
     /// Width of a crack band over the edge of a box, or of the regular tetrahedron of a cell's volume: [`band_factor`].
     pub band_factor: f64,
-    /// Depth of the notch in the middle of the lower side, mm; 0 without a notch.
-    pub notch_mm: f64,
+    /// Depths of the notches in the middle of the lower and of the upper side, mm; 0 without a notch.
+    pub notches_mm: [f64; 2],
     /// The phases' exact volumes, where known.
     pub exact: Option<PhaseVolumes>,
 }
@@ -58,7 +61,7 @@ impl<'a> Sample<'a> {
             volume_mm3: specimen.volume(),
             element_size_mm: options.element_size_mm,
             band_factor: band_factor(mesh),
-            notch_mm: notch_mm(specimen),
+            notches_mm: notches_mm(specimen),
             exact: None,
         }
     }
@@ -66,7 +69,8 @@ impl<'a> Sample<'a> {
     /// Geometry that a test depends on.
     pub(crate) fn geometry(&self) -> Geometry {
         let size_mm = Aabb::around(&self.mesh.points).size().into();
-        Geometry { size_mm, section_mm2: self.section_mm2, notch_mm: self.notch_mm }
+        let [notch_mm, upper_notch_mm] = self.notches_mm;
+        Geometry { size_mm, section_mm2: self.section_mm2, notch_mm, upper_notch_mm }
     }
 
     pub(crate) fn validate(&self) -> Result<(), SolveError> {
@@ -112,7 +116,10 @@ pub fn gross_section_mm2(specimen: &Specimen) -> f64 {
     }
 }
 
-/// Depth of a specimen's notch, mm; 0 without one.
-pub(crate) fn notch_mm(specimen: &Specimen) -> f64 {
-    if let Specimen::NotchedPrism { notch_depth_mm, .. } = specimen { *notch_depth_mm } else { 0.0 }
+/// Depths of a specimen's lower and upper notch, mm; 0 without one.
+fn notches_mm(specimen: &Specimen) -> [f64; 2] {
+    match specimen {
+        Specimen::NotchedPrism { notch_depth_mm, upper_notch_depth_mm, .. } => [*notch_depth_mm, *upper_notch_depth_mm],
+        _ => [0.0; 2],
+    }
 }

@@ -76,7 +76,7 @@ pub enum Specimen {
         /// Diameter, mm.
         diameter_mm: f64,
     },
-    /// A prism with a notch sawn into the middle of its lower side, across its width.
+    /// A prism with a notch sawn into the middle of its lower side, across its width, and perhaps one into its upper side.
     NotchedPrism {
         /// Along x, mm.
         length_mm: f64,
@@ -88,6 +88,9 @@ pub enum Specimen {
         notch_depth_mm: f64,
         /// Width of the notch, along x, mm.
         notch_width_mm: f64,
+        /// Depth of a second notch above it, from the upper side downwards, mm; 0 for none.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        upper_notch_depth_mm: f64,
     },
     /// A plate that narrows in round arcs to a neck in the middle of its length.
     Dogbone {
@@ -255,8 +258,16 @@ impl Specimen {
             }
             &Self::Cylinder { diameter_mm, height_mm } => Box::new(Cylinder::new(diameter_mm, height_mm)),
             &Self::Sphere { diameter_mm } => Box::new(Sphere::new(diameter_mm)),
-            &Self::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
-                Box::new(notched::container([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
+            &Self::NotchedPrism {
+                length_mm,
+                width_mm,
+                depth_mm,
+                notch_depth_mm,
+                notch_width_mm,
+                upper_notch_depth_mm,
+            } => {
+                let depths = [notch_depth_mm, upper_notch_depth_mm];
+                Box::new(notched::container([length_mm, width_mm, depth_mm], depths, notch_width_mm)?)
             }
             Self::Dogbone { .. } => Box::new(self.dogbone().container()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
@@ -404,6 +415,11 @@ fn unchecked(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
 fn as_given(vertices: &[[f64; 3]], corner: &Vec3) -> [f64; 3] {
     let place = at_origin(vertices).iter().position(|vertex| vertex == corner);
     place.map_or((*corner).into(), |place| vertices[place])
+}
+
+/// Whether a length is left out of a file.
+fn is_zero(length_mm: &f64) -> bool {
+    *length_mm == 0.0
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.

@@ -775,7 +775,15 @@ class Mesh:
     def bad_cells(self, degrees: float) -> NDArray[np.int64]:
         """The cells whose smallest dihedral angle lies below `degrees`, as indices: ndarray, int64."""
 
-    def write(self, path: _Path, *, overwrite: bool = True, compress: bool = False, **deck: Unpack[DeckOptions]) -> None:
+    def write(
+        self,
+        path: _Path,
+        *,
+        overwrite: bool = True,
+        compress: bool = False,
+        test: str | Mapping[str, object] | None = None,
+        **deck: Unpack[DeckOptions],
+    ) -> None:
         """Writes the mesh, whole or not at all; the extension names the format.
 
         Parameters
@@ -786,6 +794,8 @@ class Mesh:
             Whether a file that is there already is replaced.
         compress : bool
             Whether the data of a `.vtu` are compressed.
+        test : str or dict, optional
+            A named test, or a dict as `Test` returns it: an `.inp` then has its supports and loads (docs/decks.md).
         **deck
             Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
             `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:

@@ -156,10 +156,19 @@ class Specimen:
 
     @staticmethod
     def notched_prism(
-        length_mm: float, width_mm: float, depth_mm: float, notch_width_mm: float, notch_depth_mm: float
+        length_mm: float,
+        width_mm: float,
+        depth_mm: float,
+        notch_width_mm: float,
+        notch_depth_mm: float,
+        upper_notch_depth_mm: float = 0.0,
     ) -> _types.NotchedPrismSpecimen:
-        """Return a beam with a notch sawn into the middle of its lower side, across its width."""
-        notch = {"notch_width_mm": notch_width_mm, "notch_depth_mm": notch_depth_mm}
+        """Return a beam with a notch sawn into the middle of its lower side, across its width, and perhaps one above it."""
+        notch = {
+            "notch_width_mm": notch_width_mm,
+            "notch_depth_mm": notch_depth_mm,
+            "upper_notch_depth_mm": upper_notch_depth_mm,
+        }
         beam = {"kind": "notched-prism", "length_mm": length_mm, "width_mm": width_mm, "depth_mm": depth_mm, **notch}
         return cast("_types.NotchedPrismSpecimen", beam)
 
@@ -250,7 +259,7 @@ class Test:
 
     @staticmethod
     def shear(**options: object) -> dict[str, object]:
-        """Return plates glued to the upper left and the lower right half, which move past each other."""
+        """Return plates glued to the upper left and lower right half of a double-notched prism, which move past each other."""
         return {"test": "shear", **options}
 
     @staticmethod

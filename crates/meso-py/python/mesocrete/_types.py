@@ -276,7 +276,7 @@ class SphereSpecimen(TypedDict, total=False):
 
 
 class NotchedPrismSpecimen(TypedDict, total=False):
-    """A prism with a notch sawn into the middle of its lower side, across its width."""
+    """A prism with a notch sawn into the middle of its lower side, across its width, and perhaps one into its upper side."""
 
     depth_mm: float
     """Along z, the notch's included, mm."""
@@ -288,6 +288,8 @@ class NotchedPrismSpecimen(TypedDict, total=False):
     """Depth of the notch, from z = 0 upwards, mm."""
     notch_width_mm: float
     """Width of the notch, along x, mm."""
+    upper_notch_depth_mm: float
+    """Depth of a second notch above it, from the upper side downwards, mm; 0 for none."""
     width_mm: float
     """Along y, mm."""
 

@@ -161,7 +161,7 @@ impl Setter<'_> {
 
     /// The nodes of the lower side that are nearest to its middle, right against left.
     fn mouth(&self, name: &str) -> Result<Reader, SolveError> {
-        if self.sample.notch_mm <= 0.0 {
+        if self.sample.notches_mm[0] <= 0.0 {
             let why = "the specimen has no notch; take a notched-prism";
             return Err(TEST.error(format!("gauges.{name}"), "crack-mouth", why).into());
         }

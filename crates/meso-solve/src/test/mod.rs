@@ -91,7 +91,8 @@ pub enum TestKind {
     Cyclic,
     /// Phases that swell or shrink, without a support.
     Expansion,
-    /// Glued to the left half of the upper side and the right half of the lower side, which move past each other.
+    /// A double-notched prism, glued to the left half of the upper side and the right half of the lower side, which move past
+    /// each other.
     Shear,
 }
 
@@ -264,7 +265,7 @@ impl Test {
     }
 
     /// Whether the path moves a support.
-    pub(crate) fn has_path(&self) -> bool {
+    pub fn has_path(&self) -> bool {
         self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0)
     }
 

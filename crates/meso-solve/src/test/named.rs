@@ -75,6 +75,13 @@ impl Test {
             let why = "the specimen has no plane sides for its plates; take a cube, box or prism";
             return Err(TEST.error("kind", name, why).into());
         }
+        let has_own_shape = matches!(specimen, Specimen::Mesh { .. });
+        let is_notched = has_own_shape || geometry.notch_mm > 0.0 && geometry.upper_notch_mm > 0.0;
+        if self.kind == TestKind::Shear && self.supports.is_empty() && !is_notched {
+            let why = "the specimen has no two notches, whose tips the sheared plane joins; take a notched-prism with an \
+                       upper_notch_depth_mm, as in mesocrete init double-notched-100, or supports of your own";
+            return Err(TEST.error("kind", "shear", why).into());
+        }
         Ok(())
     }
 
@@ -134,8 +141,8 @@ impl Test {
         }
     }
 
-    /// Plates glued to the upper side left of the middle and to the lower side right of it: force over the plane between is the
-    /// stress, and way over its height the strain.
+    /// Plates glued to the upper side left of the middle and to the lower side right of it, as on the double-notched specimens
+    /// of Reinhardt and Xu (2000): force over the plane between the notches is the stress, and way over the height the strain.
     fn sheared(&self, geometry: &Geometry) -> Plan {
         let [x, y, z] = geometry.size_mm;
         let half = |name, on, at: f64, moves| SupportSpec {
@@ -145,7 +152,7 @@ impl Test {
             ..SupportSpec::new(name, on)
         };
         let supports = vec![half("bottom", Side::ZMin, 0.25, 0.5), half("top", Side::ZMax, -0.25, -0.5)];
-        Plan { supports, axis: 2, length_mm: z, section_mm2: y * (z - geometry.notch_mm) }
+        Plan { supports, axis: 2, length_mm: z, section_mm2: y * (z - geometry.notch_mm - geometry.upper_notch_mm) }
     }
 
     /// A beam on two rollers, pressed by a third one: 3 F l / (2 b h^2) is the stress, and 6 h w / l^2 the strain, h being

@@ -55,7 +55,7 @@ impl TestKind {
                 "kind = \"expansion\"\n[expansion]\naggregate = 1e-4            # linear strains; shrinkage is negative\nmortar = 0.0\n",
             ),
             Self::Shear => (
-                "Plates glued to the upper left and the lower right half move past each other along z.",
+                "Plates glued to the upper left and the lower right half of a double-notched prism move past each other along z.",
                 "kind = \"shear\"\n",
             ),
         };

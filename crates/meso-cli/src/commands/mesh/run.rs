@@ -28,12 +28,13 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
     args.meshing.try_sizes(&model.spec, &watch)?;
-    let settings = args.meshing.settings(&model.spec, writes_deck)?;
-    let deck = &settings.deck;
-    plan.iter().try_for_each(|(_, format)| format.check(deck)).map_err(|error| wrong_option(&error))?;
+    let mut settings = args.meshing.settings(&model.spec, writes_deck)?;
+    plan.iter().try_for_each(|(_, format)| format.check(&settings.deck)).map_err(|error| wrong_option(&error))?;
     let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
     watch.finish();
     let (mesh, off) = mesh?;
+    settings.load(&mesh, &model.spec.specimen)?;
+    let deck = &settings.deck;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_option(&error))?;
     }

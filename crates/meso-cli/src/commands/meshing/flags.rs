@@ -1,13 +1,14 @@
 //! Flags of a mesh and of its deck, as users type them.
 
 use super::errors::wrong_mesh;
+use crate::commands::solve::{self, is_toml};
 use crate::commands::{names, values};
 use crate::failure::Failure;
 use meso_core::export::abaqus::{Analysis, Loading};
 use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Purpose, Volumes};
 use meso_core::{Spec, Watch};
-use meso_solve::footing;
+use meso_solve::{Test, TestKind, footing};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -159,9 +160,13 @@ pub(crate) struct DeckFlags {
     /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
     #[arg(long, hide_short_help = true)]
     pub(super) periodic_equations: bool,
-    /// Analysis of the deck; any but none meshes, and packs, for a test
-    #[arg(long, default_value = "none", value_parser = names::parser::<Analysis>())]
-    pub(super) analysis: Analysis,
+    #[arg(long, value_name = "NAME|TEST.toml", default_value = "none", value_parser = AnalysisText::read)]
+    #[arg(help = format!(
+        "Analysis of the deck; any but none meshes, and packs, for a test: {}; in an .inp also a TEST.toml, or {}",
+        names::list::<Analysis>(),
+        tests()
+    ))]
+    pub(super) analysis: AnalysisText,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
@@ -195,10 +200,88 @@ pub(crate) struct DeckFlags {
     pub(super) with_damage: bool,
 }
 
+/// An analysis as users type it: compression and tension have decks of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum AnalysisText {
+    Named(Analysis),
+    Test(TestKind),
+    File(PathBuf),
+}
+
+/// Names of the tests that are no analysis.
+fn tests() -> String {
+    let all = names::list::<TestKind>();
+    let others = all.split(", ").filter(|name| names::read::<Analysis>(name).is_err());
+    others.collect::<Vec<_>>().join(", ")
+}
+
+impl AnalysisText {
+    fn read(text: &str) -> Result<Self, String> {
+        let path = PathBuf::from(text);
+        if is_toml(&path) {
+            return Ok(Self::File(path));
+        }
+        let test = |_| names::read(text).map(Self::Test);
+        let named = names::read(text).map(Self::Named).or_else(test);
+        named.map_err(|_: String| {
+            format!("it must be one of {}, {}, or a TEST.toml", names::list::<Analysis>(), tests())
+        })
+    }
+
+    /// The word that gives it again.
+    pub(super) fn word(&self) -> String {
+        match self {
+            Self::Named(analysis) => names::of(analysis),
+            Self::Test(kind) => names::of(kind),
+            Self::File(_) => "TEST.toml".to_owned(),
+        }
+    }
+}
+
 impl DeckFlags {
+    /// The analysis of the deck.
+    pub(super) fn analysis(&self) -> Analysis {
+        if let AnalysisText::Named(analysis) = self.analysis { analysis } else { Analysis::Test }
+    }
+
+    /// The test of the deck, with the changes of the flags; none for an analysis.
+    pub(super) fn test(&self) -> Result<Option<Test>, Failure> {
+        let test = match &self.analysis {
+            AnalysisText::Named(_) => return Ok(None),
+            AnalysisText::Test(kind) => Test { kind: *kind, ..Test::default() },
+            AnalysisText::File(path) => solve::deck_of_file(path)?,
+        };
+        Ok(Some(Test {
+            friction: self.friction.or(test.friction),
+            strain: self.strain.or(test.strain),
+            duration_s: self.duration.or(test.duration_s),
+            time_step_s: self.time_increment.or(test.time_step_s),
+            ..test
+        }))
+    }
+
+    /// The flags of a test, as the command has them.
+    pub(super) fn of_test(&self) -> Vec<String> {
+        let number = |flag: &str, value: Option<f64>| value.map(|value| format!("{flag} {value:?}"));
+        let given = [
+            Some(format!("--analysis {}", self.analysis.word())),
+            number("--strain", self.strain),
+            number("--friction", self.friction),
+            number("--duration", self.duration),
+            number("--time-increment", self.time_increment),
+            self.frames.map(|frames| format!("--frames {frames}")),
+        ];
+        given.into_iter().flatten().collect()
+    }
+
+    /// The file of a test.
+    pub(super) fn file(&self) -> Option<&Path> {
+        if let AnalysisText::File(path) = &self.analysis { Some(path) } else { None }
+    }
+
     /// Whether the deck computes something.
     pub(super) fn analyses(&self) -> bool {
-        self.analysis != Analysis::None && !self.geometry_only
+        self.analysis() != Analysis::None && !self.geometry_only
     }
 
     pub(super) fn loading(&self) -> Loading {

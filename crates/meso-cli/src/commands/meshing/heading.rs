@@ -16,6 +16,7 @@ pub(super) fn command(
     deck: &DeckOptions,
     accepts_phase_error: bool,
     has_materials: bool,
+    analysis: Vec<String>,
 ) -> String {
     let mut words = vec!["mesocrete mesh MODEL".to_owned()];
     words.extend(mesh.named().into_iter().map(|(key, value)| match value.as_str() {
@@ -30,6 +31,17 @@ pub(super) fn command(
         ("--accept-phase-error", accepts_phase_error),
     ];
     words.extend(switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
+    words.extend(analysis);
+    if deck.lsdyna_law != LsdynaLaw::default() {
+        words.push(format!("--lsdyna-law {}", names::of(&deck.lsdyna_law)));
+    }
+    words.extend(has_materials.then(|| "--materials FILE".to_owned()));
+    words.join(" ")
+}
+
+/// Flags of the analysis.
+pub(super) fn analysis(deck: &DeckOptions) -> Vec<String> {
+    let mut words = Vec::new();
     if deck.analysis != Analysis::None && !deck.geometry_only {
         words.push(format!("--analysis {}", names::of(&deck.analysis)));
         words.extend(deck.strain.map(|strain| format!("--strain {strain}")));
@@ -42,11 +54,7 @@ pub(super) fn command(
             words.push(format!("--impact-speed {impact_speed_mm_per_s}"));
         }
     }
-    if deck.lsdyna_law != LsdynaLaw::default() {
-        words.push(format!("--lsdyna-law {}", names::of(&deck.lsdyna_law)));
-    }
-    words.extend(has_materials.then(|| "--materials FILE".to_owned()));
-    words.join(" ")
+    words
 }
 
 /// Lines that name the packing and the command.

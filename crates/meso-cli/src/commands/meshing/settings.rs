@@ -6,13 +6,15 @@ use super::heading;
 use crate::failure::Failure;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::DeckOptions;
+use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
-use meso_core::mesh::{ItzForm, Joined, MeshError, MeshOptions, MethodName, Purpose, Room};
+use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, Purpose, Room};
 use meso_core::spec::options_from_toml;
+use meso_core::specimen::Specimen;
 use meso_core::{Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::footing::{self, Footing};
+use meso_solve::{LawName, Sample, SolveError, Test};
 use std::path::Path;
 
 // A doc comment here would become the command's own description.
@@ -28,6 +30,8 @@ pub(crate) struct Meshing {
 pub(crate) struct Settings {
     pub(crate) mesh: MeshSettings,
     pub(crate) deck: DeckOptions,
+    /// The test of the deck; none for an analysis.
+    test: Option<Test>,
     /// How to get the ITZ, if the mesh has none by default.
     pub(crate) hint: Option<String>,
 }
@@ -82,12 +86,13 @@ impl Meshing {
 
     /// Whether a deck is of a test with a curve.
     pub(crate) fn has_curve(&self) -> bool {
-        self.deck.analysis.is_explicit() && !self.deck.geometry_only
+        let has_path = |test: Option<Test>| test.is_none_or(|test| test.has_path() && test.law != LawName::Elastic);
+        self.deck.analysis().is_explicit() && !self.deck.geometry_only && self.deck.test().is_ok_and(has_path)
     }
 
     /// The files that are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
-        self.mesh.inputs()
+        self.mesh.inputs().chain(self.deck.file())
     }
 
     /// Refuses flags that suit no packing.
@@ -118,7 +123,12 @@ impl Meshing {
         )?;
         let deck = self.deck(spec, options)?;
         self.validate_deck(&deck, options, writes_deck)?;
-        Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })
+        let test = self.deck.test()?;
+        if let Some(test) = &test {
+            let suits = test.validate().map_err(SolveError::from).and_then(|()| test.suits_deck(&spec.specimen));
+            suits.map_err(|error| Failure::Usage(error.to_string()))?;
+        }
+        Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck, test })
     }
 
     /// Refuses flags of decks without effect: on this deck, or because none is written.
@@ -137,9 +147,10 @@ impl Meshing {
     fn deck(&self, spec: &Spec, mesh: &MeshOptions) -> Result<DeckOptions, Failure> {
         let flags = &self.deck;
         let deck = DeckOptions {
-            analysis: flags.analysis,
+            analysis: flags.analysis(),
             strain: flags.strain,
             loading: flags.loading(),
+            loads: None,
             with_damage: flags.with_damage,
             materials: self.mesh.materials()?,
             geometry_only: flags.geometry_only,
@@ -154,7 +165,8 @@ impl Meshing {
         if mesh.itz == ItzForm::Cohesive {
             deck.validate_cohesive().map_err(|error| wrong_option(&error))?;
         }
-        let command = heading::command(mesh, &deck, self.mesh.accept_phase_error, self.mesh.has_materials());
+        let analysis = if deck.analysis == Analysis::Test { flags.of_test() } else { heading::analysis(&deck) };
+        let command = heading::command(mesh, &deck, self.mesh.accept_phase_error, self.mesh.has_materials(), analysis);
         Ok(DeckOptions { heading: heading::lines(spec, &command), ..deck })
     }
 
@@ -176,6 +188,17 @@ impl Meshing {
     /// Finds the size that `auto` means for a packing that is there.
     pub(crate) fn try_sizes(&self, spec: &Spec, watch: &dyn Watch) -> Result<(), Failure> {
         self.mesh.try_sizes(self.purpose(), spec, false, watch)
+    }
+}
+
+impl Settings {
+    /// Puts the supports and loads of the test on `mesh` into the deck.
+    pub(crate) fn load(&mut self, mesh: &Mesh, specimen: &Specimen) -> Result<(), Failure> {
+        let Some(test) = self.test.as_ref().filter(|_| !self.deck.geometry_only) else { return Ok(()) };
+        let sample = Sample::of(mesh, specimen, &self.mesh.footing.options);
+        let loads = test.loads(&sample, self.deck.loading.time_increment_s);
+        self.deck.loads = Some(loads.map_err(|error| Failure::Usage(error.to_string()))?);
+        Ok(())
     }
 }
 

@@ -26,7 +26,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         }
         spec => spec?,
     };
-    let settings = plan.has_mesh().then(|| args.meshing.settings(&spec, plan.has_deck())).transpose()?;
+    let mut settings = plan.has_mesh().then(|| args.meshing.settings(&spec, plan.has_deck())).transpose()?;
     if settings.is_none() {
         args.meshing.validate_for(&spec, false)?;
     }
@@ -38,6 +38,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
         let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch).map(|(mesh, _)| mesh);
         let mesh = settings.as_ref().map(build).transpose();
+        if let (Some(settings), Ok(Some(mesh))) = (&mut settings, &mesh) {
+            settings.load(mesh, &model.spec.specimen)?;
+        }
         // A packing is not lost with its mesh.
         let deck = mesh.as_ref().ok().and_then(Option::as_ref).zip(settings.as_ref().map(|settings| &settings.deck));
         plan.write(&model, deck, &watch)?;

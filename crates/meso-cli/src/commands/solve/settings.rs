@@ -192,6 +192,16 @@ fn of_file(path: &Path) -> Result<Test, Failure> {
     Ok(test)
 }
 
+/// The test of a TEST.toml for a deck, whose plates keep their speed.
+pub(crate) fn deck_of_file(path: &Path) -> Result<Test, Failure> {
+    let tree: Value = inputs::toml(path, options_from_toml)?;
+    if tree.get("control").is_some_and(|control| control == "servo") {
+        let why = "a deck's plates keep their speed; take \"steady\", or leave it out";
+        return Err(Failure::Usage(format!("{}: test.control is servo; {why}", path.display())));
+    }
+    of_file(path)
+}
+
 /// Replaces the history in the tree of the TEST.toml at `path` by its turns.
 pub(crate) fn take_history(tree: &mut Value, path: &Path) -> Result<(), Failure> {
     if tree.get("history").is_none() {

@@ -174,7 +174,7 @@ impl Planning for Completing<'_> {
         for section in ["mesh", "solve", "effective"] {
             for flag in flag_files::FLAGS {
                 let files = flag_files::of(flag, &task[section][flag]);
-                let hashes = files.map(|file| self.hash(file)).collect::<Result<Vec<_>, _>>()?;
+                let hashes = files.map(|file| self.hash_whole(flag, file)).collect::<Result<Vec<_>, _>>()?;
                 if !hashes.is_empty() {
                     task[section][flag_files::hash_key(flag)] = hashes.join(" ").into();
                 }
@@ -202,8 +202,16 @@ fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
 }
 
 impl Completing<'_> {
-    fn hash(&mut self, file: &str) -> Result<String, String> {
-        let path = beside(self.study, file);
+    /// Hash of a flag's file, and of the table that a TEST.toml names.
+    fn hash_whole(&mut self, flag: &str, file: &str) -> Result<String, String> {
+        let own = self.hash(Path::new(file))?;
+        let Some(table) = flag_files::history(flag, &beside(self.study, file)) else { return Ok(own) };
+        let table = Path::new(file).parent().unwrap_or(Path::new("")).join(table);
+        Ok(format!("{own}+{}", self.hash(&table)?))
+    }
+
+    fn hash(&mut self, file: &Path) -> Result<String, String> {
+        let path = self.study.parent().unwrap_or(Path::new("")).join(file);
         if let Some(known) = self.digests.get(&path) {
             return Ok(known.clone());
         }

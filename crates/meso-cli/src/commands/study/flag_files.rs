@@ -1,11 +1,13 @@
 //! Files that the flags of a study's steps name: each lies beside the study, and its content is part of the case.
 
 use crate::commands::solve;
+use crate::inputs;
+use meso_core::spec::options_from_toml;
 use serde_json::Value;
 use std::path::Path;
 
 /// Flags whose value may be a file that determines the result.
-pub(super) const FLAGS: [&str; 3] = ["materials", "phases", "test"];
+pub(super) const FLAGS: [&str; 4] = ["materials", "phases", "test", "analysis"];
 /// Ending of the key with a file's hash.
 const HASH: &str = "-sha256";
 
@@ -15,12 +17,19 @@ pub(super) fn of<'a>(flag: &'a str, value: &'a Value) -> impl Iterator<Item = &'
     values.iter().filter_map(Value::as_str).filter(move |text| is_file(flag, text))
 }
 
-/// Whether the value of a flag is a file; a test has a name or a file.
+/// Whether the value of a flag is a file; a test or an analysis has a name or a file.
 pub(super) fn is_file(flag: &str, value: &str) -> bool {
     match flag {
-        "test" => solve::is_toml(Path::new(value)),
+        "test" | "analysis" => solve::is_toml(Path::new(value)),
         _ => FLAGS.contains(&flag),
     }
+}
+
+/// The table of turns that a TEST.toml names beside itself; a file that cannot be read has none here, and fails later.
+pub(super) fn history(flag: &str, file: &Path) -> Option<String> {
+    let is_test = matches!(flag, "test" | "analysis");
+    let tree: Value = is_test.then(|| inputs::toml(file, options_from_toml).ok()).flatten()?;
+    tree.get("history")?.as_str().map(str::to_owned)
 }
 
 /// The key of a task with the hash of a flag's file.

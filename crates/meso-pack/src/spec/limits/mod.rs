@@ -120,10 +120,22 @@ fn specimen(specimen: &Specimen, waiting: Waiting<'_>) -> Checked {
             lengths(&[("diameter_mm", diameter_mm), ("height_mm", height_mm)])
         }
         Specimen::Sphere { diameter_mm } => lengths(&[("diameter_mm", *diameter_mm)]),
-        &Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
+        &Specimen::NotchedPrism {
+            length_mm,
+            width_mm,
+            depth_mm,
+            notch_depth_mm,
+            notch_width_mm,
+            upper_notch_depth_mm,
+        } => {
             lengths(&[("length_mm", length_mm), ("width_mm", width_mm), ("depth_mm", depth_mm)])?;
             lengths(&[("notch_depth_mm", notch_depth_mm), ("notch_width_mm", notch_width_mm)])?;
             below("specimen.notch_depth_mm", notch_depth_mm, "the prism is only", depth_mm, "deep")?;
+            if upper_notch_depth_mm != 0.0 {
+                lengths(&[("upper_notch_depth_mm", upper_notch_depth_mm)])?;
+                let (key, left) = ("specimen.upper_notch_depth_mm", depth_mm - notch_depth_mm);
+                below(key, upper_notch_depth_mm, "the prism above its lower notch is only", left, "deep")?;
+            }
             below("specimen.notch_width_mm", notch_width_mm, "the prism is only", length_mm, "long")
         }
         Specimen::Dogbone { .. } => dogbone(specimen),

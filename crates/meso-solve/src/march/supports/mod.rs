@@ -4,6 +4,7 @@
 //! quarter of that beside a plate at rest, and no wave runs from one plate alone.
 
 pub(crate) mod contact;
+mod deck;
 pub(crate) mod nodes;
 
 use crate::error::{SolveError, TEST};

@@ -75,11 +75,7 @@ pub(super) fn loads(
     place: u32,
     number: &[u32],
 ) -> Result<Vec<Load>, SolveError> {
-    let faces = faces(mesh, sides, support.on);
-    if faces.is_empty() {
-        let why = format!("no face lies on the side of {:?}; take a specimen with one", support.name);
-        return Err(SolveError::mesh(why));
-    }
+    let faces = pressed_faces(mesh, sides, support)?;
     let mut force = vec![[0.0; 3]; mesh.points.len()];
     for (cell, face) in faces {
         let nodes: Vec<u32> = mesh.by_owner().face(cell, face).collect();
@@ -88,6 +84,23 @@ pub(super) fn loads(
     }
     let pressed = (0..).zip(force).filter(|(_, force)| *force != [0.0; 3]);
     Ok(pressed.map(|(node, force): (usize, _)| Load { node: number[node], support: place, force }).collect())
+}
+
+/// Faces that a pressure acts on.
+///
+/// # Errors
+/// No face of the specimen lies on its side.
+pub(super) fn pressed_faces(
+    mesh: &Mesh,
+    sides: &Sides,
+    support: &SupportSpec,
+) -> Result<Vec<(u32, usize)>, SolveError> {
+    let faces = faces(mesh, sides, support.on);
+    if faces.is_empty() {
+        let why = format!("no face lies on the side of {:?}; take a specimen with one", support.name);
+        return Err(SolveError::mesh(why));
+    }
+    Ok(faces)
 }
 
 /// Area of the faces under a plate across its axis, mm2; a strip has none.

@@ -48,7 +48,7 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
 /// Writes the output requests of `sets` and fields, and the end of the step.
 ///
 /// The strain energy of `energies`, element sets, is printed in all: CalculiX leaves forces of equations out of reactions.
-fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str, energies: &[&str]) -> io::Result<()> {
+pub(super) fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str, energies: &[&str]) -> io::Result<()> {
     lines.line("*OUTPUT, FIELD")?;
     lines.line("*NODE OUTPUT")?;
     lines.line("U, RF")?;
@@ -67,6 +67,13 @@ fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str, energies: &[
     lines.line("*EL FILE")?;
     lines.line("S, E")?;
     lines.line("*END STEP")
+}
+
+/// The mesh's node nearest to `corner`; of equally near ones the first.
+pub(super) fn nearest_node(mesh: &Mesh, corner: Vec3) -> u32 {
+    let distance = |node: &u32| (mesh.points[*node as usize] - corner).norm_squared();
+    let nodes = 0..mesh.points.len() as u32;
+    nodes.min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a mesh has nodes")
 }
 
 /// Number of the node on ZMIN nearest to `corner`; of equally near ones the first.

@@ -14,9 +14,9 @@ use meso_mesh::cells::{Mesh, Phase};
 use std::io::{self, Write};
 
 /// The plates reach beyond the specimen by this share of its width, so that its sides can bulge.
-const OVERHANG: f64 = 0.1;
+pub(super) const OVERHANG: f64 = 0.1;
 /// Rows of history output in a step.
-const HISTORY: f64 = 500.0;
+pub(super) const HISTORY: f64 = 500.0;
 /// Frames of stresses and strains.
 const STRESS_FRAMES: u32 = 5;
 
@@ -142,15 +142,20 @@ fn step(
             lines.line(format!("{slave}, {master}"))?;
         }
     }
-    // To go on from after a job of days was killed.
-    lines.line("*RESTART, WRITE, NUMBER INTERVAL=4")?;
+    restart(lines)?;
     fields(lines, mesh, options)?;
-    history(lines, options.loading.duration_s / HISTORY)?;
+    let plates = ["REF_BOTTOM", "REF_TOP"].map(|set| (set.to_owned(), 3));
+    history(lines, plates.into_iter(), options.loading.duration_s / HISTORY)?;
     lines.line("*END STEP")
 }
 
+/// States from which a job of days goes on after it was killed.
+pub(super) fn restart(lines: &mut Lines<impl Write>) -> io::Result<()> {
+    lines.line("*RESTART, WRITE, NUMBER INTERVAL=4")
+}
+
 /// Damage and displacements at every frame; stresses and strains, most of the size, at few.
-fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let frames = options.loading.frames;
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={frames}"))?;
     lines.line("*NODE OUTPUT")?;
@@ -175,13 +180,17 @@ fn element_output(lines: &mut Lines<impl Write>, phase: Phase, variables: &str) 
 }
 
 /// Forces and displacements of the plates, filtered since contact forces alias; energies; the increments and the mass that
-/// scaling adds.
-fn history(lines: &mut Lines<impl Write>, interval: f64) -> io::Result<()> {
+/// scaling adds. `plates` are sets of reference nodes, each with the degree of freedom along its axis.
+pub(super) fn history(
+    lines: &mut Lines<impl Write>,
+    plates: impl Iterator<Item = (String, usize)>,
+    interval: f64,
+) -> io::Result<()> {
     let interval = real(interval);
     lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={interval}, FILTER=ANTIALIASING"))?;
-    for set in ["REF_BOTTOM", "REF_TOP"] {
+    for (set, dof) in plates {
         lines.line(format!("*NODE OUTPUT, NSET={set}"))?;
-        lines.line("U3, RF3")?;
+        lines.line(format!("U{dof}, RF{dof}"))?;
     }
     lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={interval}"))?;
     lines.line("*ENERGY OUTPUT")?;

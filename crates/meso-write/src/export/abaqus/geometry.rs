@@ -56,7 +56,7 @@ fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -
     let kind = match mesh.kind {
         CellKind::Tetrahedron => "C3D4",
         // The second-order tetrahedron that is made for contact and for *DYNAMIC, EXPLICIT.
-        CellKind::QuadraticTetrahedron if options.analysis.is_explicit() => "C3D10M",
+        CellKind::QuadraticTetrahedron if options.is_explicit() => "C3D10M",
         CellKind::QuadraticTetrahedron => "C3D10",
         CellKind::Hexahedron if options.reduced_integration => "C3D8R",
         CellKind::Hexahedron => "C3D8",
@@ -90,10 +90,19 @@ pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
 
 fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
     for (bit, (_, _, name)) in SIDES.iter().enumerate() {
-        lines.line(format!("*NSET, NSET={name}"))?;
-        lines.members(sides.members(bit).map(|node| u64::from(node) + 1))?;
+        node_set(lines, name, sides.members(bit).map(|node| u64::from(node) + 1))?;
     }
     Ok(())
+}
+
+/// A node set of these numbers.
+pub(super) fn node_set(
+    lines: &mut Lines<impl Write>,
+    name: &str,
+    numbers: impl Iterator<Item = u64>,
+) -> io::Result<()> {
+    lines.line(format!("*NSET, NSET={name}"))?;
+    lines.members(numbers)
 }
 
 /// The element faces on each side.

@@ -53,7 +53,7 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
         ),
         (
             asked("friction", friction, usual.friction),
-            matches!(analysis, Analysis::Compression | Analysis::Impact),
+            matches!(analysis, Analysis::Compression | Analysis::Impact | Analysis::Test),
             "only the analyses compression and impact take it",
         ),
         (

@@ -17,6 +17,10 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
         elastic(lines, phase.name(), materials.elastic(phase))?;
+        if let Some(strains) = options.loads.as_ref().and_then(|loads| loads.strains) {
+            lines.line("*EXPANSION, ZERO=0.0")?;
+            lines.line(format!("{},", real(strains[phase as usize])))?;
+        }
         if let (true, Some(strength)) = (options.damages(), materials.strength(phase)) {
             plasticity(lines, materials, phase, &strength, crack_band(mesh))?;
         }

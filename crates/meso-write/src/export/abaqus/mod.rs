@@ -6,6 +6,7 @@
 //! fibres), XMIN to ZMAX and S_XMIN to S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
 //! characters, data lines of at most 16 entries and 256 characters, numbers of at most 20.
 
+mod at_rest;
 mod curve;
 mod damage;
 mod elastic;
@@ -15,6 +16,7 @@ mod limits;
 mod lines;
 mod materials;
 mod periodic;
+mod supports;
 
 pub(crate) use curve::write_curve;
 pub(crate) use limits::DECK;
@@ -23,6 +25,7 @@ use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
+use meso_mesh::loads::Loads;
 use meso_mesh::materials::Materials;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -44,6 +47,9 @@ pub struct DeckOptions {
     pub strain: Option<f64>,
     /// How compression and tension are loaded.
     pub loading: Loading,
+    /// Supports and loads of the analysis `test`, on the mesh that is written.
+    #[serde(skip)]
+    pub loads: Option<Loads>,
     /// Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks.
     pub allow_joined: bool,
     /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own.
@@ -79,6 +85,9 @@ pub enum Analysis {
     Tension,
     /// A striker falls on the specimen, which stands on a plate; only in LS-DYNA decks.
     Impact,
+    /// The test of the deck's `loads`.
+    #[serde(skip)]
+    Test,
 }
 
 /// Law of mortar and ITZ in an LS-DYNA deck.
@@ -123,7 +132,7 @@ impl Default for Loading {
 impl Analysis {
     /// Whether the analysis is explicit dynamics, with damage.
     pub fn is_explicit(self) -> bool {
-        matches!(self, Self::Compression | Self::Tension | Self::Impact)
+        matches!(self, Self::Compression | Self::Tension | Self::Impact | Self::Test)
     }
 
     /// Mean axial strain at its end where none is asked for; its sign is the analysis'.
@@ -140,7 +149,12 @@ impl DeckOptions {
 
     /// Whether a job of the deck gives a curve, which the script beside it writes down.
     pub fn has_curve(&self) -> bool {
-        self.analysis.is_explicit() && !self.geometry_only
+        self.is_explicit() && !self.geometry_only && self.loads.as_ref().is_none_or(|loads| !loads.path_mm.is_empty())
+    }
+
+    /// Whether the analysis is explicit dynamics, with damage.
+    pub(crate) fn is_explicit(&self) -> bool {
+        self.analysis.is_explicit() && self.loads.as_ref().is_none_or(|loads| !loads.is_elastic)
     }
 
     /// Finds out whether `mesh` can be written as a deck with these options.
@@ -160,6 +174,9 @@ impl DeckOptions {
         }
         if self.has_curve() && !self.allow_joined {
             refuse_joined(mesh, self.analysis)?;
+        }
+        if let Some(loads) = &self.loads {
+            supports::check(mesh, loads)?;
         }
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
@@ -198,7 +215,7 @@ impl DeckOptions {
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
-        if self.analysis == Analysis::Impact {
+        if matches!(self.analysis, Analysis::Impact | Analysis::Test) {
             return None;
         }
         let (strain, half) = (self.final_strain(), self.half_strength_strain(mesh)?);
@@ -226,7 +243,7 @@ impl DeckOptions {
 
     /// Whether mortar and ITZ get strength and damage.
     fn damages(&self) -> bool {
-        self.with_damage || self.analysis.is_explicit()
+        self.with_damage || self.is_explicit()
     }
 
     /// Checks all values before there is a mesh, for a specimen that is periodic along the `periodic` axes.
@@ -248,7 +265,7 @@ impl DeckOptions {
             _ if periodic == [false; 3] => no("periodic_equations", "true", tie),
             Analysis::Elastic if !self.geometry_only && periodic != [true; 3] => no("analysis", "elastic", step),
             Analysis::None | Analysis::Elastic => Ok(()),
-            Analysis::Compression | Analysis::Tension | Analysis::Impact => {
+            Analysis::Compression | Analysis::Tension | Analysis::Impact | Analysis::Test => {
                 no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
             }
         }
@@ -303,6 +320,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
     let analysis = match analysis {
         Analysis::Compression => "compression",
         Analysis::Impact => "impact",
+        Analysis::Test => "test",
         _ => "tension",
     };
     Err(DECK.error("analysis", analysis, accepted))
@@ -323,6 +341,11 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
         options.lsdyna_law == usual,
         "only a .k takes it",
     )
+}
+
+/// The error of a test without loads.
+fn no_loads() -> OutOfRange {
+    DECK.error("analysis", "test", "it needs the loads of a test on this mesh, which meso-solve's Test::loads gives")
 }
 
 /// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
@@ -346,6 +369,11 @@ pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<
             Analysis::Elastic => {
                 let step = if options.periodic_equations { elastic::write_periodic } else { elastic::write };
                 step(&mut lines, mesh, &sides, options.final_strain())?;
+            }
+            Analysis::Test => {
+                let loads = options.loads.as_ref().ok_or_else(|| invalid(no_loads()))?;
+                let write = if loads.is_elastic { at_rest::write } else { supports::write };
+                write(&mut lines, mesh, options, loads)?;
             }
             Analysis::Compression | Analysis::Tension | Analysis::Impact => {
                 explicit::write(&mut lines, mesh, &sides, options)?;

@@ -25,7 +25,7 @@ pub(super) fn write(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &Deck
     let aabb = Aabb::around(&mesh.points);
     let travel = options.final_strain() * aabb.size().z;
     match options.analysis {
-        Analysis::None | Analysis::Elastic => return Ok(()),
+        Analysis::None | Analysis::Elastic | Analysis::Test => return Ok(()),
         Analysis::Compression => {
             blocks(cards, mesh, &aabb, OVERHANG)?;
             contacts(cards, options)?;

@@ -45,6 +45,9 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     if options.analysis == Analysis::Elastic && !options.geometry_only {
         return no("analysis", "elastic", "a .k takes none, compression, tension or impact; take an .inp for elastic");
     }
+    if options.analysis == Analysis::Test && !options.geometry_only {
+        return no("analysis", "test", "a .k takes none, compression, tension or impact; take an .inp for other tests");
+    }
     if options.has_curves() { materials::check(options) } else { Ok(()) }
 }
 

@@ -1,0 +1,364 @@
+//! The supports of a test in a deck: by `*DYNAMIC, EXPLICIT` with rigid plates, or by `*STATIC` where all is elastic.
+//!
+//! A support is a reference node with the nodes that it meets. A plate is a rigid facet in contact with them; a glued one has
+//! them as nodes of its rigid body. Loads grow in a first step; the path follows in a second one.
+
+use super::geometry::node_set;
+use super::lines::{Lines, real};
+use super::{DeckOptions, explicit, limits::DECK};
+use meso_collision::math::Aabb;
+use meso_concrete::OutOfRange;
+use meso_mesh::cells::{CellKind, Mesh};
+use meso_mesh::loads::{Hold, Loads, RigidSupport};
+use std::io::{self, Write};
+
+/// Intervals of a leg's speed in the table of an amplitude: their mean is 1.5e-5 off the leg's way.
+const INTERVALS: u32 = 16;
+/// Longest name of a support in a deck; longer ones are cut.
+const LONGEST_NAME: usize = 20;
+
+/// Finds out whether Abaqus can follow the loads.
+pub(super) fn check(mesh: &Mesh, loads: &Loads) -> Result<(), OutOfRange> {
+    let linked: Vec<&RigidSupport> = loads.supports.iter().filter(|support| support.force_ratio.is_some()).collect();
+    let is_pair = linked.is_empty() || linked.iter().any(|support| support.is_upper);
+    let why = "of two plates in a ratio of stresses a deck holds the lower one; give an upper one, too";
+    DECK.require("analysis", &loads.test, is_pair, why)?;
+    let why = "*STATIC has no servo for a ratio of stresses; take a law that breaks, such as cdp";
+    DECK.require("analysis", &loads.test, linked.is_empty() || !loads.is_elastic, why)?;
+    let why = "loads of a test need elements of the first order; mesh with order 1";
+    DECK.require("analysis", &loads.test, mesh.kind != CellKind::QuadraticTetrahedron, why)
+}
+
+/// Names of the supports in a deck, each another one.
+pub(super) fn names(loads: &Loads) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (number, support) in (1..).zip(&loads.supports) {
+        let name = format!("{:.LONGEST_NAME$}", support.name.to_uppercase());
+        names.push(if names.contains(&name) { format!("{name}_{number}") } else { name });
+    }
+    names
+}
+
+/// Number of the reference node of the support at `place`.
+pub(super) fn reference(mesh: &Mesh, place: usize) -> u64 {
+    (mesh.points.len() + place) as u64 + 1
+}
+
+/// Node sets of the supports, surfaces of the pressures, and the temperature that strains start from.
+pub(super) fn model(lines: &mut Lines<impl Write>, loads: &Loads) -> io::Result<()> {
+    for (name, support) in names(loads).iter().zip(&loads.supports) {
+        node_set(lines, &format!("N_{name}"), support.nodes.iter().map(|&node| u64::from(node) + 1))?;
+    }
+    for (number, pressure) in (1..).zip(&loads.pressures) {
+        lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_PRESSURE_{number}"))?;
+        pressure.faces.iter().try_for_each(|&(cell, face)| lines.face(u64::from(cell) + 1, face))?;
+    }
+    if loads.strains.is_some() {
+        lines.line("*INITIAL CONDITIONS, TYPE=TEMPERATURE")?;
+        lines.line("ALLNODES, 0.0")?;
+    }
+    Ok(())
+}
+
+/// Pressures and strains of the step in which they grow.
+pub(super) fn grow(lines: &mut Lines<impl Write>, loads: &Loads, amplitude: &str) -> io::Result<()> {
+    for (number, pressure) in (1..).zip(&loads.pressures) {
+        lines.line(format!("*DSLOAD{amplitude}"))?;
+        lines.line(format!("S_PRESSURE_{number}, P, {}", real(pressure.mpa)))?;
+    }
+    if loads.strains.is_some() {
+        // Coefficients of expansion are the strains.
+        lines.line(format!("*TEMPERATURE{amplitude}"))?;
+        lines.line("ALLNODES, 1.0")?;
+    }
+    Ok(())
+}
+
+/// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
+pub(super) fn is_pressed(support: &RigidSupport) -> bool {
+    support.force_n != 0.0 && support.is_upper
+}
+
+/// Degree of freedom along the axis of a support.
+pub(super) fn along(support: &RigidSupport) -> usize {
+    support.axis + 1
+}
+
+/// Explicit dynamics of a test.
+pub(super) fn write(
+    lines: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    options: &DeckOptions,
+    loads: &Loads,
+) -> io::Result<()> {
+    model(lines, loads)?;
+    let names = names(loads);
+    let mut next = Numbers::behind(mesh, loads);
+    for (place, (name, support)) in names.iter().zip(&loads.supports).enumerate() {
+        body(lines, mesh, (place, name, support), &mut next)?;
+    }
+    let link = link(lines, mesh, loads, &next)?;
+    let has_lead = loads.lead_s > 0.0;
+    amplitudes(lines, loads)?;
+    let deck = Steps { mesh, options, loads, names: &names, link };
+    if has_lead {
+        deck.lead(lines)?;
+    }
+    if !loads.path_mm.is_empty() { deck.path(lines) } else { Ok(()) }
+}
+
+/// The next free numbers of nodes and elements.
+struct Numbers {
+    node: u64,
+    element: u64,
+}
+
+impl Numbers {
+    fn behind(mesh: &Mesh, loads: &Loads) -> Self {
+        let element = (mesh.cell_count() + mesh.cohesive().len()) as u64 + 1;
+        Self { node: reference(mesh, loads.supports.len()), element }
+    }
+}
+
+/// Reference node of a support, and the rigid body that it moves.
+fn body(
+    lines: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    (place, name, support): (usize, &str, &RigidSupport),
+    next: &mut Numbers,
+) -> io::Result<()> {
+    let number = reference(mesh, place);
+    let mut patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
+    let whole = Aabb::around(&mesh.points);
+    let axis = support.axis;
+    let plane = if support.is_upper { whole.max } else { whole.min }[axis];
+    (patch.min[axis], patch.max[axis]) = (plane, plane);
+    let middle = 0.5 * (patch.min + patch.max);
+    lines.line(format!("*NODE, NSET=REF_{name}"))?;
+    lines.node(number, middle.into())?;
+    let Hold::Plate(friction) = support.hold else {
+        return lines.line(format!("*RIGID BODY, REF NODE={number}, PIN NSET=N_{name}"));
+    };
+    lines.line(format!("*SURFACE, TYPE=NODE, NAME=S_N_{name}"))?;
+    lines.line(format!("N_{name}"))?;
+    facet(lines, (name, support.is_upper, axis), (&patch, &whole), next)?;
+    lines.line(format!("*RIGID BODY, REF NODE={number}, ELSET=PLATE_{name}"))?;
+    // No thickness: half of any would be overclosure.
+    lines.line("0.,")?;
+    lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_PLATE_{name}"))?;
+    lines.line(format!("PLATE_{name}, SPOS"))?;
+    lines.line(format!("*SURFACE INTERACTION, NAME=I_{name}"))?;
+    lines.line("*FRICTION")?;
+    lines.line(format!("{},", real(friction)))
+}
+
+/// A rigid facet beyond `patch` on all sides, its positive side towards the specimen.
+fn facet(
+    lines: &mut Lines<impl Write>,
+    (name, is_upper, axis): (&str, bool, usize),
+    (patch, whole): (&Aabb, &Aabb),
+    next: &mut Numbers,
+) -> io::Result<()> {
+    let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+    let margin = explicit::OVERHANG * whole.size();
+    let (low, high) = (patch.min - margin, patch.max + margin);
+    let mut corners = [(low[b], low[c]), (high[b], low[c]), (high[b], high[c]), (low[b], high[c])];
+    if is_upper {
+        corners.reverse();
+    }
+    lines.line("*NODE")?;
+    for (number, (at_b, at_c)) in (next.node..).zip(corners) {
+        let mut corner = [patch.min[axis]; 3];
+        (corner[b], corner[c]) = (at_b, at_c);
+        lines.node(number, corner)?;
+    }
+    lines.line(format!("*ELEMENT, TYPE=R3D4, ELSET=PLATE_{name}"))?;
+    lines.element(next.element, &[0, 1, 2, 3].map(|corner| next.node as u32 - 1 + corner))?;
+    (next.node, next.element) = (next.node + 4, next.element + 1);
+    Ok(())
+}
+
+/// Links plates whose forces have a ratio: the sum of their ways, each times its force over the test's, is the way of a
+/// further node. By the principle of virtual work the forces have that ratio, before the peak and beyond. Returns the node.
+fn link(lines: &mut Lines<impl Write>, mesh: &Mesh, loads: &Loads, next: &Numbers) -> io::Result<Option<u64>> {
+    let linked: Vec<(u64, usize, f64)> = (0..)
+        .zip(&loads.supports)
+        .filter(|(_, support)| support.is_upper)
+        .filter_map(|(place, support)| {
+            let share = support.force_ratio.or((support.moves != 0.0).then_some(1.0))?;
+            Some((reference(mesh, place), along(support), share))
+        })
+        .collect();
+    if loads.supports.iter().all(|support| support.force_ratio.is_none()) {
+        return Ok(None);
+    }
+    let middle = Aabb::around(&mesh.points);
+    lines.line("*NODE, NSET=REF_PATH")?;
+    lines.node(next.node, (0.5 * (middle.min + middle.max)).into())?;
+    lines.line("*EQUATION")?;
+    lines.line(format!("{}", linked.len() + 1))?;
+    for (node, dof, share) in linked {
+        lines.line(format!("{node}, {dof}, {}", real(share)))?;
+    }
+    lines.line(format!("{}, 1, 1.0", next.node))?;
+    Ok(Some(next.node))
+}
+
+/// Times of the path's turns, s, and their places over its farthest one, from the start on.
+fn turns(loads: &Loads) -> Vec<[f64; 2]> {
+    let ways = loads.path_mm.iter().scan(0.0, |from, &to| Some((to - std::mem::replace(from, to)).abs()));
+    let whole: f64 = ways.clone().sum();
+    let most = farthest(loads);
+    let mut time = 0.0;
+    let turn = |(way, place): (f64, &f64)| {
+        time += loads.duration_s * way / whole;
+        [time, place / most]
+    };
+    std::iter::once([0.0, 0.0]).chain(ways.zip(&loads.path_mm).map(turn)).collect()
+}
+
+/// The farthest place of the path, mm.
+fn farthest(loads: &Loads) -> f64 {
+    loads.path_mm.iter().fold(0.0, |most, place| place.abs().max(most))
+}
+
+/// Amplitudes: LEAD of the loads, over the whole time, and PATH of ways, or of speeds where a plate has gone some way before.
+fn amplitudes(lines: &mut Lines<impl Write>, loads: &Loads) -> io::Result<()> {
+    if loads.lead_s > 0.0 {
+        lines.line("*AMPLITUDE, NAME=LEAD, DEFINITION=SMOOTH STEP, TIME=TOTAL TIME")?;
+        lines.line(format!("0.0, 0.0, {}, 1.0", real(loads.lead_s)))?;
+    }
+    if loads.path_mm.is_empty() {
+        return Ok(());
+    }
+    let turns = turns(loads);
+    let points: Vec<[f64; 2]> = if loads.lead_s > 0.0 {
+        lines.line("*AMPLITUDE, NAME=PATH")?;
+        turns.windows(2).flat_map(|leg| speeds(leg[0], leg[1])).chain([[loads.duration_s, 0.0]]).collect()
+    } else {
+        lines.line("*AMPLITUDE, NAME=PATH, DEFINITION=SMOOTH STEP")?;
+        turns
+    };
+    points.chunks(4).try_for_each(|row| {
+        let row: Vec<String> = row.iter().flatten().map(|value| format!("{value:.9e}")).collect();
+        lines.line(row.join(", "))
+    })
+}
+
+/// Speeds of a leg, by the derivative of a smooth step: 30 s^2 (1 - s)^2.
+fn speeds([start, from]: [f64; 2], [end, to]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let (time, mean) = (end - start, (to - from) / (end - start));
+    (0..INTERVALS).map(move |interval| {
+        let s = f64::from(interval) / f64::from(INTERVALS);
+        [start + s * time, mean * 30.0 * (s * (1.0 - s)).powi(2)]
+    })
+}
+
+/// The steps of an explicit deck.
+struct Steps<'a> {
+    mesh: &'a Mesh,
+    options: &'a DeckOptions,
+    loads: &'a Loads,
+    names: &'a [String],
+    /// The node that leads plates in a ratio of forces.
+    link: Option<u64>,
+}
+
+impl Steps<'_> {
+    /// Loads grow; plates stay, but for those with a force.
+    fn lead(&self, lines: &mut Lines<impl Write>) -> io::Result<()> {
+        self.begin(lines, self.loads.lead_s, true)?;
+        self.hold(lines)?;
+        grow(lines, self.loads, ", AMPLITUDE=LEAD")?;
+        for (name, support) in self.pressed() {
+            lines.line("*CLOAD, AMPLITUDE=LEAD")?;
+            lines.line(format!("REF_{name}, {}, {}", along(support), real(-support.force_n)))?;
+        }
+        self.end(lines, self.loads.lead_s)
+    }
+
+    /// Supports follow the path.
+    fn path(&self, lines: &mut Lines<impl Write>) -> io::Result<()> {
+        let has_lead = self.loads.lead_s > 0.0;
+        self.begin(lines, self.loads.duration_s, !has_lead)?;
+        if !has_lead {
+            self.hold(lines)?;
+        }
+        if self.pressed().next().is_some() {
+            // The path holds these plates now.
+            lines.line("*CLOAD, OP=NEW")?;
+        }
+        let kind = if has_lead { "VELOCITY" } else { "DISPLACEMENT" };
+        lines.line(format!("*BOUNDARY, TYPE={kind}, AMPLITUDE=PATH"))?;
+        let most = farthest(self.loads);
+        if let Some(node) = self.link {
+            lines.line(format!("{node}, 1, 1, {most:.9e}"))?;
+        } else {
+            for (name, support) in self.named().filter(|(_, support)| support.moves != 0.0) {
+                let dof = along(support);
+                lines.line(format!("REF_{name}, {dof}, {dof}, {:.9e}", support.moves * most))?;
+            }
+        }
+        self.end(lines, self.loads.duration_s)
+    }
+
+    fn named(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
+        self.names.iter().zip(&self.loads.supports)
+    }
+
+    fn pressed(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
+        self.named().filter(|(_, support)| is_pressed(support))
+    }
+
+    fn begin(&self, lines: &mut Lines<impl Write>, time_s: f64, is_first: bool) -> io::Result<()> {
+        lines.line("*STEP, NLGEOM=YES")?;
+        lines.line("*DYNAMIC, EXPLICIT")?;
+        lines.line(format!(", {}", real(time_s)))?;
+        if !is_first {
+            return Ok(());
+        }
+        lines.line(format!("*FIXED MASS SCALING, DT={}, TYPE=BELOW MIN", real(self.loads.time_increment_s)))?;
+        for (name, _) in self.named().filter(|(_, support)| matches!(support.hold, Hold::Plate(_))) {
+            lines.line(format!("*CONTACT PAIR, INTERACTION=I_{name}, MECHANICAL CONSTRAINT=KINEMATIC"))?;
+            lines.line(format!("S_N_{name}, S_PLATE_{name}"))?;
+        }
+        Ok(())
+    }
+
+    /// Holds all degrees of freedom of the supports but those that a force or the link moves.
+    fn hold(&self, lines: &mut Lines<impl Write>) -> io::Result<()> {
+        if self.loads.supports.is_empty() {
+            return Ok(());
+        }
+        lines.line("*BOUNDARY")?;
+        for (name, support) in self.named() {
+            let is_linked = self.link.is_some() && support.is_upper;
+            let free = (is_linked || is_pressed(support)).then_some(along(support));
+            for dof in (1..=6).filter(|dof| Some(*dof) != free) {
+                lines.line(format!("REF_{name}, {dof}, {dof}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn end(&self, lines: &mut Lines<impl Write>, time_s: f64) -> io::Result<()> {
+        explicit::restart(lines)?;
+        explicit::fields(lines, self.mesh, self.options)?;
+        let plates = self.named().map(|(name, support)| (format!("REF_{name}"), along(support)));
+        explicit::history(lines, plates, time_s / explicit::HISTORY)?;
+        lines.line("*END STEP")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_of_a_leg_sum_up_to_its_way() {
+        let mut points: Vec<[f64; 2]> = speeds([1.0, 0.2], [3.0, 1.0]).collect();
+        points.push([3.0, 0.0]);
+        let way: f64 = points.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum();
+        assert!((way / 0.8 - 1.0).abs() < 2e-5, "{way}");
+    }
+}
