@@ -3,8 +3,8 @@
 //! Edges are collapsed in the order of their quadric error (M. Garland, P. Heckbert, Surface Simplification Using Quadric
 //! Error Metrics, 1997), which ends at a limit. Only collapses that keep the surface closed and of its kind are done: the
 //! two ends of the edge have two neighbours in common, and no triangle turns over. Afterwards both surfaces are proved to
-//! lie within the distance of each other, and the reduced one not to cross itself; where either fails, a lower limit is
-//! tried.
+//! lie within the distance of each other, and the reduced one not to cross itself; where either fails, the surface at a
+//! lower limit is tried.
 
 use super::SelfCrossing;
 use crate::geometry::{TriangleMesh, Triangles};
@@ -22,8 +22,8 @@ pub enum NotReduced {
     Crosses,
 }
 
-/// Limits of the root mean square quadric error that are tried, as shares of the distance.
-const LIMITS: [f64; 5] = [0.5, 0.35, 0.25, 0.15, 0.08];
+/// Limits of the root mean square quadric error that are tried, the largest first, as shares of the distance.
+const LIMITS: [f64; 5] = [0.08, 0.15, 0.25, 0.35, 0.5];
 /// Surfaces of more triangles are reduced in two steps, so that further limits are tried on few triangles.
 const MANY: usize = 40_000;
 /// Share of the distance that the first of two steps takes.
@@ -46,13 +46,13 @@ impl TriangleMesh {
 
     fn reduced_within(&self, distance: f64, is_last: bool) -> Result<Self, NotReduced> {
         let given = facets(self);
-        let tries = LIMITS.iter().map(|limit| Reduction::new(self).collapsed(limit * distance));
+        let stages = Reduction::new(self).stages(&LIMITS.map(|limit| limit * distance));
         let is_accepted = |reduced: &Self| {
             let found = facets(reduced);
             let crosses = || (SelfCrossing { mesh: reduced, facets: &found }).find().is_some();
-            is_within(&found, &given, distance) && is_within(&given, &found, distance) && !(is_last && crosses())
+            Proof::of(&given, &found, distance) && Proof::of(&found, &given, distance) && !(is_last && crosses())
         };
-        tries.into_iter().find(is_accepted).ok_or(NotReduced::Crosses)
+        stages.into_iter().rev().find(is_accepted).ok_or(NotReduced::Crosses)
     }
 }
 
@@ -63,27 +63,52 @@ fn facets(mesh: &TriangleMesh) -> Triangles {
 /// Most divisions of a triangle that is compared with a surface.
 const MOST_DIVISIONS: u32 = 7;
 
-/// True when all points of a surface are proved to lie within `distance` mm of another: that of a triangle's middle grows
-/// by no more than the way from there.
-fn is_within(surface: &Triangles, other: &Triangles, distance: f64) -> bool {
-    surface.corners().iter().all(|triangle| is_triangle_within(triangle, other, distance, 0))
+/// A proof that all points of a surface lie within `distance` mm of another: the distance of a triangle's middle grows by
+/// no more than the way from there.
+struct Proof<'a> {
+    other: &'a Triangles,
+    distance: f64,
+    /// The triangle of the other surface that was near the last point: neighbours follow each other.
+    last: u32,
 }
 
-fn is_triangle_within(triangle: &[Vec3; 3], other: &Triangles, distance: f64, divisions: u32) -> bool {
-    let [a, b, c] = triangle;
-    let middle = (a + b + c) / 3.0;
-    let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
-    let found = other.nearest(&middle).map_or(f64::INFINITY, |(_, found)| found) * (1.0 + 1e-12);
-    if found + radius <= distance {
-        return true;
+impl<'a> Proof<'a> {
+    fn of(surface: &Triangles, other: &'a Triangles, distance: f64) -> bool {
+        let mut proof = Self { other, distance, last: 0 };
+        surface.corners().iter().all(|triangle| proof.holds(triangle, 0))
     }
-    if found > distance || divisions == MOST_DIVISIONS {
-        return false;
+
+    fn holds(&mut self, triangle: &[Vec3; 3], divisions: u32) -> bool {
+        let [a, b, c] = triangle;
+        let middle = (a + b + c) / 3.0;
+        let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+        if self.has_near(&middle, self.distance - radius) {
+            return true;
+        }
+        if divisions == MOST_DIVISIONS || !self.has_near(&middle, self.distance) {
+            return false;
+        }
+        let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+        let quarters = [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]];
+        quarters.iter().all(|quarter| self.holds(quarter, divisions + 1))
     }
-    let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-    let quarters = [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]];
-    quarters.iter().all(|quarter| is_triangle_within(quarter, other, distance, divisions + 1))
+
+    /// True where a triangle of the other surface comes within `reach` mm of a point.
+    fn has_near(&mut self, point: &Vec3, reach: f64) -> bool {
+        let most = reach * (1.0 - ROUNDING_OF_A_DISTANCE);
+        let is_near = |t: &u32| self.other.nearest_of(*t, point).1 <= most;
+        if most < 0.0 || is_near(&self.last) {
+            return most >= 0.0;
+        }
+        let around = Aabb { min: *point, max: *point }.grown(reach);
+        let found = self.other.meeting(around).find(is_near);
+        self.last = found.unwrap_or(self.last);
+        found.is_some()
+    }
 }
+
+/// Bound on the rounding of a distance, as a share.
+const ROUNDING_OF_A_DISTANCE: f64 = 1e-12;
 
 /// Area-weighted sum of squared distances from planes: x^T A x + 2 b^T x + c.
 #[derive(Clone, Copy, Default)]
@@ -180,14 +205,23 @@ impl Reduction {
         self.triangles[t as usize].map(|i| self.points[i as usize])
     }
 
-    /// Collapses all edges whose root mean square error stays within `limit` mm.
-    fn collapsed(mut self, limit: f64) -> TriangleMesh {
-        let most = limit * limit;
+    /// The surfaces in which all edges are collapsed whose root mean square error stays within each of the ascending
+    /// `limits`, mm: edges of lower errors come first, so that one surface goes on from the last.
+    fn stages(mut self, limits: &[f64]) -> Vec<TriangleMesh> {
+        let most = limits.last().map_or(0.0, |limit| limit * limit);
         for t in 0..self.triangles.len() {
             let [a, b, c] = self.triangles[t];
             [[a, b], [b, c], [c, a]].into_iter().filter(|[p, q]| p < q).for_each(|edge| self.enqueue(edge, most));
         }
-        while let Some(Reverse((_, a, b, changes))) = self.queue.pop() {
+        limits.iter().map(|limit| self.collapsed(limit * limit, most)).collect()
+    }
+
+    /// The surface in which all edges are collapsed whose mean square error is at most `enough` mm2.
+    fn collapsed(&mut self, enough: f64, most: f64) -> TriangleMesh {
+        while let Some(&Reverse((error, a, b, changes))) = self.queue.peek()
+            && f64::from_bits(error) <= enough
+        {
+            self.queue.pop();
             if changes == self.changes_of(a, b) {
                 self.collapse(a, b, most);
             }
@@ -268,7 +302,7 @@ impl Reduction {
     }
 
     /// What is left, with vertices in their order.
-    fn rest(self) -> TriangleMesh {
+    fn rest(&self) -> TriangleMesh {
         let mut number = vec![u32::MAX; self.points.len()];
         let mut vertices = Vec::new();
         for (vertex, around) in self.around.iter().enumerate().filter(|(_, around)| !around.is_empty()) {
@@ -361,7 +395,7 @@ mod tests {
             let ball = Polyhedron::of_round(&Round::ball(size));
             facets(&TriangleMesh { vertices: ball.vertices().to_vec(), triangles: ball.triangles().collect() })
         });
-        assert!(is_within(&small, &large, 0.12) && is_within(&large, &small, 0.12));
-        assert!(!is_within(&small, &large, 0.09) && !is_within(&large, &small, 0.09));
+        assert!(Proof::of(&small, &large, 0.12) && Proof::of(&large, &small, 0.12));
+        assert!(!Proof::of(&small, &large, 0.09) && !Proof::of(&large, &small, 0.09));
     }
 }
