@@ -1,7 +1,9 @@
 //! Spheres and ellipsoids as grains: exact bodies in packings, checks, files, voxels, lattices and images.
 
+use crate::pack::folder::Folder;
 use meso_core::aggregate::Aggregate;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, Tools, Volumes, figures};
+use meso_core::export::stl;
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, PhaseVolumes, Tools, Volumes, figures};
 use meso_core::spec::Spec;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::{ImageOptions, VoxelImage, Voxels};
@@ -105,21 +107,39 @@ fn a_saved_packing_of_round_grains_reads_back_the_same_and_skewed_ends_are_refus
 }
 
 #[test]
+fn a_library_refuses_a_model_of_round_grains_and_takes_its_stl() {
+    let model = packed("sphere", CUBE);
+    let (mut json, mut facets) = (Vec::new(), Vec::new());
+    saved::write(&model, &mut json).unwrap();
+    stl::write(&model.aggregates, &mut facets).unwrap();
+    let files = [("balls.json", &json[..]), ("balls.stl", &facets[..])];
+    let of = |name: &str| {
+        let text = format!("{CUBE}\n[shape]\nlibrary = '{name}'\n");
+        let spec = Spec::from_toml_with(&text, &mut Folder(&files)).map_err(|error| error.to_string());
+        spec.map(|spec| spec.shape.grains.len())
+    };
+    let error = of("balls.json").unwrap_err();
+    assert!(error.contains("grain 0: it is a ball or an ellipsoid") && error.contains("STL"), "{error}");
+    assert_eq!(of("balls.stl"), Ok(model.aggregates.len()));
+}
+
+#[test]
 fn a_fitted_lattice_of_round_grains_lies_on_them_without_inverted_cells() {
     for kind in KINDS {
         let model = packed(kind, CUBE);
-        for itz in [ItzForm::Smeared, ItzForm::Cohesive] {
-            let options = MeshOptions { method: Method::FITTED, itz, element_size_mm: 2.0, ..Default::default() };
+        // Chords of 2 mm cut 3.3 % off balls of 5 to 20 mm and 5.8 % off ellipsoids, which are thinner; nodes moved
+        // outwards restore it.
+        let forms =
+            [(ItzForm::Smeared, Volumes::default(), -0.07..-0.02), (ItzForm::Cohesive, Volumes::Exact, -2e-4..2e-4)];
+        for (itz, volumes, expected) in forms {
+            let options =
+                MeshOptions { method: Method::FITTED, itz, volumes, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
             assert_eq!(figures::CellQuality::below(&figures::CellQuality::of_cells(&mesh), 1.0), [0; 0]);
-            // Chords of 2 mm cut 3.3 % off balls of 5 to 20 mm, and nodes moved outwards restore it.
-            let error = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).aggregate / volume(&model) - 1.0;
-            assert!((-0.05..0.0).contains(&error(&mesh)), "{kind} {itz:?}: {}", error(&mesh));
-            let restored = MeshOptions { volumes: Volumes::Exact, ..options };
-            let restored = mesh::build(&model, &restored, &Tools::default()).unwrap();
-            assert!(error(&restored).abs() < 2e-4, "{kind} {itz:?}: {}", error(&restored));
+            let error = PhaseVolumes::of_mesh(&mesh).aggregate / volume(&model) - 1.0;
+            assert!(expected.contains(&error), "{kind} {itz:?}: {error}");
             let distance = figures::InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
-            assert!(distance.off * 100 < distance.nodes, "{kind}: {distance:?}");
+            assert!(distance.off * 100 < distance.nodes || volumes == Volumes::Exact, "{kind}: {distance:?}");
         }
     }
 }

@@ -303,6 +303,18 @@ mod tests {
         let facets = body.faceted();
         assert!((facets.volume() / body.volume() - 1.0).abs() < 1e-12);
         let within = crate::geometry::convex_hull(body.vertices()).unwrap().volume() / body.volume();
-        assert!((0.96..0.98).contains(&within), "{within}");
+        assert!((within - 0.9662).abs() < 1e-4, "{within}");
+    }
+
+    #[test]
+    fn facets_of_a_ball_differ_from_it_by_the_shares_that_the_documents_state() {
+        let ball = Round::ball(1.0);
+        let body = Polyhedron::of_round(&ball);
+        let facets = body.faceted();
+        let corner = facets.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        let plane = facets.planes().map(|plane| plane.offset).fold(1.0, f64::min);
+        assert!((corner - 1.0115).abs() < 1e-4 && (plane - 0.9936).abs() < 1e-4, "{corner} {plane}");
+        let around = ball.circumscribed().iter().map(Vec3::norm).fold(0.0, f64::max);
+        assert!((around - 1.0181).abs() < 1e-4, "{around}");
     }
 }

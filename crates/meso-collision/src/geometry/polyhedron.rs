@@ -100,7 +100,7 @@ impl Polyhedron {
     /// Planes that leave the body inside and follow it closely: those of its faces, or around a round body.
     pub fn bounding_planes(&self) -> Vec<Plane> {
         match self.round() {
-            Some(round) => self.facets_grown(&round, FACETS.outwards()).planes().collect(),
+            Some(round) => self.facets_grown(&round, FACETS.outwards).planes().collect(),
             None => self.planes().collect(),
         }
     }

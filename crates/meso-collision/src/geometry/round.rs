@@ -100,7 +100,7 @@ impl Round {
         }
         // The element of area at A u is |A^-T u| |A| times that of the unit ball, whose facets share it out.
         let stretch = |u: &Vec3| self.inverse.tr_mul(u).norm() * self.axes.determinant();
-        let Facets { directions, triangles } = &*FACETS;
+        let Facets { directions, triangles, .. } = &*FACETS;
         let corners = |t: &[u8; 3]| t.map(|i| directions[usize::from(i)]);
         let area = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)).norm();
         let mean = |corners: &[Vec3; 3]| {
@@ -241,7 +241,7 @@ impl Round {
 
     /// Corners of a polyhedron around the body, about its centre: its facets, moved outwards.
     pub fn circumscribed(&self) -> Vec<Vec3> {
-        FACETS.directions.iter().map(|u| self.axes * (u * FACETS.outwards())).collect()
+        FACETS.directions.iter().map(|u| self.axes * (u * FACETS.outwards)).collect()
     }
 
     /// The body moved by `shift`, mm.
@@ -258,6 +258,8 @@ const BISECTIONS: usize = 90;
 pub(crate) struct Facets {
     directions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u8; 3]>,
+    /// Factor that takes the facets off the unit ball.
+    pub(crate) outwards: f64,
 }
 
 pub(crate) static FACETS: LazyLock<Facets> = LazyLock::new(Facets::new);
@@ -283,15 +285,11 @@ impl Facets {
         let others = directions.iter().filter(|u| !is_end(u));
         let ends = (0..ENDS).map(|k| Vec3::ith(k / 2, if k % 2 == 0 { -1.0 } else { 1.0 }));
         let directions: Vec<Vec3> = ends.chain(others.copied()).collect();
-        let triangles = outward_triangles(&directions).into_iter().map(|t| t.map(|i| i as u8)).collect();
-        Self { directions, triangles }
-    }
-
-    /// Factor that takes the facets off the unit ball.
-    pub(crate) fn outwards(&self) -> f64 {
-        let [a, b, c] = [0, 1, 2].map(|k| move |t: &[u8; 3]| self.directions[usize::from(t[k])]);
-        let depth = |t: &[u8; 3]| (b(t) - a(t)).cross(&(c(t) - a(t))).normalize().dot(&a(t));
-        (1.0 + 1e-12) / self.triangles.iter().map(depth).fold(1.0, f64::min)
+        let triangles = outward_triangles(&directions);
+        let corners = triangles.iter().map(|t| t.map(|i| directions[i]));
+        let depth = |[a, b, c]: [Vec3; 3]| (b - a).cross(&(c - a)).normalize().dot(&a);
+        let outwards = (1.0 + 1e-12) / corners.map(depth).fold(1.0, f64::min);
+        Self { triangles: triangles.into_iter().map(|t| t.map(|i| i as u8)).collect(), directions, outwards }
     }
 }
 

@@ -24,6 +24,8 @@ const MOST_TOLERANCE: f64 = 0.1;
 const CONVEX: f64 = 0.999;
 const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
                        ...], \"faces\": [[0, 1, 2], ...]}";
+const ROUND: &str = "it is a ball or an ellipsoid, saved as the ends of its axes, and a library takes polyhedra; convert the model to \
+                     STL and name that file, or set shape.kind to \"sphere\" or \"ellipsoid\"";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold. With `shape.hull` each is the
 /// convex hull of its body. With the kind `harmonics` the files hold coefficients.
@@ -248,12 +250,13 @@ impl Reader<'_> {
 
     fn json_grains(&self, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         let named = |(i, grain): (usize, Grain)| {
-            let (name, vertices, faces) = match grain {
-                Grain::Vertices(vertices) => (None, vertices, None),
-                Grain::Named { name, vertices, faces } => (name, vertices, faces),
+            let (name, vertices, faces, round) = match grain {
+                Grain::Vertices(vertices) => (None, vertices, None, false),
+                Grain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
             };
             let name = name.unwrap_or_else(|| format!("grain {i}"));
-            self.json_grain(vertices, faces).map_err(|reason| format!("{name}: {reason}"))
+            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(vertices, faces) };
+            grain.map_err(|reason| format!("{name}: {reason}"))
         };
         listed(bytes)?.into_iter().enumerate().map(named).collect()
     }
@@ -299,7 +302,14 @@ enum Listed {
 #[serde(untagged)]
 enum Grain {
     Vertices(Vec<[f64; 3]>),
-    Named { name: Option<String>, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>> },
+    Named {
+        name: Option<String>,
+        vertices: Vec<[f64; 3]>,
+        faces: Option<Vec<Vec<u32>>>,
+        /// True for a ball or an ellipsoid of a saved model, whose vertices are the ends of its axes.
+        #[serde(default)]
+        round: bool,
+    },
 }
 
 fn listed(bytes: &[u8]) -> Result<Vec<Grain>, String> {

@@ -24,7 +24,7 @@ impl BodySurface {
     /// The surface of `body`.
     pub fn new(body: &Polyhedron) -> Self {
         if let Some(round) = body.round() {
-            let around = body.facets_grown(&round, FACETS.outwards());
+            let around = body.facets_grown(&round, FACETS.outwards);
             return Self { round: Some(round), ..Self::of_convex(&around) };
         }
         match body.hull() {
