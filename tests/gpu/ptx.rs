@@ -1,7 +1,9 @@
 //! The kernels as CUDA compiles them: no operation is fused, approximated or flushed; registers stay within the card's.
 
-use crate::same_bytes::cube;
-use meso_solve::{LawName, Smoothing, Test};
+use crate::same_bytes::{cube, meshed};
+use meso_core::mesh::ItzForm;
+use meso_core::specimen::Specimen;
+use meso_solve::{Expansion, LawName, Smoothing, Test, TestKind};
 use std::path::Path;
 use std::process::Command;
 
@@ -10,29 +12,31 @@ const FORBIDDEN: [&str; 6] = ["fma.rn.f64", "fma.rn.ftz", ".approx", ".ftz", "ma
 const MOST_REGISTERS: u32 = 96;
 const MOST_SHARED: u32 = 48 << 10;
 
-fn source(law: LawName, smoothing: Smoothing, threads: usize) -> String {
-    let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
-    meso_gpu::source(&cube(24.0, 4.0).run(&test), threads).unwrap()
-}
-
 #[test]
 fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    for (law, smoothing) in
-        [(LawName::Cdp, Smoothing::Edges), (LawName::Cdpm2, Smoothing::Edges), (LawName::Cdp, Smoothing::None)]
-    {
+    let (smeared, cohesive) = (cube(24.0, 4.0), meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive));
+    let (law, kind, smoothing) = (LawName::Meso, TestKind::Triaxial, Some(Smoothing::None));
+    let expansion = Some(Expansion { aggregate: 1e-4, ..Expansion::default() });
+    for (name, body, test) in [
+        ("plain", &smeared, Test::default()),
+        ("plain-cdpm2", &smeared, Test { law: LawName::Cdpm2, ..Test::default() }),
+        ("plain-tetrahedra", &smeared, Test { smoothing, ..Test::default() }),
+        ("pressed-meso", &smeared, Test { law, kind, ..Test::default() }),
+        ("swelling-cohesive", &cohesive, Test { expansion, ..Test::default() }),
+    ] {
         for architecture in ["80", "90"] {
-            let source = source(law, smoothing, meso_gpu::THREADS);
-            std::fs::write(folder.join(format!("{law:?}{smoothing:?}.cu")), &source).unwrap();
+            let source = meso_gpu::source(&body.run(&test), meso_gpu::THREADS).unwrap();
+            std::fs::write(folder.join(format!("{name}.cu")), &source).unwrap();
             let ptx = match meso_gpu::ptx(&source, &format!("compute_{architecture}")) {
                 Err(why) if why.contains("no libnvrtc") => return eprintln!("skipped: {why}"),
                 ptx => ptx.unwrap(),
             };
             for word in FORBIDDEN {
-                assert!(!ptx.contains(word), "{law:?}: {word}");
+                assert!(!ptx.contains(word), "{name}: {word}");
             }
             assert!(ptx.contains("div.rn.f32") && ptx.contains("sqrt.rn.f32") && ptx.contains("fma.rn.f32"));
-            let path = folder.join(format!("{law:?}{smoothing:?}{architecture}.ptx"));
+            let path = folder.join(format!("{name}{architecture}.ptx"));
             std::fs::write(&path, ptx).unwrap();
             assemble(&path, architecture);
         }
@@ -52,8 +56,8 @@ fn assemble(path: &Path, architecture: &str) {
         before.and_then(|text| text.split_whitespace().last()?.parse().ok()).unwrap_or(0)
     };
     for line in report.lines() {
-        assert_eq!(number_before(line, " bytes spill"), 0, "{line}");
-        assert!(number_before(line, " registers") <= MOST_REGISTERS, "{line}");
-        assert!(number_before(line, " bytes smem") <= MOST_SHARED, "{line}");
+        assert_eq!(number_before(line, " bytes spill"), 0, "{path:?} {line}");
+        assert!(number_before(line, " registers") <= MOST_REGISTERS, "{path:?} {line}");
+        assert!(number_before(line, " bytes smem") <= MOST_SHARED, "{path:?} {line}");
     }
 }

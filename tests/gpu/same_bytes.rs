@@ -1,13 +1,14 @@
 //! A device gives the bytes of the processor.
 
 use meso_core::aggregate::Grading;
-use meso_core::materials::Materials;
+use meso_core::materials::{Materials, Stone, StoneKind};
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
 use meso_solve::{
-    Control, Ended, Frame, Geometry, LawName, Observer, Response, Run, Sample, Smoothing, Test, TestKind,
+    Along, Control, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample, Side,
+    Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -15,23 +16,37 @@ pub(crate) struct Cube {
     pub(crate) mesh: Mesh,
     pub(crate) specimen: Specimen,
     pub(crate) options: MeshOptions,
+    pub(crate) materials: Materials,
 }
 
 pub(crate) fn cube(side_mm: f64, element_size_mm: f64) -> Cube {
-    let specimen = Specimen::cube(side_mm);
+    meshed(Specimen::cube(side_mm), element_size_mm, ItzForm::Smeared)
+}
+
+/// A notched beam of mortar along x.
+fn beam() -> Cube {
+    let specimen = Specimen::NotchedPrism {
+        length_mm: 57.6,
+        width_mm: 12.0,
+        depth_mm: 16.0,
+        notch_depth_mm: 4.0,
+        notch_width_mm: 4.0,
+    };
+    let options =
+        MeshOptions { method: Method::FITTED, element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
+    let mesh = mesh::build((&[][..], &specimen), &options, &Tools::default()).unwrap();
+    Cube { mesh, specimen, options, materials: brittle() }
+}
+
+pub(crate) fn meshed(specimen: Specimen, element_size_mm: f64, itz: ItzForm) -> Cube {
     let mut spec = Spec { specimen: specimen.clone(), fraction: 0.3, seed: 3, ..Spec::default() };
     spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
     spec.placement.min_gap_mm = 1.0;
     let model = meso_core::pack(&spec, &Silent).unwrap();
-    let options = MeshOptions {
-        method: Method::FITTED,
-        element_size_mm,
-        itz: ItzForm::Smeared,
-        joined: Joined::Mortar,
-        ..Default::default()
-    };
+    let options =
+        MeshOptions { method: Method::FITTED, element_size_mm, itz, joined: Joined::Mortar, ..Default::default() };
     let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
-    Cube { mesh, specimen, options }
+    Cube { mesh, specimen, options, materials: brittle() }
 }
 
 pub(crate) fn brittle() -> Materials {
@@ -43,13 +58,18 @@ pub(crate) fn brittle() -> Materials {
 
 impl Cube {
     pub(crate) fn run(&self, test: &Test) -> Run<'_> {
-        Run::new(Sample::of(&self.mesh, &self.specimen, &self.options), &brittle(), test).unwrap()
+        Run::new(Sample::of(&self.mesh, &self.specimen, &self.options), &self.materials, test).unwrap()
     }
 
     /// A test of some 1,000 steps.
     fn short(&self, test: Test) -> Test {
+        self.within(1000.0, test)
+    }
+
+    /// A test of so many steps along its path, with three frames.
+    fn within(&self, steps: f64, test: Test) -> Test {
         let duration = test.duration_s(&Geometry::of(&self.specimen));
-        Test { time_step_s: Some(duration / 1000.0), rows: 50, ..test }
+        Test { time_step_s: Some(duration / steps), rows: 50, frames: 3, ..test }
     }
 }
 
@@ -115,17 +135,148 @@ fn a_device_has_the_bytes_of_the_processor_under_every_law_smoothing_test_and_co
         (LawName::Cdpm2, None, Tension, Servo, 64),
         (LawName::Elastic, Edges, Compression, Servo, 32),
     ] {
-        let test = cube.short(Test { law, smoothing: Some(smoothing), kind, control, frames: 2, ..Test::default() });
-        let (mut here, mut there) = (cube.run(&test), cube.run(&test));
-        attach(&mut there, &DeviceName { threads, ..device.clone() }).unwrap();
-        let (own, others) = (Frames::default(), Frames::default());
-        let (expected, got) = (finish(&mut here, &own), finish(&mut there, &others));
-        for (row, (a, b)) in expected.0.curve.iter().zip(&got.0.curve).enumerate() {
-            assert_eq!(a, b, "row {row} of {test:?}");
-        }
-        assert!(expected.1 == got.1, "{test:?}");
-        assert!(own.fields == others.fields && own.fields.borrow().len() >= 2, "{test:?}");
-        assert!(expected.0.result.energies.dissipated > 0.0 || law == LawName::Elastic, "{test:?}");
+        let test = cube.short(Test { law, smoothing: Some(smoothing), kind, control, ..Test::default() });
+        let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
+        assert!(response.result.energies.dissipated > 0.0 || law == LawName::Elastic, "{test:?}");
+    }
+}
+
+/// Takes a test here and there, and compares curves, further columns, frames and the state at the end.
+fn same(cube: &Cube, test: &Test, device: &DeviceName) -> Response {
+    let (mut here, mut there) = (cube.run(test), cube.run(test));
+    attach(&mut there, device).unwrap();
+    let (own, others) = (Frames::default(), Frames::default());
+    let (expected, got) = (finish(&mut here, &own), finish(&mut there, &others));
+    for (row, (a, b)) in expected.0.curve.iter().zip(&got.0.curve).enumerate() {
+        assert_eq!(a, b, "row {row} of {test:?}");
+    }
+    assert_eq!(expected.0.extra, got.0.extra, "{test:?}");
+    assert!(expected.1 == got.1, "{test:?}");
+    assert!(own.fields == others.fields && !own.fields.borrow().is_empty(), "{test:?}");
+    expected.0
+}
+
+/// Matter of a phase, or its cohesive faces, are damaged.
+fn dissipates(response: &Response, name: &str) {
+    let phase = response.result.phases.iter().find(|phase| phase.name == name).unwrap();
+    assert!(phase.dissipated_mj > 0.0, "{phase:?}");
+}
+
+/// Every gauge and plate has a value other than 0, and some matter is damaged. Loads count no force.
+fn acts(response: &Response, loads: usize) {
+    let extra = &response.extra;
+    let column = |column: usize| extra.values.iter().skip(column).step_by(extra.names.len());
+    let idle = (0..extra.names.len()).filter(|&own| column(own).all(|value| *value == 0.0)).count();
+    assert!(idle == loads && response.result.energies.dissipated > 0.0, "{idle} of {:?}", extra.names);
+}
+
+#[test]
+fn gauges_turns_and_controls_by_gauges_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = cube(20.0, 4.0);
+    let lvdt = Gauge::Lvdt { name: "lvdt".to_owned(), axis: Along::Z, from_mm: 5.0, to_mm: 15.0 };
+    let sides = Gauge::Sides { name: "sides".to_owned(), axis: Along::X };
+    let turn = |at, of| Turn { at, of };
+    let to_and_fro = vec![turn(0.001, TurnOf::Strain), turn(2.0, TurnOf::Stress), turn(0.003, TurnOf::Strain)];
+    for test in [
+        Test { gauges: vec![lvdt, sides], ..Test::default() },
+        Test { control: Control::LateralStrain, law: LawName::Meso, ..Test::default() },
+        Test { turns: to_and_fro, ..Test::default() },
+    ] {
+        acts(&same(&cube, &cube.within(400.0, test), &device), 0);
+    }
+}
+
+#[test]
+fn strips_rollers_and_glued_halves_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let (cube, beam) = (cube(20.0, 4.0), beam());
+    let control = Control::CrackMouth;
+    let bending = Test { kind: TestKind::Bending, strain: Some(0.0015), ..Test::default() };
+    let opened = vec![Turn { at: 0.03, of: TurnOf::Opening }, Turn { at: 0.5, of: TurnOf::Stress }];
+    for (body, steps, test) in [
+        (&cube, 400.0, Test { kind: TestKind::Splitting, ..Test::default() }),
+        (&cube, 400.0, Test { kind: TestKind::Shear, ..Test::default() }),
+        (&beam, 1000.0, Test { control, ..bending.clone() }),
+        (&beam, 1000.0, Test { turns: opened, ..bending }),
+    ] {
+        acts(&same(body, &body.within(steps, test), &device), 0);
+    }
+}
+
+#[test]
+fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = cube(20.0, 4.0);
+    let on = |name: &str, on, moves| SupportSpec {
+        name: name.to_owned(),
+        on,
+        strip: None,
+        rule: Rule::Plate,
+        friction: 0.2,
+        moves,
+        pressure_mpa: 0.0,
+        stress_ratio: None,
+    };
+    let pressed = |name, side, pressure_mpa| SupportSpec { pressure_mpa, ..on(name, side, 0.0) };
+    // Nodes at edges meet two plates, or a plate and two loads; a plate is pressed by a servo before the path begins.
+    let supports = vec![
+        on("bottom", Side::ZMin, 0.5),
+        SupportSpec { pressure_mpa: 2.0, ..on("top", Side::ZMax, -0.5) },
+        on("wall", Side::XMin, 0.0),
+        SupportSpec { rule: Rule::Pressure, ..pressed("front", Side::YMin, 3.0) },
+        SupportSpec { rule: Rule::Pressure, ..pressed("right", Side::XMax, 1.0) },
+        SupportSpec { stress_ratio: Some(0.1), ..on("back", Side::YMax, 0.0) },
+    ];
+    for (loads, test) in [
+        (1, Test { kind: TestKind::Triaxial, ..Test::default() }),
+        (0, Test { kind: TestKind::Biaxial, strain: Some(0.003), ..Test::default() }),
+        (2, Test { supports, ..Test::default() }),
+    ] {
+        acts(&same(&cube, &cube.within(250.0, test), &device), loads);
+    }
+}
+
+#[test]
+fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = cube(20.0, 4.0);
+    let expansion = Some(Expansion { mortar: -8e-4, itz: Some(2e-4), aggregate: 3e-4, ..Expansion::default() });
+    for (kind, smoothing) in [(TestKind::Expansion, Smoothing::Edges), (TestKind::Tension, Smoothing::None)] {
+        let test = Test { kind, expansion, smoothing: Some(smoothing), ..Test::default() };
+        let steps = if kind == TestKind::Tension { 120.0 } else { 60.0 };
+        acts(&same(&cube, &cube.within(steps, test), &device), 0);
+    }
+}
+
+#[test]
+fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let kinds = [(0.4, 0.15), (0.6, 0.4)].map(|(share, strength_ratio)| StoneKind { share, strength_ratio }).to_vec();
+    let stone = Stone { kinds, weibull_modulus: Some(8.0), ..Stone::default() };
+    let cube = cube(20.0, 4.0);
+    let cube = Cube { materials: Materials { aggregate_strength: Some(stone), ..brittle() }, ..cube };
+    for (law, smoothing) in [(LawName::Cdp, Smoothing::Edges), (LawName::Meso, Smoothing::None)] {
+        let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
+        let response = same(&cube, &cube.within(400.0, test), &device);
+        dissipates(&response, "aggregate");
+    }
+}
+
+#[test]
+fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive);
+    assert!(!cube.mesh.cohesive.is_empty());
+    let expansion = Some(Expansion { aggregate: 2e-4, ..Expansion::default() });
+    let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
+    for (steps, test) in [
+        (500.0, Test { smoothing: edges, ..Test::default() }),
+        (500.0, Test { smoothing: none, law: LawName::Cdpm2, kind: TestKind::Tension, ..Test::default() }),
+        (60.0, Test { smoothing: edges, kind: TestKind::Expansion, expansion, ..Test::default() }),
+    ] {
+        let response = same(&cube, &cube.within(steps, test), &device);
+        dissipates(&response, "itz");
     }
 }
 
@@ -133,24 +284,26 @@ fn a_device_has_the_bytes_of_the_processor_under_every_law_smoothing_test_and_co
 fn a_checkpoint_moves_from_the_processor_to_a_device_and_back() {
     let Some(device) = device() else { return };
     let cube = cube(20.0, 4.0);
-    let test = cube.short(Test { frames: 2, ..Test::default() });
-    let states = [false, true].map(|is_there| {
-        let (mut run, frames) = (cube.run(&test), Frames { keeps: true, ..Frames::default() });
-        if is_there {
-            attach(&mut run, &device).unwrap();
+    for test in [Test::default(), Test { kind: TestKind::Biaxial, ..Test::default() }] {
+        let test = cube.within(500.0, test);
+        let states = [false, true].map(|is_there| {
+            let (mut run, frames) = (cube.run(&test), Frames { keeps: true, ..Frames::default() });
+            if is_there {
+                attach(&mut run, &device).unwrap();
+            }
+            let (_, end) = finish(&mut run, &frames);
+            (frames.kept.into_inner().unwrap(), end)
+        });
+        let [(kept, end), other] = &states;
+        assert!((kept, end) == (&other.0, &other.1), "{test:?}");
+        for goes_on_there in [false, true] {
+            let mut run = cube.run(&test);
+            run.resume(&mut &kept[..]).unwrap();
+            if goes_on_there {
+                attach(&mut run, &device).unwrap();
+            }
+            assert!(finish(&mut run, &Frames::default()).1 == *end, "{goes_on_there} {test:?}");
         }
-        let (_, end) = finish(&mut run, &frames);
-        (frames.kept.into_inner().unwrap(), end)
-    });
-    let [(kept, end), other] = &states;
-    assert!((kept, end) == (&other.0, &other.1));
-    for goes_on_there in [false, true] {
-        let mut run = cube.run(&test);
-        run.resume(&mut &kept[..]).unwrap();
-        if goes_on_there {
-            attach(&mut run, &device).unwrap();
-        }
-        assert!(finish(&mut run, &Frames::default()).1 == *end, "{goes_on_there}");
     }
 }
 

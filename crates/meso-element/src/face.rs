@@ -98,7 +98,7 @@ impl<R: Real> Cohesion<R> {
 
     /// Tractions of the separation `apart` with `normal`, and the energy per area that this step spent.
     #[inline(always)]
-    fn traction(&self, apart: [R; 3], normal: &[R; 3], memory: &mut [R; REMEMBERED]) -> ([R; 3], R) {
+    pub fn traction(&self, apart: [R; 3], normal: &[R; 3], memory: &mut [R; REMEMBERED]) -> ([R; 3], R) {
         let (zero, one, k) = (R::splat(0.0), R::splat(1.0), self.stiffness);
         let along = apart[0].mul_add(normal[0], apart[1].mul_add(normal[1], apart[2] * normal[2]));
         let slide: [R; 3] = std::array::from_fn(|i| apart[i] - along * normal[i]);
@@ -137,6 +137,17 @@ impl<const N: usize> Faces<N> {
         }
         self.normal.iter_mut().zip(normal).for_each(|(row, x)| row.0[lane] = x as f32);
         self.area.0[lane] = area as f32;
+    }
+
+    /// The eight faces as words, as if each were an element whose other nodes have the normal as gradient: pair by pair, the
+    /// node over the aggregate's and the aggregate's, two to a word; the normal for each node but the last; areas; zeros.
+    pub fn words(&self, out: &mut Vec<u32>) {
+        for at in self.at[1].iter().zip(&self.at[0]).flat_map(|(over, below)| [over, below]) {
+            out.extend(at.chunks_exact(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16));
+        }
+        let normals = (1..2 * N).flat_map(|_| &self.normal);
+        let numbers = normals.chain([&self.area, &Octet([0.0; LANES])]).copied();
+        out.extend(numbers.flat_map(|eight| eight.0.map(f32::to_bits)));
     }
 
     /// Adds the forces with which the faces resist; returns the energy spent in this step, mJ by lane.

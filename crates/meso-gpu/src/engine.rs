@@ -6,12 +6,18 @@ use crate::name::DeviceName;
 use crate::source::Laws;
 use crate::tables::{LANES, Tables};
 use bytemuck::{cast_slice, cast_slice_mut};
-use meso_solve::device::{Device, Rules, Scalars, Upload};
+use meso_solve::device::{Action, Device, Moved, Rules, Scalars, StepSums, Touch, Upload};
 use std::time::{Duration, Instant};
 
-/// Numbers of the kernels' `state`, and of its flag that a batch has ended.
-const STATE: usize = 23;
+/// Numbers of the kernels' `state` before those of the supports, three each, and of the phases; the place of its flag that a batch
+/// has ended.
+const STATE: usize = 21;
 const HALT: usize = 17;
+/// Numbers of the kernels' `rules` before those of the supports.
+const RULES: usize = 18;
+/// Bits of a support at a node: it is the node's last one; it is a load.
+const LAST: u32 = 256;
+const LOAD: u32 = 512;
 /// Threads of a group for nodes and for sums, as the kernels' source has them.
 const NODES: usize = 256;
 const SUMS: usize = 256;
@@ -25,9 +31,14 @@ const BATCH: Duration = Duration::from_millis(250);
 /// A run on a device.
 pub(crate) struct Engine {
     host: Box<dyn Host>,
-    steps: [(Kernel, usize, usize); 4],
+    /// Kernels of a step, with their groups and threads.
+    steps: Vec<(Kernel, usize, usize)>,
     begin: Kernel,
     state: Buffer,
+    sums: Buffer,
+    /// Sums of a step, and displacements of the watched nodes.
+    answer: Vec<f64>,
+    watched: usize,
     u: Buffer,
     v: Buffer,
     memory: Buffer,
@@ -69,14 +80,16 @@ impl Engine {
         let (u, v) = (store.of(u.as_flattened())?, store.of(v.as_flattened())?);
         let (data, memory) = fields(upload, &tables, &mut store)?;
         let nodes = upload.mass().len();
-        let (contact, gaps) = contacts(upload);
-        let spans = tables.span_contacts.len() - 1;
-        let sizes = [nodes as u32, upload.blocks() as u32, spans as u32, gaps.len() as u32];
-        let (sizes, rules) = (store.of(&sizes)?, store.of(&rules(&upload.rules()))?);
-        let state = store.empty(8 * STATE)?;
+        let (touches, watched, supports) = (upload.touches(), upload.watched(), tables.supports);
+        let (touch, kinds, numbers) = touching(&touches, nodes);
+        let spans = tables.span_touches.len() - 1;
+        let sizes = [nodes, upload.blocks(), spans, touches.len(), watched.len()].map(|count| count as u32);
+        let (sizes, rules) = (store.of(&sizes)?, store.of(&rules(&upload.rules(), upload.supports()))?);
+        let state = store.of(&vec![0.0; STATE + 3 * supports + 6])?;
         let shares = store.empty(16 * tables.places.len())?;
         let (spent, work) = (store.empty(8 * upload.blocks())?, store.empty(16 * nodes)?);
-        let (met, span_sums) = (store.empty(32 * gaps.len())?, store.empty(8 * (6 * spans + 1))?);
+        let answer = vec![0.0; (supports + 4) * spans + 1 + 3 * watched.len()];
+        let (met, sums) = (store.of(&vec![0.0; (supports + 2) * touches.len()])?, store.of(&answer)?);
         let dissipated = store.of(&tables.dissipated)?;
         let elements = [
             store.of(tables.blocks.as_flattened())?,
@@ -95,28 +108,35 @@ impl Engine {
             dissipated,
             spent,
             state,
+            store.of(upload.places().as_flattened())?,
         ];
         let [first, places] = upload.shares();
         let (first, places, mass) = (store.of(first)?, store.of(places)?, store.of(upload.mass())?);
-        let (contact, gaps) = (store.of(&contact)?, store.of(&gaps)?);
-        let moving = [sizes, rules, state, first, places, shares, mass, u, v, contact, gaps, work, met];
-        let summing = [sizes, state, work, met, store.of(&tables.span_contacts)?, spent, span_sums];
+        let (touch, kinds, numbers) = (store.of(&touch)?, store.of(&kinds)?, store.of(&numbers)?);
+        let moving = [sizes, rules, state, first, places, shares, mass, u, v, touch, kinds, numbers, work, met];
+        let summing = [sizes, state, work, met, store.of(&tables.span_touches)?, spent, sums];
+        let watching = [sizes, store.of(&watched)?, u, sums];
         let bytes = store.bytes;
-        let steps = [
+        let mut steps = vec![
             (host.kernel("elements", &elements)?, upload.blocks(), threads),
             (host.kernel("nodes", &moving)?, nodes.div_ceil(NODES), NODES),
             (host.kernel("sums", &summing)?, spans + 1, SUMS),
-            (host.kernel("scalars", &[sizes, rules, span_sums, state])?, 1, 64),
         ];
+        if upload.is_plain() {
+            steps.push((host.kernel("scalars", &[sizes, rules, sums, state])?, 1, 64));
+        } else if !watched.is_empty() {
+            steps.push((host.kernel("watch", &watching)?, watched.len().div_ceil(NODES), NODES));
+        }
         let begin = host.kernel("begin", &[rules, state])?;
-        Ok(Self { host, steps, begin, state, u, v, memory, dissipated, pace: None, bytes })
+        let watched = watched.len();
+        Ok(Self { host, steps, begin, state, sums, answer, watched, u, v, memory, dissipated, pace: None, bytes })
     }
 }
 
 /// Tables for groups of `threads`, or of fewer where a group would share too much memory.
 fn fitting(upload: &Upload, laws: &Laws, mut threads: usize) -> (Tables, usize) {
     loop {
-        let tables = Tables::of(upload, &laws.of_phase, threads);
+        let tables = Tables::of(upload, &laws.of_material, threads);
         if tables.near_bytes(threads) <= NEAR_BYTES || threads <= 32 {
             return (tables, threads);
         }
@@ -141,44 +161,43 @@ fn fields(upload: &Upload, tables: &Tables, store: &mut Store) -> Result<(Buffer
     Ok((data, memory))
 }
 
-/// By node: 0, or twice the number of its contact, from 1, and 1 more on the upper plate; the contacts' gaps.
-fn contacts(upload: &Upload) -> (Vec<u32>, Vec<f64>) {
-    let (mut of_node, mut gaps) = (vec![0; upload.mass().len()], Vec::new());
-    for (node, plate, gap) in upload.contacts() {
-        gaps.push(gap);
-        of_node[node as usize] = 2 * gaps.len() as u32 + plate as u32;
+/// By node: 0, or the number of its first support, from 1. By support at a node: its number and bits; the gap to a plate, or the
+/// force of a load.
+fn touching(touches: &[Touch], nodes: usize) -> (Vec<u32>, Vec<u32>, Vec<f64>) {
+    let (mut first, mut kinds, mut numbers) = (vec![0; nodes], Vec::new(), Vec::new());
+    for own in touches.chunk_by(|a, b| a.node == b.node) {
+        first[own[0].node as usize] = kinds.len() as u32 + 1;
+        for touch in own {
+            let (kind, values) = match touch.action {
+                Action::Plate(gap) => (0, [gap, 0.0, 0.0]),
+                Action::Load(force) => (LOAD, force),
+            };
+            kinds.push(touch.support | kind);
+            numbers.extend(values);
+        }
+        kinds.iter_mut().last().into_iter().for_each(|kind| *kind |= LAST);
     }
-    (of_node, gaps)
+    (first, kinds, numbers)
 }
 
 /// Numbers that stay, in the kernels' order.
-fn rules(rules: &Rules) -> [f64; 20] {
-    let [speed, ramp_s] = rules.ramp;
-    let [plate_energy, runaway] = rules.sound;
-    let flag = |holds: bool| f64::from(u8::from(holds));
-    let mut all = [0.0; 20];
-    all[..11].copy_from_slice(&[
-        rules.dt,
-        rules.steps as f64,
-        rules.stride as f64,
-        rules.frames as f64,
-        rules.friction,
-        speed,
-        ramp_s,
-        plate_energy,
-        runaway,
-        flag(rules.is_tension),
-        flag(rules.servo.is_some()),
-    ]);
-    all[11..].copy_from_slice(&rules.servo.unwrap_or_default());
+fn rules(rules: &Rules, supports: impl Iterator<Item = [f64; 5]>) -> Vec<f64> {
+    let ([speed, ramp_s], [plate_energy, runaway]) = (rules.ramp, rules.sound);
+    let has_servo = f64::from(u8::from(rules.servo.is_some()));
+    let counts = [rules.steps, rules.stride, rules.frames].map(|count| count as f64);
+    let mut all = vec![rules.dt];
+    all.extend(counts.into_iter().chain([speed, ramp_s, plate_energy, runaway, has_servo]));
+    all.extend(rules.servo.unwrap_or_default());
+    debug_assert_eq!(all.len(), RULES);
+    all.extend(supports.flatten());
     all
 }
 
 fn state_of(scalars: &Scalars) -> [f64; STATE] {
-    let Scalars { step, progress, plate, servo, energies, since_row } = scalars;
+    let Scalars { step, progress, path, servo, energies, since_row } = scalars;
     let mut state = [0.0; STATE];
     let numbers =
-        [*step as f64].into_iter().chain(*progress).chain(*plate).chain(*servo).chain(*energies).chain(*since_row);
+        [*step as f64].into_iter().chain(*progress).chain(*path).chain(*servo).chain(*energies).chain(*since_row);
     state.iter_mut().zip(numbers).for_each(|(own, x)| *own = x);
     state
 }
@@ -207,7 +226,7 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
     Scalars {
         step: step as u64,
         progress: [progress, held],
-        plate: [speed, travel],
+        path: [speed, travel],
         servo: [pace, most, supply],
         energies: [external, internal, friction, kinetic, spent],
         since_row: [a, b, c, d],
@@ -215,6 +234,19 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
 }
 
 impl Device for Engine {
+    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String> {
+        let moved = supports.iter().flat_map(|moved| [moved.travel, moved.mean_speed, moved.pressure]);
+        let numbers: Vec<f64> = moved.chain(free).collect();
+        self.host.write(self.state, 8 * STATE, cast_slice(&numbers))?;
+        for &(kernel, groups, threads) in &self.steps {
+            self.host.launch(kernel, groups, threads)?;
+        }
+        self.host.read(self.sums, 0, cast_slice_mut(&mut self.answer))?;
+        let (sums, watched) = self.answer.split_at(self.answer.len() - 3 * self.watched);
+        let (spans, spent) = sums.split_at(sums.len() - 1);
+        Ok(StepSums { spans, spent: spent[0], watched: watched.as_chunks().0 })
+    }
+
     fn advance(&mut self, scalars: &mut Scalars, most: u64) -> Result<(), String> {
         // The first batch is one step, which also says how long a step takes.
         let fitting = self.pace.map_or(1, |pace| (BATCH.as_nanos() / pace.as_nanos().max(1)) as u64);
@@ -223,7 +255,7 @@ impl Device for Engine {
         self.host.write(self.state, 0, cast_slice(&state))?;
         self.host.launch(self.begin, 1, 1)?;
         for _ in 0..steps {
-            for (kernel, groups, threads) in self.steps {
+            for &(kernel, groups, threads) in &self.steps {
                 self.host.launch(kernel, groups, threads)?;
             }
         }

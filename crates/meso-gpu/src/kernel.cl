@@ -6,6 +6,12 @@ typedef unsigned short ushort;
 #define KERNEL(threads) extern "C" __global__ void __launch_bounds__(threads)
 /* Groups of 128 threads that share a multiprocessor's registers. */
 #define KERNEL_OF_ELEMENTS extern "C" __global__ void __launch_bounds__(THREADS, RESIDENT * 128 / THREADS)
+/* Two groups of nodes have the registers for loads; without loads the compiler finds room for four. */
+#if LOADS
+#define KERNEL_OF_NODES extern "C" __global__ void __launch_bounds__(256, 2)
+#else
+#define KERNEL_OF_NODES KERNEL(256)
+#endif
 #define PREFETCH(address) asm volatile("prefetch.global.L2 [%0];" ::"l"(address))
 #define GLOBAL
 #define LOCAL __shared__
@@ -22,6 +28,7 @@ typedef unsigned short ushort;
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #define KERNEL(threads) kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
 #define KERNEL_OF_ELEMENTS KERNEL(THREADS)
+#define KERNEL_OF_NODES KERNEL(256)
 #define PREFETCH(address)
 #define GLOBAL global
 #define LOCAL local
@@ -49,38 +56,58 @@ typedef unsigned short ushort;
 #define SPENT 12
 #define SINCE_ROW 13
 #define HALT 17
-/* The present step: share of the plates' travel, of their mean speed, the whole travel and speed, the pace. */
-#define NOW_TRAVEL 18
-#define NOW_MEAN 19
-#define NOW_WHOLE 20
-#define NOW_SPEED 21
-#define NOW_PACE 22
+/* The present step: the whole travel and speed of the path, the pace. */
+#define NOW_WHOLE 18
+#define NOW_SPEED 19
+#define NOW_PACE 20
+/* By support in the present step: its place, its mean speed, its pressure. */
+#define MOVED 21
+#define AT 0
+#define MEAN_SPEED 1
+#define PRESSURE 2
+/* Strain of the mortar without stress, then that of every phase less the mortar's. */
+#define FREE (MOVED + 3 * SUPPORTS)
 
 /* Numbers that stay (`rules`). */
 #define R_DT 0
 #define R_STEPS 1
 #define R_STRIDE 2
 #define R_FRAMES 3
-#define R_FRICTION 4
-#define R_SPEED 5
-#define R_RAMP 6
-#define R_PLATE_ENERGY 7
-#define R_RUNAWAY 8
-#define R_TENSION 9
-#define R_SERVO 10
-#define R_SLOWING 11
-#define R_RECOVERING 13
-#define R_SOFTENING 15
-#define R_COLLAPSE 16
-#define R_SLOWEST 17
-#define R_LAG 18
-#define R_MEAN 19
+#define R_SPEED 4
+#define R_RAMP 5
+#define R_PLATE_ENERGY 6
+#define R_RUNAWAY 7
+#define R_SERVO 8
+#define R_SLOWING 9
+#define R_RECOVERING 11
+#define R_SOFTENING 13
+#define R_COLLAPSE 14
+#define R_SLOWEST 15
+#define R_LAG 16
+#define R_MEAN 17
+/* By support: its axis, whether the specimen is above it (1) or below (-1), whether it is glued on, its friction, its way. */
+#define R_FACES 18
+#define AXIS 0
+#define INWARD 1
+#define GLUED 2
+#define RUBS 3
+#define MOVES 4
+#define PER_SUPPORT 5
 
 /* Counts (`sizes`). */
 #define S_NODES 0
 #define S_BLOCKS 1
 #define S_SPANS 2
-#define S_CONTACTS 3
+#define S_TOUCHES 3
+#define S_WATCHED 4
+
+/* Sums of a span: forces of the supports, their work, friction; work of the elements, kinetic energy. */
+#define ROWS (SUPPORTS + 4)
+
+/* A support at a node (`kinds`): its number, whether it is the node's last one, whether it is a load and no plate. */
+#define SUPPORT 255
+#define IS_LAST 256
+#define IS_LOAD 512
 
 //LAWS
 
@@ -114,6 +141,27 @@ DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, cons
   f[8 * n] = r0; f[8 * n + SLOTS] = r1; f[8 * n + 2 * SLOTS] = r2;
 }
 
+#ifdef FACE_LAW
+/* A cohesive face: pair by pair, the node over the aggregate's and the aggregate's. Returns the energy that it spent. */
+DEVICE float face(GLOBAL const float* params, GLOBAL const uint* at, GLOBAL const float* g, const uint shift, NEAR const float* u,
+    GLOBAL float* memory, NEAR float* f) {
+  const float area = g[120];
+  float spent = 0;
+  for (uint pair = 0; pair < 3; pair++) {
+    const uint over = 3 * ((at[8 * pair] >> shift) & 0xffff), below = 3 * ((at[8 * pair + 4] >> shift) & 0xffff);
+    const float apart[6] = {u[over] - u[below], u[over + 1] - u[below + 1], u[over + 2] - u[below + 2], g[0], g[8], g[16]};
+    float s[3];
+    const float energy = FACE_LAW(params, apart, 0, memory + 40 * pair, s);
+    for (uint k = 0; k < 3; k++) {
+      const float force = s[k] * area;
+      f[16 * pair + k * SLOTS] = force; f[16 * pair + 8 + k * SLOTS] = -force;
+    }
+    spent = fma(energy, area, spent);
+  }
+  return spent;
+}
+#endif
+
 /* Asks for the data and the memory of an eight of the next round. */
 DEVICE void fetch(GLOBAL const uint4* eights, GLOBAL const uint* data, GLOBAL const float* memory, const uint lane) {
 #ifdef __CUDACC__
@@ -129,7 +177,8 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     GLOBAL const uint* RESTRICT data, GLOBAL float* RESTRICT memory, GLOBAL const uint4* RESTRICT rounds,
     GLOBAL const uint* RESTRICT entries, GLOBAL const ushort* RESTRICT slots, GLOBAL const uint* RESTRICT segments,
     GLOBAL const uint* RESTRICT energies, GLOBAL const float* RESTRICT params, GLOBAL const double* RESTRICT u,
-    GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state) {
+    GLOBAL float4* RESTRICT shares, GLOBAL double* RESTRICT dissipated, GLOBAL double* RESTRICT spent, GLOBAL const double* RESTRICT state,
+    GLOBAL const double* RESTRICT mm) {
   LOCAL float near_u[3 * PLACES];
   LOCAL float sum[3 * PLACES];
   LOCAL float f[3 * SLOTS];
@@ -145,7 +194,11 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
   const double o0 = u[o], o1 = u[o + 1], o2 = u[o + 2];
   for (uint i = t; i < count; i += THREADS) {
     const uint node = 3 * places[first_place + i];
+#if EXPANDS
+    for (uint k = 0; k < 3; k++) near_u[3 * i + k] = (float)(u[node + k] - u[o + k] - state[FREE] * (mm[node + k] - mm[o + k]));
+#else
     near_u[3 * i] = (float)(u[node] - o0); near_u[3 * i + 1] = (float)(u[node + 1] - o1); near_u[3 * i + 2] = (float)(u[node + 2] - o2);
+#endif
   }
   for (uint i = t; i < 3 * count; i += THREADS) sum[i] = 0;
   for (uint i = t; i < 8 * energy_count; i += THREADS) energy[i] = 0;
@@ -156,7 +209,7 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     const uint i = (round.y >> 16) + (t >> 3), lane = t & 7;
     if (i < next) {
       const uint4 eight = eights[first_eight + i];
-      const uint n = eight.w & 255, law = (eight.w >> 8) & 255;
+      const uint n = eight.w & 255, law = (eight.w >> 8) & 15;
       GLOBAL const uint* at = data + eight.x + (lane >> 1);
       GLOBAL const float* g = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
       const uint shift = (lane & 1) * 16;
@@ -165,8 +218,12 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
 //STRAINS
       }
       fetch(next + (t >> 3) < eight_count ? eights + first_eight + next + (t >> 3) : eights + first_eight + i, data, memory, lane);
-      const float volume = g[24 * n], width = g[24 * n + 8];
-      float lost = 0;
+      const float width = g[24 * n + 8];
+      float volume = g[24 * n], lost = 0;
+#if EXPANDS
+      const float over = (float)state[FREE + 1 + ((eight.w >> 12) & 15)];
+      e[0] = e[0] - over; e[1] = e[1] - over; e[2] = e[2] - over;
+#endif
       switch (law) {
 //ANSWERS
       }
@@ -188,9 +245,9 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
     /* The last threads have the fewest places; they add the energies. */
     const uint back = THREADS - 1 - t, segment = round.w + (back >> 3);
     if (segment < rounds[first_round + r + 1].w) {
-      const uint which = segments[segment], lane = back & 7, to = 8 * (which & 255) + lane;
-      uint from = (which >> 8) & 255;
-      const uint end = from + (which >> 16);
+      const uint which = segments[segment], lane = back & 7, to = 8 * (which & 0xffff) + lane;
+      uint from = (which >> 16) & 255;
+      const uint end = from + (which >> 24);
       float x = energy[to];
       for (; from < end; from++) x = fma(spent_of[8 * from + lane], volume_of[8 * from + lane], x);
       energy[to] = x;
@@ -214,11 +271,40 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
   }
 }
 
-/* Nodes sum the blocks' shares and move; plates correct those that they meet. */
-KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
+/* Motion of a node along one axis; what plates did to it in this step. */
+typedef struct {
+  double u, v, rubbed;
+  bool is_held;
+} Axis;
+
+/* Corrects the velocity of a node that a plate meets, a being the plate's axis; returns the plate's force along it. */
+DEVICE double meet(GLOBAL const double* face, const double travel, const double gap, const double dt, const double m,
+    Axis* a, Axis* b, Axis* c) {
+  const double free_a = a->v, free_b = b->v, free_c = c->v;
+  if (face[GLUED] != 0) {
+    a->v = (travel - a->u) / dt; b->v = -b->u / dt; c->v = -c->u / dt;
+  } else {
+    const double inward = face[INWARD], on_plate = travel - inward * gap;
+    if ((a->u + dt * a->v - on_plate) * inward >= 0.0) return 0;
+    a->v = (on_plate - a->u) / dt;
+    const double most = face[RUBS] * fabs(a->v - free_a);
+    const double slide_b = b->is_held ? 0.0 : b->v, slide_c = c->is_held ? 0.0 : c->v;
+    const double sliding = sqrt(slide_b * slide_b + slide_c * slide_c);
+    const double kept = sliding <= most ? 0.0 : 1.0 - most / sliding;
+    if (!b->is_held) b->v = b->v * kept;
+    if (!c->is_held) c->v = c->v * kept;
+  }
+  a->is_held = true;
+  b->rubbed = b->rubbed + m * (b->v - free_b) / dt;
+  c->rubbed = c->rubbed + m * (c->v - free_c) / dt;
+  return m * (a->v - free_a) / dt;
+}
+
+/* Nodes sum the blocks' shares and move; loads push them, and plates correct those that they meet. */
+KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
     GLOBAL const uint* RESTRICT node_first, GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares,
-    GLOBAL const double* RESTRICT mass, GLOBAL double* RESTRICT u, GLOBAL double* RESTRICT v, GLOBAL const uint* RESTRICT contact,
-    GLOBAL const double* RESTRICT gaps, GLOBAL double* RESTRICT work, GLOBAL double* RESTRICT met) {
+    GLOBAL const double* RESTRICT mass, GLOBAL double* RESTRICT u, GLOBAL double* RESTRICT v, GLOBAL const uint* RESTRICT touch,
+    GLOBAL const uint* RESTRICT kinds, GLOBAL const double* RESTRICT numbers, GLOBAL double* RESTRICT work, GLOBAL double* RESTRICT met) {
   const uint i = GROUP * 256 + THREAD;
   if (i >= sizes[S_NODES] || state[HALT] != 0) return;
   const double dt = rules[R_DT];
@@ -230,41 +316,48 @@ KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
   }
   const double m = mass[i], push = dt / m;
   const double b0 = v[3 * i], b1 = v[3 * i + 1], b2 = v[3 * i + 2];
-  const double u0 = u[3 * i], u1 = u[3 * i + 1], u2 = u[3 * i + 2];
-  double v0 = b0 - f0 * push, v1 = b1 - f1 * push, v2 = b2 - f2 * push;
-  const uint c = contact[i];
-  if (c != 0) {
-    /* Bit 0: the upper plate; above it the contact's number, from 1. */
-    const uint plate = c & 1, own = (c >> 1) - 1, all = sizes[S_CONTACTS];
-    const double inward = plate == 1 ? -1.0 : 1.0;
-    const double travel = (-inward) * state[NOW_TRAVEL], speed = (-inward) * state[NOW_MEAN];
-    const double w0 = v0, w1 = v1, w2 = v2;
-    double force = 0, done = 0, rubbed = 0;
-    const double on_plate = travel - inward * gaps[own];
-    const bool is_glued = rules[R_TENSION] != 0;
-    if (is_glued || (u2 + dt * v2 - on_plate) * inward < 0.0) {
-      if (is_glued) {
-        v0 = -u0 / dt; v1 = -u1 / dt; v2 = (travel - u2) / dt;
-      } else {
-        v2 = (on_plate - u2) / dt;
-        const double most = rules[R_FRICTION] * fabs(v2 - w2);
-        const double sliding = sqrt(v0 * v0 + v1 * v1);
-        const double kept = sliding <= most ? 0.0 : 1.0 - most / sliding;
-        v0 = v0 * kept; v1 = v1 * kept;
+  Axis x = {u[3 * i], b0 - f0 * push, 0, false}, y = {u[3 * i + 1], b1 - f1 * push, 0, false}, z = {u[3 * i + 2], b2 - f2 * push, 0, false};
+  const uint first = touch[i];
+  if (first != 0) {
+    /* The node's supports, from 1: plates, then loads. */
+    const uint all = sizes[S_TOUCHES];
+#if LOADS
+    double l0 = 0, l1 = 0, l2 = 0;
+    uint load = 0;
+    for (uint q = first - 1, kind = 0; !(kind & IS_LAST); q++) {
+      kind = kinds[q];
+      if (kind & IS_LOAD) {
+        const double pressure = state[MOVED + 3 * (kind & SUPPORT) + PRESSURE];
+        l0 = l0 + pressure * numbers[3 * q]; l1 = l1 + pressure * numbers[3 * q + 1]; l2 = l2 + pressure * numbers[3 * q + 2];
+        if (load == 0) load = q + 1;
       }
-      const double p0 = m * (v0 - w0) / dt, p1 = m * (v1 - w1) / dt;
-      const double mean0 = 0.5 * (v0 + b0), mean1 = 0.5 * (v1 + b1);
-      force = m * (v2 - w2) / dt;
-      done = force * speed * dt;
-      rubbed = (-dt) * (p0 * mean0 + p1 * mean1);
     }
-    met[own] = plate == 0 ? force : 0.0; met[all + own] = plate == 1 ? force : 0.0;
-    met[2 * all + own] = done; met[3 * all + own] = rubbed;
+    if (load != 0) { x.v = x.v + l0 * push; y.v = y.v + l1 * push; z.v = z.v + l2 * push; }
+#endif
+    for (uint q = first - 1, kind = 0; q == first - 1 || (TOUCHES > 1 && !(kind & IS_LAST)); q++) {
+      kind = kinds[q];
+      if (LOADS && (kind & IS_LOAD)) break;
+      const uint support = kind & SUPPORT;
+      GLOBAL const double* face = rules + R_FACES + PER_SUPPORT * support;
+      GLOBAL const double* moved = state + MOVED + 3 * support;
+      const double axis = face[AXIS], gap = numbers[3 * q];
+      double force;
+      if (axis == 2) force = meet(face, moved[AT], gap, dt, m, &z, &x, &y);
+      else if (axis == 1) force = meet(face, moved[AT], gap, dt, m, &y, &x, &z);
+      else force = meet(face, moved[AT], gap, dt, m, &x, &y, &z);
+      met[support * all + q] = force;
+      met[SUPPORTS * all + q] = force * moved[MEAN_SPEED] * dt;
+    }
+    const double mean0 = 0.5 * (x.v + b0), mean1 = 0.5 * (y.v + b1), mean2 = 0.5 * (z.v + b2);
+    met[(SUPPORTS + 1) * all + first - 1] = (-dt) * (x.rubbed * mean0 + y.rubbed * mean1 + z.rubbed * mean2);
+#if LOADS
+    if (load != 0) met[SUPPORTS * all + load - 1] = 0.5 * dt * (l0 * (b0 + x.v) + l1 * (b1 + y.v) + l2 * (b2 + z.v));
+#endif
   }
-  work[2 * i] = 0.5 * dt * (f0 * (b0 + v0) + f1 * (b1 + v1) + f2 * (b2 + v2));
-  work[2 * i + 1] = 0.5 * m * (v0 * v0 + v1 * v1 + v2 * v2);
-  v[3 * i] = v0; v[3 * i + 1] = v1; v[3 * i + 2] = v2;
-  u[3 * i] = u0 + dt * v0; u[3 * i + 1] = u1 + dt * v1; u[3 * i + 2] = u2 + dt * v2;
+  work[2 * i] = 0.5 * dt * (f0 * (b0 + x.v) + f1 * (b1 + y.v) + f2 * (b2 + z.v));
+  work[2 * i + 1] = 0.5 * m * (x.v * x.v + y.v * y.v + z.v * z.v);
+  v[3 * i] = x.v; v[3 * i + 1] = y.v; v[3 * i + 2] = z.v;
+  u[3 * i] = x.u + dt * x.v; u[3 * i + 1] = y.u + dt * y.v; u[3 * i + 2] = z.u + dt * z.v;
 }
 
 #define SUMS 256
@@ -282,10 +375,10 @@ DEVICE double chain(NEAR const double* a, const uint count, double x) {
 
 /* Sums over every span of nodes, in their order; the last group sums what the blocks spent. */
 KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT state, GLOBAL const double* RESTRICT work,
-    GLOBAL const double* RESTRICT met, GLOBAL const uint* RESTRICT span_contacts, GLOBAL const double* RESTRICT spent,
+    GLOBAL const double* RESTRICT met, GLOBAL const uint* RESTRICT span_touches, GLOBAL const double* RESTRICT spent,
     GLOBAL double* RESTRICT span_sums) {
   LOCAL double own[2][SUMS];
-  LOCAL double touched[4][SUMS];
+  LOCAL double touched[SUPPORTS + 2][SUMS];
   if (state[HALT] != 0) return;
   const uint t = THREAD, span = GROUP, spans = sizes[S_SPANS];
   double x = 0;
@@ -298,25 +391,35 @@ KERNEL(SUMS) sums(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRI
       if (t == 0) x = chain(own[0], some, x);
       BARRIER;
     }
-    if (t == 0) span_sums[6 * spans] = x;
+    if (t == 0) span_sums[ROWS * spans] = x;
     return;
   }
-  const uint nodes = sizes[S_NODES], all = sizes[S_CONTACTS];
-  const uint first = span * SPAN, last = nodes - first < SPAN ? nodes : first + SPAN;
-  const uint first_met = span_contacts[span], last_met = span_contacts[span + 1];
-  for (uint from = 0; first + from < last; from += SUMS) {
-    const uint left = last - first - from, some = left < SUMS ? left : SUMS;
-    const uint at = first_met + from, left_met = at < last_met ? last_met - at : 0, some_met = left_met < SUMS ? left_met : SUMS;
+  const uint nodes = sizes[S_NODES], all = sizes[S_TOUCHES];
+  const uint first = span * SPAN, count = nodes - first < SPAN ? nodes - first : SPAN;
+  const uint first_met = span_touches[span], count_met = span_touches[span + 1] - first_met;
+  const uint most = count_met > count ? count_met : count;
+  for (uint from = 0; from < most; from += SUMS) {
+    const uint left = from < count ? count - from : 0, some = left < SUMS ? left : SUMS;
+    const uint left_met = from < count_met ? count_met - from : 0, some_met = left_met < SUMS ? left_met : SUMS;
     if (t < some) { own[0][t] = work[2 * (first + from + t)]; own[1][t] = work[2 * (first + from + t) + 1]; }
-    if (t < some_met) for (uint k = 0; k < 4; k++) touched[k][t] = met[k * all + at + t];
+    if (t < some_met) for (uint k = 0; k < SUPPORTS + 2; k++) touched[k][t] = met[k * all + first_met + from + t];
     BARRIER;
     if (t < 2) x = chain(own[t], some, x);
-    if (t >= 32 && t < 36) x = chain(touched[t - 32], some_met, x);
+    if (t >= 32 && t < 34 + SUPPORTS) x = chain(touched[t - 32], some_met, x);
     BARRIER;
   }
-  /* The plates' forces, their work, friction; work of the elements, kinetic energy. */
-  if (t < 2) span_sums[6 * span + 4 + t] = x;
-  if (t >= 32 && t < 36) span_sums[6 * span + t - 32] = x;
+  if (t < 2) span_sums[ROWS * span + SUPPORTS + 2 + t] = x;
+  if (t >= 32 && t < 34 + SUPPORTS) span_sums[ROWS * span + t - 32] = x;
+}
+
+/* Displacements of the nodes under gauges, behind the sums. */
+KERNEL(256) watch(GLOBAL const uint* RESTRICT sizes, GLOBAL const uint* RESTRICT watched, GLOBAL const double* RESTRICT u,
+    GLOBAL double* RESTRICT span_sums) {
+  const uint i = GROUP * 256 + THREAD;
+  if (i >= sizes[S_WATCHED]) return;
+  GLOBAL double* to = span_sums + ROWS * sizes[S_SPANS] + 1 + 3 * i;
+  const uint node = 3 * watched[i];
+  to[0] = u[node]; to[1] = u[node + 1]; to[2] = u[node + 2];
 }
 
 /* How far a share that falls has come from one value to another. */
@@ -329,15 +432,18 @@ DEVICE double passed(const double share, const double from, const double to) {
 DEVICE double smaller(const double a, const double b) { return a < b ? a : b; }
 DEVICE double larger(const double a, const double b) { return a > b ? a : b; }
 
-/* The plates' motion in the next step. */
+/* The motion of the path and of the supports in the next step. */
 DEVICE void move(GLOBAL const double* rules, GLOBAL double* state) {
   const double dt = rules[R_DT], steps = rules[R_STEPS], progress = state[PROGRESS];
   const double pace = smaller(state[PACE], steps - progress);
   const double s = smaller((progress * dt + 0.5 * pace * dt) / rules[R_RAMP], 1.0);
   const double speed = pace * (rules[R_SPEED] * s * s * (3.0 - 2.0 * s));
-  const double travel = state[TRAVEL] + speed * dt;
-  state[NOW_TRAVEL] = 0.5 * travel;
-  state[NOW_MEAN] = 0.5 * (0.5 * (speed + state[SPEED]));
+  const double travel = state[TRAVEL] + speed * dt, mean = 0.5 * (speed + state[SPEED]);
+  for (uint support = 0; support < SUPPORTS; support++) {
+    const double moves = rules[R_FACES + PER_SUPPORT * support + MOVES];
+    state[MOVED + 3 * support + AT] = moves * travel;
+    state[MOVED + 3 * support + MEAN_SPEED] = moves * mean;
+  }
   state[NOW_WHOLE] = travel;
   state[NOW_SPEED] = speed;
   state[NOW_PACE] = pace;
@@ -372,30 +478,31 @@ DEVICE void follow(GLOBAL const double* rules, GLOBAL double* state, const doubl
 /* Ends a step: sums over spans, scalars, the servo, whether something is due, and the next step's motion. */
 KERNEL(64) scalars(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT span_sums,
     GLOBAL double* RESTRICT state) {
-  LOCAL double total[6];
-  LOCAL double near_sums[6 * 64];
+  LOCAL double total[ROWS];
+  LOCAL double near_sums[ROWS * 64];
   if (state[HALT] != 0) return;
   const uint t = THREAD, spans = sizes[S_SPANS];
   double x = 0;
   for (uint from = 0; from < spans; from += 64) {
     const uint some = spans - from < 64 ? spans - from : 64;
-    for (uint i = t; i < 6 * some; i += 64) near_sums[i] = span_sums[6 * from + i];
+    for (uint i = t; i < ROWS * some; i += 64) near_sums[i] = span_sums[ROWS * from + i];
     BARRIER;
-    if (t < 6) for (uint i = 0; i < some; i++) x += near_sums[6 * i + t];
+    if (t < ROWS) for (uint i = 0; i < some; i++) x += near_sums[ROWS * i + t];
     BARRIER;
   }
-  if (t < 6) total[t] = x;
+  if (t < ROWS) total[t] = x;
   BARRIER;
   if (t != 0) return;
-  const double spent = span_sums[6 * spans], progress = state[PROGRESS], held = state[HELD];
+  const double spent = span_sums[ROWS * spans], progress = state[PROGRESS], held = state[HELD];
   state[SINCE_ROW] += total[0];
   state[SINCE_ROW + 1] += total[1];
   state[SINCE_ROW + 2] += state[TRAVEL];
   state[SINCE_ROW + 3] += 1.0;
-  state[EXTERNAL] += total[2];
-  state[FRICTION] += total[3];
-  state[INTERNAL] += total[4];
-  state[KINETIC] = total[5];
+  const double done = total[SUPPORTS], rubbed = total[SUPPORTS + 1];
+  state[EXTERNAL] += done;
+  state[FRICTION] += rubbed;
+  state[INTERNAL] += total[SUPPORTS + 2];
+  state[KINETIC] = total[SUPPORTS + 3];
   state[TRAVEL] = state[NOW_WHOLE];
   state[SPEED] = state[NOW_SPEED];
   state[STEP] += 1.0;
@@ -403,7 +510,7 @@ KERNEL(64) scalars(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTR
   state[HELD] = held + (1.0 - state[NOW_PACE]);
   state[SPENT] += spent;
   if (rules[R_SERVO] != 0) {
-    follow(rules, state, state[EXTERNAL] - state[FRICTION] - state[SPENT], spent, total[2] - total[3]);
+    follow(rules, state, state[EXTERNAL] - state[FRICTION] - state[SPENT], spent, done - rubbed);
   }
   const double steps = rules[R_STEPS], stride = rules[R_STRIDE], frames = rules[R_FRAMES];
   const double most = rules[R_RUNAWAY] * larger(fabs(state[EXTERNAL]), rules[R_PLATE_ENERGY]);

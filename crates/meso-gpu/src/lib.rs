@@ -41,5 +41,5 @@ pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, SolveError> {
 pub fn source(run: &Run, threads: usize) -> Result<String, SolveError> {
     let upload = run.upload()?;
     let laws = source::Laws::of(&upload);
-    Ok(laws.source(&tables::Tables::of(&upload, &laws.of_phase, threads), threads))
+    Ok(laws.source(&tables::Tables::of(&upload, &laws.of_material, threads), threads))
 }

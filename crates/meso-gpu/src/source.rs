@@ -1,42 +1,62 @@
 //! The kernels' source for a run: `kernel.cl` with the run's laws and sizes.
 
 use crate::law::{self, Law};
-use crate::tables::{PhaseLaw, Tables};
+use crate::tables::{OwnLaw, Tables};
 use meso_solve::device::{SPAN, Upload};
 use std::fmt::Write;
 
 const KERNEL: &str = include_str!("kernel.cl");
+/// Most operations of a law that fits 80 registers: CDP has 485, `meso` 697 and CDPM2 810.
+const SMALL: usize = 500;
+/// Pairs of nodes of a cohesive face, and its nodes beside one.
+const PAIRS: usize = 3;
+const FACE: usize = 2 * PAIRS - 1;
 
 /// Laws of a run.
+#[derive(Default)]
 pub(crate) struct Laws {
     laws: Vec<Law>,
-    /// By phase.
-    pub(crate) of_phase: [PhaseLaw; 5],
-    /// Constants of all phases.
+    /// By material; cohesive faces come last.
+    pub(crate) of_material: Vec<OwnLaw>,
+    /// Number of the law of cohesive faces.
+    of_faces: Option<usize>,
+    /// Constants of all materials.
     pub(crate) params: Vec<f32>,
 }
 
 impl Laws {
-    /// Traces the laws of all phases.
+    /// Traces the laws of all materials.
     pub(crate) fn of(upload: &Upload) -> Self {
-        let mut all = Self { laws: Vec::new(), of_phase: Default::default(), params: Vec::new() };
-        for phase in 0..all.of_phase.len() {
-            let (law, params) = law::of_phase(upload, phase);
-            let remembered = law.remembered;
-            let number = all.laws.iter().position(|other| *other == law).unwrap_or_else(|| {
-                all.laws.push(law);
-                all.laws.len() - 1
-            });
-            all.of_phase[phase] = PhaseLaw { law: number as u32, params: all.params.len() as u32, remembered };
-            all.params.extend(params);
+        let mut all = Self::default();
+        for material in 0..upload.materials() {
+            let (law, params) = law::of_material(upload, material);
+            all.add(law, params, 1);
         }
+        all.of_faces = upload.cohesion().map(|values| {
+            let (law, params) = law::of_faces(values);
+            all.add(law, params, PAIRS)
+        });
         all
     }
 
-    /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which CDPM2 with its 16 registers of memory
+    /// Adds the law of elements that remember `times` the law's memory, and returns the law's number.
+    fn add(&mut self, law: Law, params: Vec<f32>, times: usize) -> usize {
+        let remembered = times * law.remembered;
+        let number = self.laws.iter().position(|other| *other == law).unwrap_or_else(|| {
+            self.laws.push(law);
+            self.laws.len() - 1
+        });
+        assert!(number < 16, "an element has four bits for its law");
+        self.of_material.push(OwnLaw { law: number as u32, params: self.params.len() as u32, remembered });
+        self.params.extend(params);
+        number
+    }
+
+    /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which large laws, expansion and cohesive faces
     /// would spill.
-    fn resident(&self) -> usize {
-        if self.laws.iter().any(|law| law.remembered > 9) { 5 } else { 6 }
+    fn resident(&self, expands: bool) -> usize {
+        let is_large = expands || self.of_faces.is_some() || self.laws.iter().any(|law| law.operations() > SMALL);
+        if is_large { 5 } else { 6 }
     }
 
     /// Source of the kernels for groups of `threads`.
@@ -47,7 +67,11 @@ impl Laws {
             ("SLOTS", tables.most_slots),
             ("ENERGIES", tables.most_energies),
             ("SPAN", SPAN),
-            ("RESIDENT", self.resident()),
+            ("SUPPORTS", tables.supports),
+            ("LOADS", tables.has_loads.into()),
+            ("TOUCHES", tables.most_touches),
+            ("EXPANDS", tables.expands.into()),
+            ("RESIDENT", self.resident(tables.expands)),
         ];
         let (mut head, mut answers) = (String::new(), String::new());
         defines.iter().for_each(|(name, value)| _ = writeln!(head, "#define {name} {value}"));
@@ -55,15 +79,19 @@ impl Laws {
         for (number, law) in self.laws.iter().enumerate() {
             let (keeps, gets) =
                 if law.remembered > 0 { ("lost = ", "memory + eight.y + lane") } else { ("", "memory") };
-            _ = writeln!(
-                answers,
-                "        case {number}: {keeps}law_{number}(params + eight.z, e, width, {gets}, s); break;"
-            );
+            let call = if self.of_faces == Some(number) {
+                _ = writeln!(head, "#define FACE_LAW law_{number}");
+                format!("face(params + eight.z, at, g, shift, near_u, {gets}, f + (eight.w >> 16) + lane); volume = 1")
+            } else {
+                format!("law_{number}(params + eight.z, e, width, {gets}, s)")
+            };
+            _ = writeln!(answers, "        case {number}: {keeps}{call}; break;");
         }
         let each = |call: &str| -> String {
             tables
                 .kinds
                 .iter()
+                .filter(|&&others| others != FACE)
                 .map(|n| format!("        case {n}: {}; break;\n", call.replace('N', &n.to_string())))
                 .collect()
         };

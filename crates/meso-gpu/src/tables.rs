@@ -4,7 +4,7 @@
 //! their forces in shared memory, and adds these to the block's nodes in the engine's order. So blocks, sums and bytes are the
 //! engine's, and shared memory does not grow with the block.
 
-use meso_solve::device::{Elements, SPAN, Upload};
+use meso_solve::device::{Action, Elements, SPAN, Upload};
 use rayon::prelude::*;
 
 /// Elements side by side in the engine.
@@ -19,7 +19,7 @@ pub(crate) struct Tables {
     pub(crate) blocks: Vec<[u32; 8]>,
     /// Node of every place.
     pub(crate) places: Vec<u32>,
-    /// Where an eight's data and memory begin, the parameters of its law; its other nodes, law and first slot in its round.
+    /// Where an eight's data and memory begin, the parameters of its law; its other nodes, law, phase and first slot in its round.
     pub(crate) eights: Vec<Eight>,
     /// By round: first entry, entries and the block's first eight in the upper half, first slot, first segment; one more at the
     /// end.
@@ -34,8 +34,14 @@ pub(crate) struct Tables {
     pub(crate) energies: Vec<u32>,
     /// Energy that each group of the engine has spent so far, mJ.
     pub(crate) dissipated: Vec<f64>,
-    /// First contact of every span of nodes; one more at the end.
-    pub(crate) span_contacts: Vec<u32>,
+    /// First support at a node of every span of nodes; one more at the end.
+    pub(crate) span_touches: Vec<u32>,
+    /// Number of supports, most of them at one node, and whether loads are among them.
+    pub(crate) supports: usize,
+    pub(crate) most_touches: usize,
+    pub(crate) has_loads: bool,
+    /// Whether phases have strains without stress.
+    pub(crate) expands: bool,
     /// Words of the eights' data and of their memory, by block; one more at the end.
     pub(crate) data: Vec<u64>,
     pub(crate) memory: Vec<u64>,
@@ -47,9 +53,9 @@ pub(crate) struct Tables {
     pub(crate) kinds: Vec<usize>,
 }
 
-/// A phase's law by number, and where its parameters begin.
+/// A material's law by number, and where its parameters begin.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PhaseLaw {
+pub(crate) struct OwnLaw {
     pub(crate) law: u32,
     pub(crate) params: u32,
     pub(crate) remembered: usize,
@@ -74,7 +80,7 @@ struct Part {
 
 impl Tables {
     /// Tables for groups of `threads`.
-    pub(crate) fn of(upload: &Upload, laws: &[PhaseLaw; 5], threads: usize) -> Self {
+    pub(crate) fn of(upload: &Upload, laws: &[OwnLaw], threads: usize) -> Self {
         let mut all = Self { most_energies: 1, ..Self::default() };
         let numbers: Vec<usize> = (0..upload.blocks()).collect();
         for some in numbers.chunks(256) {
@@ -84,10 +90,13 @@ impl Tables {
         all.rounds.push([all.entries.len() as u32, 0, all.slots.len() as u32, all.segments.len() as u32]);
         all.slots.push(0);
         all.kinds.sort_unstable();
-        let contacts: Vec<u32> = upload.contacts().map(|(node, ..)| node).collect();
-        let spans = upload.mass().len().div_ceil(SPAN);
-        all.span_contacts =
-            (0..=spans).map(|span| contacts.partition_point(|&node| (node as usize) < span * SPAN) as u32).collect();
+        let (touches, spans) = (upload.touches(), upload.mass().len().div_ceil(SPAN));
+        let first = |span: usize| touches.partition_point(|touch| (touch.node as usize) < span * SPAN) as u32;
+        all.span_touches = (0..=spans).map(first).collect();
+        all.expands = !upload.places().is_empty();
+        all.supports = upload.supports().count();
+        all.most_touches = touches.chunk_by(|a, b| a.node == b.node).map(<[_]>::len).max().unwrap_or(0);
+        all.has_loads = touches.iter().any(|touch| matches!(touch.action, Action::Load(_)));
         all
     }
 
@@ -143,11 +152,12 @@ pub(crate) const fn words_of(others: usize) -> usize {
 }
 
 impl Part {
-    fn of(upload: &Upload, laws: &[PhaseLaw; 5], threads: usize, block: usize) -> Self {
+    fn of(upload: &Upload, laws: &[OwnLaw], threads: usize, block: usize) -> Self {
         let mut part = Self::default();
         let mut words = Vec::new();
         for (group, elements) in (0..).zip(upload.elements_of(block)) {
-            part.add(&elements, &laws[elements.phase()], group);
+            let law = elements.material().map_or_else(|| laws.last(), |material| laws.get(material));
+            part.add(&elements, law.expect("every material has a law"), group);
             elements.words(&mut words);
         }
         part.sum(&words, upload.nodes_of(block).len(), threads);
@@ -155,7 +165,7 @@ impl Part {
     }
 
     /// Adds the records of a group's eights. Until the rounds are made, a segment is energy, first eight, eights of a group.
-    fn add(&mut self, elements: &Elements, law: &PhaseLaw, group: u32) {
+    fn add(&mut self, elements: &Elements, law: &OwnLaw, group: u32) {
         let others = elements.others();
         self.kinds.push(others);
         self.dissipated.push(elements.dissipated());
@@ -164,7 +174,12 @@ impl Part {
             self.energies.push(group);
         }
         for _ in 0..elements.eights() {
-            self.eights.push([self.data as u32, self.memory as u32, law.params, others as u32 | law.law << 8]);
+            self.eights.push([
+                self.data as u32,
+                self.memory as u32,
+                law.params,
+                others as u32 | law.law << 8 | (elements.phase() as u32) << 12,
+            ]);
             self.data += words_of(others) as u64;
             self.memory += (LANES * law.remembered) as u64;
         }
@@ -201,7 +216,7 @@ impl Part {
             for &[energy, start, eights] in &groups {
                 let (from, to) = (start.max(first as u32), (start + eights).min(end as u32));
                 if from < to {
-                    self.segments.push(energy | (from - first as u32) << 8 | (to - from) << 16);
+                    self.segments.push(energy | (from - first as u32) << 16 | (to - from) << 24);
                 }
             }
             first = end;

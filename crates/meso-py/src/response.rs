@@ -96,8 +96,7 @@ impl Asked {
     pub(crate) fn on(self, name: &str, mesh: &Mesh) -> PyResult<Self> {
         let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
         if device.is_some() {
-            let accepted = meso_solve::device::accept(&self.test, mesh.kind, !mesh.cohesive.is_empty());
-            accepted.map_err(|error| wrong(&error))?;
+            meso_solve::device::accept(mesh.kind).map_err(|error| wrong(&error))?;
         }
         Ok(Self { device, ..self })
     }

@@ -1,7 +1,7 @@
 """Aggregates that swell
 
-Aggregates swell by 1 per mille, as in an alkali-silica reaction, in a specimen without supports; then the cracked specimen
-is crushed. [Tests](../tests.md) compares free bodies, layers and a sphere in a shell with their closed forms.
+Aggregates swell by 1 per mille, as in an alkali-silica reaction, between plates at rest; then the cracked specimen is
+crushed. [Tests](../tests.md) compares free bodies, layers and a sphere in a shell with their closed forms.
 """
 import matplotlib.pyplot as plt
 

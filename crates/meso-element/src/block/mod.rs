@@ -184,6 +184,17 @@ impl Free {
         Self { ground: 0.0, over: [0.0; 5], places }
     }
 
+    /// Places of the nodes by the engine's numbers, mm.
+    pub fn places(&self) -> &[[f64; 3]] {
+        &self.places
+    }
+
+    /// Strain of the mortar, then of each phase less the mortar's.
+    pub fn strains(&self) -> [f64; 6] {
+        let [a, b, c, d, e] = self.over;
+        [self.ground, a, b, c, d, e]
+    }
+
     /// Sets the strains of all phases.
     pub fn set(&mut self, strains: [f64; 5]) {
         self.ground = strains[Phase::Mortar as usize];

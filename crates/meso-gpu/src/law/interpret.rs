@@ -14,15 +14,15 @@ pub(crate) struct Point {
 }
 
 impl Law {
-    /// Stress and spent energy of a step; the point's memory goes along.
-    pub(crate) fn interpret(&self, params: &[f32], point: &mut Point) -> ([f32; 6], f32) {
+    /// Stress or traction, and spent energy of a step; the point's memory goes along.
+    pub(crate) fn interpret(&self, params: &[f32], point: &mut Point) -> (Vec<f32>, f32) {
         let mut values: Vec<f32> = Vec::with_capacity(self.ops.len());
         for &op in &self.ops {
             values.push(value(op, &values, params, point));
         }
         let at = |place: u32| values[place as usize];
-        let stress = self.stress.map(at);
-        if self.remembered == 0 || !Real::lt(0.0, at(self.moved)) {
+        let stress = self.stress.iter().map(|&place| at(place)).collect();
+        if self.remembered == 0 || self.moved.is_some_and(|moved| !Real::lt(0.0, at(moved))) {
             return (stress, 0.0);
         }
         point.memory = self.memory.iter().map(|&place| at(place)).collect();
@@ -72,14 +72,14 @@ fn value(op: Op, values: &[f32], params: &[f32], point: &Point) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Tracing;
     use super::super::tape::{self, Traced};
+    use super::super::{Tracing, of_faces};
     use super::{Law, Point};
     use meso_mesh::Phase;
     use meso_mesh::materials::Materials;
-    use meso_solve::device::{LawTask, spent};
+    use meso_solve::device::{Cohesion, CohesionValues, LawTask, spent};
     use meso_solve::law::cdpm2::Options;
-    use meso_solve::law::{self, Cdp, Cdpm2, Hooke};
+    use meso_solve::law::{self, Cdp, Cdpm2, Hooke, Meso};
     use meso_solve::real::Real;
 
     /// Values of mortar that soften within the strains of the tests.
@@ -99,6 +99,11 @@ mod tests {
         Cdpm2::new(materials.elastic(Phase::Mortar), &strength, 1.16, &Options::default())
     }
 
+    fn meso<R: Real>(materials: &Materials) -> Meso<R> {
+        let strength = materials.strength(Phase::Mortar).unwrap();
+        Meso::new(materials.elastic(Phase::Mortar), &strength, 1.16, &materials.meso)
+    }
+
     fn hooke<R: Real>(materials: &Materials) -> Hooke<R> {
         Hooke::new(materials.elastic(Phase::Mortar))
     }
@@ -110,43 +115,49 @@ mod tests {
     }
 
     /// A step of the law itself, as the engine takes it.
-    fn step<W: law::Law<f32>>(law: &W, point: &mut Point) -> ([f32; 6], f32) {
+    fn step<W: law::Law<f32>>(law: &W, point: &mut Point) -> (Vec<f32>, f32) {
         let mut history = W::virgin();
         let states = history.as_ref().len();
         history.as_mut().copy_from_slice(&point.memory[..states]);
         let response = law.stress(&point.strain, &mut history, point.width);
         if states == 0 {
-            return (response.stress, 0.0);
+            return (response.stress.to_vec(), 0.0);
         }
         let before = 1.0 + point.memory[states];
         let steps: Vec<f32> = history.as_ref().iter().zip(&point.memory).map(|(new, old)| new - old).collect();
         let moved = steps.iter().fold((before - response.integrity).abs(), |moved, step| Real::max(moved, step.abs()));
         if !Real::lt(0.0, moved) {
-            return (response.stress, 0.0);
+            return (response.stress.to_vec(), 0.0);
         }
         let energy = spent(&response, &point.strain, history.as_ref(), &std::array::from_fn(|i| steps[i]), before);
         point.memory[..states].copy_from_slice(history.as_ref());
         point.memory[states] = response.integrity - 1.0;
-        (response.stress, energy)
+        (response.stress.to_vec(), energy)
     }
 
-    /// Walks a thousand points through random strains, and returns the share of steps that moved their memory.
-    fn share_that_moves<W: law::Law<f32>>(own: &W, (traced, params): &(Law, Vec<f32>)) -> f64 {
+    /// Walks a thousand points through random strains by `step` and by the tape; the share of steps that moved their memory.
+    fn share_that_moves(
+        step: impl Fn(&mut Point) -> (Vec<f32>, f32),
+        reach: f32,
+        (traced, params): &(Law, Vec<f32>),
+    ) -> f64 {
         let mut seed = 1_u32;
         let mut dice = move || {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (seed >> 8) as f32 / 8_388_608.0 - 1.0
         };
-        let bits = |(stress, energy): &([f32; 6], f32)| (stress.map(f32::to_bits), energy.to_bits());
+        let bits = |(stress, energy): &(Vec<f32>, f32)| {
+            (stress.iter().map(|s| s.to_bits()).collect::<Vec<_>>(), energy.to_bits())
+        };
         let (mut moved, mut all) = (0, 0);
         for _ in 0..1000 {
             let mut point = Point { strain: [0.0; 6], width: 2.5 + 2.0 * dice(), memory: vec![0.0; traced.remembered] };
-            let way: [f32; 6] = std::array::from_fn(|_| 3e-4 * dice());
+            let way: [f32; 6] = std::array::from_fn(|_| 3.0 * reach * dice());
             for _ in 0..20 {
                 let before = point.memory.clone();
-                (0..6).for_each(|i| point.strain[i] += way[i] + 1e-4 * dice());
+                (0..6).for_each(|i| point.strain[i] += way[i] + reach * dice());
                 let mut other = point.clone();
-                let (expected, got) = (step(own, &mut point), traced.interpret(params, &mut other));
+                let (expected, got) = (step(&mut point), traced.interpret(params, &mut other));
                 assert_eq!(bits(&expected), bits(&got), "{before:?} {:?}", point.strain);
                 let memories =
                     [&point, &other].map(|point| point.memory.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
@@ -158,15 +169,42 @@ mod tests {
         f64::from(moved as u32) / f64::from(all)
     }
 
+    fn share_of<W: law::Law<f32>>(own: &W, traced: &(Law, Vec<f32>)) -> f64 {
+        share_that_moves(|point| step(own, point), 1e-4, traced)
+    }
+
     #[test]
     fn the_tape_of_every_law_has_the_bits_of_the_law() {
         for share in [
-            share_that_moves(&cdp::<f32>(&values()), &traced(cdp)),
-            share_that_moves(&cdpm2::<f32>(&values()), &traced(cdpm2)),
+            share_of(&cdp::<f32>(&values()), &traced(cdp)),
+            share_of(&cdpm2::<f32>(&values()), &traced(cdpm2)),
+            share_of(&meso::<f32>(&values()), &traced(meso)),
         ] {
             assert!(share > 0.3 && share < 0.999, "{share}");
         }
-        assert_eq!(share_that_moves(&hooke::<f32>(&values()), &traced(hooke)), 0.0);
+        assert_eq!(share_of(&hooke::<f32>(&values()), &traced(hooke)), 0.0);
+    }
+
+    #[test]
+    fn the_tape_of_cohesive_faces_has_the_bits_of_their_law() {
+        let values = CohesionValues {
+            stiffness: 2e5,
+            tensile: 2.0,
+            shear: 5.0,
+            energies: [0.04, 0.4],
+            exponent: 2.0,
+            friction: 0.6,
+        };
+        let own = Cohesion::<f32>::new(&values);
+        let step = |point: &mut Point| {
+            let [x, y, z, a, b, c] = point.strain;
+            let mut memory: [f32; 5] = std::array::from_fn(|i| point.memory[i]);
+            let (traction, energy) = own.traction([x, y, z], &[a, b, c], &mut memory);
+            point.memory = memory.to_vec();
+            (traction.to_vec(), energy)
+        };
+        // Normals of any length do: the law does not ask.
+        assert!(share_that_moves(step, 1e-2, &of_faces(&values)) > 0.9);
     }
 
     #[test]

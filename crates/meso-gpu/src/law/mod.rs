@@ -7,7 +7,7 @@
 mod interpret;
 mod tape;
 
-use meso_solve::device::{LawTask, Upload, spent};
+use meso_solve::device::{Cohesion, CohesionValues, LawTask, Upload, spent};
 use meso_solve::law;
 use meso_solve::real::Real;
 use std::fmt::Write;
@@ -17,20 +17,34 @@ use tape::{Input, Op, Traced};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Law {
     ops: Vec<Op>,
-    /// Registers of an element's memory.
+    /// Registers of an element's memory, or of those of a pair of nodes on a cohesive face.
     pub(crate) remembered: usize,
-    /// Places on the tape.
-    stress: [u32; 6],
-    /// The memory after the step, whether it moved, and the energy that the step spent per volume.
+    /// Places on the tape; a traction has three.
+    stress: Vec<u32>,
+    /// The memory after the step, and the energy that the step spent per volume.
     memory: Vec<u32>,
-    moved: u32,
     spent: u32,
+    /// Whether the memory moved; absent, it always moves.
+    moved: Option<u32>,
 }
 
-/// The law of a phase, and the values of its constants.
-pub(crate) fn of_phase(upload: &Upload, phase: usize) -> (Law, Vec<f32>) {
+/// The law of a material, and the values of its constants.
+pub(crate) fn of_material(upload: &Upload, material: usize) -> (Law, Vec<f32>) {
     tape::start();
-    upload.law(phase, Tracing)
+    upload.law(material, Tracing)
+}
+
+/// The law of a pair of nodes on a cohesive face, and the values of its constants: separation and normal are its strain.
+pub(crate) fn of_faces(values: &CohesionValues) -> (Law, Vec<f32>) {
+    tape::start();
+    let cohesion = Cohesion::<Traced>::new(values);
+    let params = tape::end_of_parameters();
+    let vector = |first| std::array::from_fn(|i| Traced::input(Input::Strain, first + i));
+    let mut memory = std::array::from_fn(|i| Traced::input(Input::Memory, i));
+    let (traction, energy) = cohesion.traction(vector(0), &vector(3), &mut memory);
+    let (stress, memory) = (traction.map(|t| t.0).to_vec(), memory.map(|own| own.0).to_vec());
+    let law = Law { ops: tape::take(), remembered: memory.len(), stress, memory, spent: energy.0, moved: None };
+    (law, params)
 }
 
 /// Writes a law down, with the energy that the engine counts for it.
@@ -64,10 +78,10 @@ impl LawTask<Traced> for Tracing {
         let law = Law {
             ops: tape::take(),
             remembered: memory.len(),
-            stress: response.stress.map(|s| s.0),
+            stress: response.stress.map(|s| s.0).to_vec(),
             memory,
-            moved: moved.0,
             spent: energy.0,
+            moved: Some(moved.0),
         };
         (law, params)
     }
@@ -86,7 +100,7 @@ impl Law {
         }
         self.stress.iter().enumerate().for_each(|(i, s)| _ = writeln!(text, "  s[{i}] = v{s};"));
         if self.remembered > 0 {
-            _ = writeln!(text, "  if (!(0.0f < v{})) return 0.0f;", self.moved);
+            _ = self.moved.map(|moved| writeln!(text, "  if (!(0.0f < v{moved})) return 0.0f;"));
             self.memory.iter().enumerate().for_each(|(i, m)| _ = writeln!(text, "  memory[{}] = v{m};", 8 * i));
             _ = writeln!(text, "  return v{};", self.spent);
         } else {
@@ -95,10 +109,15 @@ impl Law {
         text + "}\n"
     }
 
+    /// Number of operations in its code.
+    pub(crate) fn operations(&self) -> usize {
+        self.live().into_iter().filter(|is_live| *is_live).count()
+    }
+
     /// Operations that something depends on.
     fn live(&self) -> Vec<bool> {
         let mut live = vec![false; self.ops.len()];
-        let outputs = self.stress.iter().chain(&self.memory).chain([&self.moved, &self.spent]);
+        let outputs = self.stress.iter().chain(&self.memory).chain(&self.moved).chain([&self.spent]);
         outputs.for_each(|&i| live[i as usize] = true);
         for i in (0..self.ops.len()).rev() {
             if live[i] {

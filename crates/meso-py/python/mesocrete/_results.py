@@ -397,7 +397,7 @@ class PhaseShare(TypedDict):
     """A phase in the result."""
 
     name: str
-    """Name of the phase."""
+    """Name of the phase, or its label."""
     value: float
     """Its value."""
     volume_fraction: float
@@ -439,7 +439,7 @@ class ElasticShare(TypedDict):
     """A phase in the result."""
 
     name: str
-    """Name of the phase."""
+    """Name of the phase, or its label."""
     youngs_modulus_mpa: float
     """Young's modulus, MPa."""
     poisson_ratio: float

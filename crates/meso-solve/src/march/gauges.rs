@@ -38,6 +38,14 @@ impl Reader {
     }
 }
 
+/// Nodes that some gauges read, ascending.
+pub(crate) fn watched(gauges: &[Reader]) -> Vec<u32> {
+    let mut nodes: Vec<u32> = gauges.iter().flat_map(|gauge| gauge.weights.iter().map(|(node, _)| *node)).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
 /// Sets gauges on the nodes of a specimen that is loaded along `axis`; `sign` is that of the test.
 pub(crate) struct Setter<'a> {
     pub(crate) sample: &'a Sample<'a>,

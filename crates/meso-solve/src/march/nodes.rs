@@ -39,6 +39,19 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
+    /// Adds up the rows of spans: forces of the supports, their work, friction, work of the elements' forces, and kinetic
+    /// energy.
+    pub(crate) fn of_rows(rows: &[f64], supports: usize) -> Self {
+        let of_row = |row: &[f64]| {
+            let (forces, energies) = row.split_at(supports);
+            let &[external, friction, internal, kinetic] = energies else { return Self::default() };
+            let mut sums = Self { external, friction, internal, kinetic, ..Self::default() };
+            sums.supports[..supports].copy_from_slice(forces);
+            sums
+        };
+        rows.chunks_exact(supports + 4).map(of_row).fold(Self::default(), |sums, row| sums.with(&row))
+    }
+
     fn with(mut self, other: &Self) -> Self {
         self.supports.iter_mut().zip(&other.supports).for_each(|(own, force)| *own += force);
         self.external += other.external;

@@ -98,8 +98,7 @@ impl Args {
         if self.device != Choice::Cpu {
             let is_voxel = options.method.name() == MethodName::Voxel;
             let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
-            let accepted = meso_solve::device::accept(&self.test()?, kind, options.itz == ItzForm::Cohesive);
-            accepted.map_err(|error| wrong(&error))?;
+            meso_solve::device::accept(kind).map_err(|error| wrong(&error))?;
         }
         if self.packs() {
             return Ok(());

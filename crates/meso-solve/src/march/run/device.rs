@@ -4,40 +4,48 @@
 //! that the processor would: rows, frames, checkpoints and the response are made here, of the state that it gives back.
 
 pub use crate::march::nodes::SPAN;
+pub use crate::march::supports::contact::Moved;
 pub use meso_element::block::matter::LawTask;
 pub use meso_element::block::spent;
+pub use meso_element::face::{Cohesion, CohesionValues};
 
 use super::{Run, Since, State};
 use crate::error::SolveError;
+use crate::march::gauges::watched;
+use crate::march::nodes::Sums;
 use crate::march::servo::Servo;
-use crate::march::supports::MOST;
+use crate::march::supports::contact::{Contact, Face, Load, Motion};
+use crate::march::supports::{MOST, Supports};
+use crate::test::Control;
 use crate::test::load::Rule;
-use crate::test::{Control, Test};
-use meso_element::block::{Batch, Block, Group};
+use meso_element::block::{Batch, Block, Free, Group};
 use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
 
-/// Refuses tests that devices cannot take yet, as far as the test's options and the mesh's kind tell; one function, which the
-/// command asks before it packs, and [`Run::upload`] again.
+/// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
 /// # Errors
-/// Names the first thing that devices have no code for.
-pub fn accept(test: &Test, kind: CellKind, is_cohesive: bool) -> Result<(), SolveError> {
-    let why = match () {
-        () if test.has_extra() => "devices take compression and tension without gauges; take one, or the device cpu",
-        () if kind == CellKind::Hexahedron => "voxels run on the processor only; take tetrahedra, or the device cpu",
-        () if is_cohesive => "cohesive faces run on the processor only; take another ITZ, or the device cpu",
-        () => return Ok(()),
-    };
-    Err(SolveError::Device(why.to_owned()))
+/// Cells that devices have no code for, with a remedy.
+pub fn accept(kind: CellKind) -> Result<(), SolveError> {
+    if kind == CellKind::Hexahedron {
+        let why = "voxels run on the processor only; take tetrahedra, or the device cpu";
+        return Err(SolveError::Device(why.to_owned()));
+    }
+    Ok(())
 }
 
 /// A machine that has a run's data and takes its steps.
 pub trait Device: Send + Sync {
+    /// Takes one step in which the supports move so, and phases have the strains of [`Free::strains`] without stress.
+    ///
+    /// # Errors
+    /// Says why the device failed.
+    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String>;
+
     /// Takes up to `most` steps, at least one. It ends after the first step with which the test is over, a row or a frame is due,
-    /// or the energies are not sound.
+    /// or the energies are not sound. Only [plain](Upload::is_plain) tests ask for it.
     ///
     /// # Errors
     /// Says why the device failed.
@@ -62,6 +70,17 @@ pub trait Device: Send + Sync {
     fn memory(&mut self, first: usize, registers: &mut [[f32; LANES]]) -> Result<(), String>;
 }
 
+/// The answer of a device to one step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepSums<'a> {
+    /// By span of [`SPAN`] nodes: forces of the supports, their work, friction, work of the elements' forces, kinetic energy.
+    pub spans: &'a [f64],
+    /// Energy that the elements spent, mJ.
+    pub spent: f64,
+    /// Displacements of the [watched](Upload::watched) nodes after the step, mm.
+    pub watched: &'a [[f64; 3]],
+}
+
 /// Numbers that change from step to step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scalars {
@@ -69,8 +88,8 @@ pub struct Scalars {
     pub step: u64,
     /// Steps that the plates' way would have taken at full speed, and steps that the servo has added.
     pub progress: [f64; 2],
-    /// Speed and travel of the upper plate against the lower one, mm/s and mm.
-    pub plate: [f64; 2],
+    /// Speed of the path and place on it, mm/s and mm.
+    pub path: [f64; 2],
     /// The servo's pace, largest elastic energy and mean supply.
     pub servo: [f64; 3],
     /// Work of the plates, of the elements' forces and of friction; kinetic and spent energy, mJ.
@@ -90,11 +109,7 @@ pub struct Rules {
     pub stride: u64,
     /// Frames of the test.
     pub frames: u64,
-    /// Whether the plates are glued on.
-    pub is_tension: bool,
-    /// Coulomb's coefficient.
-    pub friction: f64,
-    /// Speed of the plates after their ramp, mm/s, and its length, s.
+    /// Speed of the path after its ramp, mm/s, and the ramp's length, s.
     pub ramp: [f64; 2],
     /// Thresholds and shares of the servo; none where the plates keep their speed.
     pub servo: Option<[f64; 9]>,
@@ -105,6 +120,32 @@ pub struct Rules {
 /// A run as plain data.
 pub struct Upload<'a>(&'a Run<'a>);
 
+/// The action of a support on a node.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// The node.
+    pub node: u32,
+    /// Number of the support.
+    pub support: u32,
+    /// What the support does.
+    pub action: Action,
+}
+
+/// What a support does to a node.
+#[derive(Clone, Copy, Debug)]
+pub enum Action {
+    /// A plate may meet it, this far from it before the test, mm.
+    Plate(f64),
+    /// A load pushes it, with this force at a pressure of 1 MPa, N.
+    Load([f64; 3]),
+}
+
+/// A device with the nodes whose displacements a run reads after every step.
+pub(super) struct Remote {
+    device: Box<dyn Device>,
+    watched: Vec<u32>,
+}
+
 /// Elements of one phase and kind within a block.
 pub struct Elements<'a>(&'a Group);
 
@@ -114,32 +155,38 @@ impl Run<'_> {
     /// # Errors
     /// See [`accept`].
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
-        let mesh = self.sample.mesh;
-        accept(&self.test, mesh.kind, !mesh.cohesive.is_empty())?;
-        if !self.common.stones.is_empty() {
-            let why =
-                "stone that breaks runs on the processor only; leave out aggregate_strength, or take --device cpu";
-            return Err(SolveError::Device(why.to_owned()));
-        }
+        accept(self.sample.mesh.kind)?;
         Ok(Upload(self))
     }
 
     /// Hands all further steps to `device`, which was made of the [`upload`](Self::upload) of this state.
     pub fn hand_to(&mut self, device: Box<dyn Device>) {
-        self.device = Some(device);
+        self.device = Some(Remote { device, watched: watched(&self.gauges) });
     }
 
-    /// Takes one step here, or on a device all that lead to the next event.
+    /// Takes one step, or on a device those of a plain test that lead to the next event.
     pub(super) fn proceed(&mut self) -> Result<(), String> {
-        let Some(mut device) = self.device.take() else {
-            self.advance();
-            return Ok(());
-        };
-        let mut scalars = self.scalars();
-        let done = device.advance(&mut scalars, self.until_event());
-        self.device = Some(device);
-        self.take(&scalars);
-        done
+        let (mut scalars, most) = (self.scalars(), self.until_event());
+        match &mut self.device {
+            Some(remote) if !self.test.has_extra() => {
+                let done = remote.device.advance(&mut scalars, most);
+                self.take(&scalars);
+                done
+            }
+            _ => self.advance(),
+        }
+    }
+
+    /// Takes one step on the device.
+    pub(super) fn step_there(&mut self, motion: &Motion) -> Result<(Sums, f64), String> {
+        let Some(Remote { device, watched }) = &mut self.device else { return Err("there is no device".to_owned()) };
+        let supports = self.supports.all.len();
+        let free = self.common.free.as_ref().map(Free::strains).unwrap_or_default();
+        let taken = device.step(&motion.supports[..supports], free)?;
+        for (&node, u) in watched.iter().zip(taken.watched) {
+            self.nodes.displacement[node as usize] = *u;
+        }
+        Ok((Sums::of_rows(taken.spans, supports), taken.spent))
     }
 
     /// Steps at full speed to the next row or frame, or to the end.
@@ -154,7 +201,7 @@ impl Run<'_> {
 
     /// Brings back the energies of the groups, for a row.
     pub(super) fn bring_back_energies(&mut self) -> Result<(), String> {
-        let Some(device) = &mut self.device else { return Ok(()) };
+        let Some(Remote { device, .. }) = &mut self.device else { return Ok(()) };
         let mut groups: Vec<&mut Group> = self.blocks.iter_mut().flat_map(|block| &mut block.groups).collect();
         let mut energies = vec![0.0; groups.len()];
         device.dissipated(&mut energies)?;
@@ -165,7 +212,7 @@ impl Run<'_> {
     /// Brings back all fields, for a frame, a checkpoint or the end.
     pub(super) fn bring_back(&mut self) -> Result<(), String> {
         self.bring_back_energies()?;
-        let Some(device) = &mut self.device else { return Ok(()) };
+        let Some(Remote { device, .. }) = &mut self.device else { return Ok(()) };
         device.nodes(&mut self.nodes.displacement, &mut self.nodes.velocity)?;
         let mut first = 0;
         for block in &mut self.blocks {
@@ -182,34 +229,32 @@ impl Run<'_> {
     fn scalars(&self) -> Scalars {
         let State { step, progress, added, speed, travel, external, internal, friction, kinetic, spent, .. } =
             self.state;
-        let (sign, since) = (self.supports.sign, &self.state.since_row);
+        let since = &self.state.since_row;
         Scalars {
             step,
             progress: [progress, added],
-            plate: [sign * speed, sign * travel],
+            path: [speed, travel],
             servo: self.state.servo.values(),
             energies: [external, internal, friction, kinetic, spent],
-            since_row: [since.forces[0], since.forces[1], sign * since.travel, since.count],
+            since_row: [since.forces[0], since.forces[1], since.travel, since.count],
         }
     }
 
     fn take(&mut self, scalars: &Scalars) {
-        let Scalars { step, progress: [progress, added], plate: [speed, travel], servo, energies, since_row } =
-            *scalars;
-        let sign = self.supports.sign;
+        let Scalars { step, progress: [progress, added], path: [speed, travel], servo, energies, since_row } = *scalars;
         let [external, internal, friction, kinetic, spent] = energies;
         let [bottom, top, way, count] = since_row;
         let mut forces = [0.0; MOST];
         forces[..2].copy_from_slice(&[bottom, top]);
-        let since_row = Since { forces, travel: sign * way, count, gauges: Vec::new() };
-        let (before, travel) = (std::mem::take(&mut self.state), sign * travel);
+        let since_row = Since { forces, travel: way, count, gauges: Vec::new() };
+        let before = std::mem::take(&mut self.state);
         let (time, servo) = (step as f64 * self.outline.dt, Servo::from_values(servo));
         self.state = State {
             step,
             time,
             progress,
             added,
-            speed: sign * speed,
+            speed,
             servo,
             travel,
             external,
@@ -232,17 +277,12 @@ impl Upload<'_> {
     /// Numbers that the run keeps.
     pub fn rules(&self) -> Rules {
         let (run, outline) = (self.0, self.0.outline);
-        let (face, sign) = (&run.supports.all[0].face, run.supports.sign);
-        let (is_tension, friction, ramp) =
-            (face.rule == Rule::Glued, face.friction, [sign * run.path.speed, run.path.ramp_s]);
         Rules {
             dt: outline.dt,
             steps: outline.steps,
             stride: outline.stride,
             frames: run.test.frames.into(),
-            is_tension,
-            friction,
-            ramp,
+            ramp: [run.path.speed, run.path.ramp_s],
             servo: (run.test.control == Control::Servo).then(|| Servo::rule(outline.steps as f64)),
             sound: [run.plate_energy(), super::drive::RUNAWAY],
         }
@@ -282,15 +322,54 @@ impl Upload<'_> {
         self.0.nodes.shares()
     }
 
-    /// Nodes that can meet a plate, ascending: the node, 0 for the lower plate or 1 for the upper one, and the gap, mm.
-    pub fn contacts(&self) -> impl Iterator<Item = (u32, usize, f64)> {
-        self.0.supports.contacts.iter().map(|contact| (contact.node, contact.support as usize, contact.gap))
+    /// Whether a device may take many steps at once: plates along one axis that a servo drives at most, without gauges.
+    pub fn is_plain(&self) -> bool {
+        !self.0.test.has_extra()
     }
 
-    /// Runs `task` with the law of a phase over any numbers.
-    pub fn law<R: Real + 'static, T: LawTask<R>>(&self, phase: usize, task: T) -> T::Output {
+    /// By plate or load: its axis; 1 where the specimen is above it, else -1; whether it is glued on; its friction; its way for
+    /// each mm of the path.
+    pub fn supports(&self) -> impl Iterator<Item = [f64; 5]> {
+        self.0.supports.all.iter().map(|fixture| {
+            let Face { axis, inward, rule, friction } = fixture.face;
+            [axis as f64, inward, f64::from(u8::from(rule == Rule::Glued)), friction, fixture.moves]
+        })
+    }
+
+    /// Supports at nodes, by node: plates, then loads.
+    pub fn touches(&self) -> Vec<Touch> {
+        let Supports { contacts, loads, .. } = &self.0.supports;
+        let plate = |own: &Contact| Touch { node: own.node, support: own.support, action: Action::Plate(own.gap) };
+        let load = |own: &Load| Touch { node: own.node, support: own.support, action: Action::Load(own.force) };
+        let mut all: Vec<Touch> = contacts.iter().map(plate).chain(loads.iter().map(load)).collect();
+        all.sort_by_key(|touch| touch.node);
+        all
+    }
+
+    /// Nodes whose displacements the run reads after every step.
+    pub fn watched(&self) -> Vec<u32> {
+        watched(&self.0.gauges)
+    }
+
+    /// Places of all nodes, mm, where phases have strains without stress; else none.
+    pub fn places(&self) -> &[[f64; 3]] {
+        self.0.common.free.as_ref().map_or(&[], Free::places)
+    }
+
+    /// Number of materials.
+    pub fn materials(&self) -> usize {
+        self.0.common.matter.len()
+    }
+
+    /// Runs `task` with the law of a material over any numbers.
+    pub fn law<R: Real + 'static, T: LawTask<R>>(&self, material: usize, task: T) -> T::Output {
         // A copy keeps no law prepared, so that the processor's lanes stay the first.
-        self.0.common.matter[phase].clone().law(task)
+        self.0.common.matter[material].clone().law(task)
+    }
+
+    /// Values of cohesive faces; none of a mesh without them.
+    pub fn cohesion(&self) -> Option<&CohesionValues> {
+        self.0.common.cohesion.as_ref()
     }
 }
 
@@ -298,6 +377,11 @@ impl Elements<'_> {
     /// Number of their phase.
     pub fn phase(&self) -> usize {
         self.0.phase as usize
+    }
+
+    /// Number of their material; cohesive faces have none.
+    pub fn material(&self) -> Option<usize> {
+        (!matches!(self.0.cells, Batch::Triangles(_) | Batch::Quads(_))).then_some(self.0.matter.into())
     }
 
     /// Energy that they spent so far, mJ.
@@ -317,12 +401,13 @@ impl Elements<'_> {
             Batch::Patches8(_) => 7,
             Batch::Patches9(_) => 8,
             Batch::Patches12(_) => 11,
-            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => 0,
+            Batch::Triangles(_) => 5,
+            Batch::Hexes(_) | Batch::Quads(_) => 0,
         }
     }
 
     /// All eights as words: the local numbers of the others and of the first node, node by node and two to a word; x, y, z of
-    /// the others' gradients; volumes; widths.
+    /// the others' gradients; volumes; widths. See [`Faces::words`](meso_element::face::Faces::words) for cohesive faces.
     pub fn words(&self, out: &mut Vec<u32>) {
         fn all<const N: usize>(cells: &[Uniform<N>], out: &mut Vec<u32>) {
             cells.iter().for_each(|cells| cells.words(out));
@@ -332,7 +417,8 @@ impl Elements<'_> {
             Batch::Patches8(cells) => all(cells, out),
             Batch::Patches9(cells) => all(cells, out),
             Batch::Patches12(cells) => all(cells, out),
-            Batch::Hexes(_) | Batch::Triangles(_) | Batch::Quads(_) => {}
+            Batch::Triangles(faces) => faces.iter().for_each(|faces| faces.words(out)),
+            Batch::Hexes(_) | Batch::Quads(_) => {}
         }
     }
 

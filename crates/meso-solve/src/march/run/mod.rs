@@ -16,9 +16,10 @@ use crate::assemble::{Assembly, assemble, box_shape};
 use crate::error::SolveError;
 use crate::march::curve::{Extra, Row, validate_columns};
 use crate::march::gauges::{Reader, Setter};
-use crate::march::nodes::Nodes;
+use crate::march::nodes::{Nodes, Sums};
 use crate::march::path::{Leg, Path};
 use crate::march::servo::{Follower, Servo};
+use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
 use crate::test::load::TurnOf;
@@ -58,7 +59,7 @@ pub struct Run<'a> {
     pub(crate) outline: Outline,
     pub(crate) state: State,
     /// Takes the steps instead of this processor.
-    device: Option<Box<dyn device::Device>>,
+    device: Option<device::Remote>,
 }
 
 /// Decisions before the first step.
@@ -208,24 +209,24 @@ impl<'a> Run<'a> {
     }
 
     /// Takes one step.
-    pub(crate) fn advance(&mut self) {
+    pub(crate) fn advance(&mut self) -> Result<(), String> {
         self.expand();
-        self.resist();
         let Outline { dt, steps, .. } = self.outline;
         let steps = steps as f64;
         let (pace, speed) = self.speed(steps);
         self.add_gauges();
-        let state = &mut self.state;
+        let state = &self.state;
         let travel = state.travel + speed * dt;
         let (mean_speed, time) = (0.5 * (speed + state.speed), (state.progress + pace) * dt);
         let moment = Moment { travel, mean_speed, share: self.path.share(time), leads: time < self.path.lead_s };
         let motion = self.supports.motion(dt, &moment, &state.held);
-        let sums = self.nodes.advance(&self.forces, &self.supports, &motion);
+        let (sums, spent) = self.step(&motion)?;
+        let state = &mut self.state;
         let since = &mut state.since_row;
         since.forces.iter_mut().zip(&sums.supports).for_each(|(sum, force)| *sum += force);
         since.travel += state.travel;
         since.count += 1.0;
-        // A path with turns alone asks for the last forces, and a device does not give them.
+        // A path with turns alone asks for the last forces, and a device that takes many steps does not give them.
         if !self.path.turns.is_empty() {
             state.forces = sums.supports;
         }
@@ -239,11 +240,22 @@ impl<'a> Run<'a> {
         state.time = state.step as f64 * dt;
         state.progress += pace;
         state.added += 1.0 - pace;
-        let spent = self.spent.iter().sum::<f64>();
         state.spent += spent;
         if self.test.control != Control::Steady {
             self.hold_back([spent, sums.external - sums.friction], steps);
         }
+        Ok(())
+    }
+
+    /// Lets the elements resist and the nodes move, here or on a device. Returns the sums over the nodes and the energy that the
+    /// elements spent, mJ.
+    fn step(&mut self, motion: &Motion) -> Result<(Sums, f64), String> {
+        if self.device.is_some() {
+            return self.step_there(motion);
+        }
+        self.resist();
+        let sums = self.nodes.advance(&self.forces, &self.supports, motion);
+        Ok((sums, self.spent.iter().sum()))
     }
 
     /// Lets the servo follow a step in which cracks `spent` and the plates `supplied` energy.

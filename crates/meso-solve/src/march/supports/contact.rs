@@ -41,13 +41,13 @@ pub(crate) struct Face {
 
 /// A step of one support along its axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Moved {
+pub struct Moved {
     /// Where a plate is at the end of the step, mm from its start.
-    pub(crate) travel: f64,
+    pub travel: f64,
     /// Mean of this step and the one before, mm/s: forces at whole steps do their work along it.
-    pub(crate) mean_speed: f64,
+    pub mean_speed: f64,
     /// Pressure of a load, MPa.
-    pub(crate) pressure: f64,
+    pub pressure: f64,
 }
 
 /// A step of all supports.
