@@ -1,9 +1,9 @@
 //! Curves, classes, size laws, mix designs, recipes.
 
-use crate::pack::folder::Folder;
+use crate::pack::folder::{Folder, Heard};
 use meso_core::aggregate::{Curve, Form, Grading, SizeLaw, Standard};
 use meso_core::recipes;
-use meso_core::spec::{Files, Spec};
+use meso_core::spec::Spec;
 
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-12
@@ -221,23 +221,6 @@ fn a_sieve_table_is_read_from_a_file_that_the_caller_opens() {
     }
     let error = Spec::from_toml(text).unwrap_err().to_string();
     assert!(error.contains("line 2: grading.curve.file is \"stone.csv\": files cannot be read here"), "{error}");
-}
-
-/// A folder that keeps the remarks about its file.
-struct Heard<'a>(Folder<'a>, Vec<String>);
-
-impl Files for Heard<'_> {
-    fn read(&mut self, name: &str) -> std::io::Result<Vec<u8>> {
-        self.0.read(name)
-    }
-
-    fn list(&mut self, folder: &str) -> std::io::Result<Vec<String>> {
-        self.0.list(folder)
-    }
-
-    fn remark(&mut self, name: &str, remark: &str) {
-        self.1.push(format!("{name}: {remark}"));
-    }
 }
 
 #[test]

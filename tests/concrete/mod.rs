@@ -2,6 +2,7 @@
 
 mod dents;
 mod grading;
+mod round;
 mod shapes;
 mod sieve_tables;
 mod specimens;

@@ -17,3 +17,20 @@ impl Files for Folder<'_> {
         Ok(self.0.iter().filter_map(|file| Some(file.0.strip_prefix(&inside)?.to_owned())).collect())
     }
 }
+
+/// A folder that keeps the remarks about its file.
+pub(crate) struct Heard<'a>(pub(crate) Folder<'a>, pub(crate) Vec<String>);
+
+impl Files for Heard<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        self.0.read(name)
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        self.0.list(folder)
+    }
+
+    fn remark(&mut self, name: &str, remark: &str) {
+        self.1.push(format!("{name}: {remark}"));
+    }
+}

@@ -13,6 +13,7 @@ pub mod lanes;
 pub mod math;
 #[doc(hidden)]
 pub mod prefetch;
+pub mod round_bodies;
 #[doc(hidden)]
 pub mod simd;
 

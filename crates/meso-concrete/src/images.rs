@@ -16,7 +16,8 @@ pub enum Images {
     None,
     /// Every image that reaches into the specimen, whole.
     Whole,
-    /// Every image that reaches into the specimen, cut at its faces: opposite faces match. Aggregates with dents stay whole.
+    /// Every image that reaches into the specimen, cut at its faces: opposite faces match. Aggregates with dents, balls and ellipsoids
+    /// stay whole.
     Cut,
 }
 
@@ -33,9 +34,11 @@ impl Images {
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
         let image = |shift: Vec3| {
             // Cut before translation, so that the parts on both sides of a face have the same corners there.
-            let is_cut = self == Self::Cut && aggregate.body.is_convex();
-            let part = clipped(&aggregate.body, &domain.moved(&-shift))?;
-            let body = if is_cut { part } else { aggregate.body.clone() };
+            let is_round = aggregate.body.round().is_some();
+            let is_cut = self == Self::Cut && aggregate.body.is_convex() && !is_round;
+            // The facets of a round body lie within it, and may miss what it reaches.
+            let part = if is_round { None } else { Some(clipped(&aggregate.body, &domain.moved(&-shift))?) };
+            let body = part.filter(|_| is_cut).unwrap_or_else(|| aggregate.body.clone());
             Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
         };
         period.shifts(&aggregate.body.aabb(), domain).into_iter().filter_map(image).collect()

@@ -119,7 +119,7 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what)?;
     let values = &values;
-    error::accepts(&bodies)?;
+    let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, values }, counts, options, watch)
 }

@@ -2,6 +2,7 @@
 
 use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
+use std::borrow::Cow;
 
 /// An error of the options, the values or the specimen.
 #[derive(Debug, thiserror::Error)]
@@ -54,11 +55,17 @@ fn example(table: &str) -> &'static str {
     if table == "stiffness" { "{ youngs_modulus_mpa = 20000, poisson_ratio = 0.2 }" } else { "1.0" }
 }
 
-/// Refuses bodies that no effective property can be computed for.
+/// The bodies as properties are computed for them: balls and ellipsoids become polyhedra of their volume.
 ///
 /// # Errors
 /// A body with dents.
-pub(crate) fn accepts(bodies: &[Aggregate]) -> Result<(), EffectiveError> {
-    let dented = bodies.iter().find(|body| !body.body.is_convex());
-    dented.map_or(Ok(()), |body| Err(EffectiveError::Dents(body.id)))
+pub(crate) fn accepted(bodies: Cow<'_, [Aggregate]>) -> Result<Cow<'_, [Aggregate]>, EffectiveError> {
+    if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
+        return Err(EffectiveError::Dents(body.id));
+    }
+    if bodies.iter().all(|body| body.body.round().is_none()) {
+        return Ok(bodies);
+    }
+    let facets = |body: &Aggregate| Aggregate { body: body.body.faceted().into_owned(), ..body.clone() };
+    Ok(bodies.iter().map(facets).collect())
 }

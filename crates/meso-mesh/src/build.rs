@@ -44,7 +44,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     let Parts { specimen, .. } = parts;
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
-    accepts_dents(&parts, options)?;
+    accepts_bodies(&parts, options)?;
     report(watch, 0.02)?;
     // Where the specimen repeats itself, a body that crosses a face comes in again on the other side.
     let bodies = &BodyImages::of(&parts);
@@ -70,8 +70,12 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     Ok(mesh)
 }
 
-/// Refuses methods that need plane offsets or facets where a body has dents.
-fn accepts_dents(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError> {
+/// Refuses methods that need plane offsets or facets where a body has dents or is round.
+fn accepts_bodies(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError> {
+    if options.method.name() == MethodName::Conforming && parts.bodies.iter().any(|body| body.body.round().is_some()) {
+        let way = "spheres and ellipsoids take lattice or voxel, which follow them exactly; kind = \"rounded\" packs polyhedra";
+        return Err(MeshError::option("method", "conforming", way));
+    }
     if parts.bodies.iter().all(|body| body.body.is_convex()) {
         return Ok(());
     }

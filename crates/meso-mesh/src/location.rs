@@ -5,7 +5,7 @@
 //! meets a row in several intervals, and a shell of one point by point, by their depths.
 
 use crate::cells::{NO_BODY, Phase};
-use meso_collision::geometry::{Plane, Triangles};
+use meso_collision::geometry::{Plane, Round, Triangles};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -21,6 +21,8 @@ pub struct Facets {
     pub(crate) planes: Vec<Plane>,
     /// The surface of a body with dents, of which the planes tell nothing.
     dents: Option<Triangles>,
+    /// A ball or an ellipsoid, which needs no planes.
+    round: Option<Round>,
     /// Shell thickness in this mesh, mm; 0: no shell.
     pub(crate) shell: f64,
 }
@@ -29,18 +31,20 @@ impl Facets {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
         let facets = |a: &Aggregate| {
-            let planes = a.body.planes().collect();
+            let round = a.body.round();
+            let planes = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
             let dents = (!a.body.is_convex()).then(|| a.body.surface());
-            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, shell: shell(a) }
+            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, round, shell: shell(a) }
         };
         parallel::map_each(aggregates, facets)
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
     pub fn height(&self, x: &Vec3) -> f64 {
-        match &self.dents {
-            Some(surface) => -surface.depth(x),
-            None => Plane::height_over(&self.planes, x),
+        match (&self.dents, &self.round) {
+            (Some(surface), _) => -surface.depth(x),
+            (None, Some(round)) => round.height(x),
+            (None, None) => Plane::height_over(&self.planes, x),
         }
     }
 
@@ -50,6 +54,9 @@ impl Facets {
             return surface.exit(inside, outside);
         }
         let direction = outside - inside;
+        if let Some(round) = &self.round {
+            return round.chord(inside, &direction).map_or(0.0, |(_, exit)| exit.clamp(0.0, 1.0));
+        }
         let mut exit: f64 = 1.0;
         for plane in &self.planes {
             let speed = plane.normal.dot(&direction);
@@ -218,8 +225,8 @@ impl<'a> Scan<'a> {
             let [shell, core_value] = values(index);
             for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {
                 let row = &mut layer[j * self.grid.counts[0]..][..self.grid.counts[0]];
-                if let Some(surface) = &body.dents {
-                    self.paint_row(row, [j, k], (surface, body.shell), [shell, core_value]);
+                if let Some(spans) = body.spans(self.grid.coordinate(1, j), z) {
+                    self.paint_row(row, [j, k], (body, &spans), [shell, core_value]);
                     continue;
                 }
                 let [outer, core] = body.intervals(self.grid.coordinate(1, j), z);
@@ -233,14 +240,13 @@ impl<'a> Scan<'a> {
 }
 
 impl Scan<'_> {
-    /// Gives the points of a row in the shell and the core of a body with dents their values.
-    fn paint_row<T: Copy>(&self, row: &mut [T], [j, k]: [usize; 2], of: (&Triangles, f64), [shell, core]: [T; 2]) {
-        let ((surface, thickness), [y, z]) = (of, [self.grid.coordinate(1, j), self.grid.coordinate(2, k)]);
-        for [from, to] in surface.row(y, z) {
-            for i in self.grid.range(0, from, to) {
-                let point = || Vec3::new(self.grid.coordinate(0, i), y, z);
-                let is_deep = thickness == 0.0 || surface.nearest(&point()).is_none_or(|near| near.1 > thickness);
-                row[i] = if is_deep { core } else { shell };
+    /// Gives the points of a row in the shell and the core of a body their values, whose `spans` of the row are known.
+    fn paint_row<T: Copy>(&self, row: &mut [T], [j, k]: [usize; 2], of: (&Facets, &[[f64; 2]]), [shell, core]: [T; 2]) {
+        let ((body, spans), [y, z]) = (of, [self.grid.coordinate(1, j), self.grid.coordinate(2, k)]);
+        for [from, to] in spans {
+            for i in self.grid.range(0, *from, *to) {
+                let is_deep = || body.is_deep(&Vec3::new(self.grid.coordinate(0, i), y, z));
+                row[i] = if body.shell == 0.0 || is_deep() { core } else { shell };
             }
         }
     }
@@ -267,6 +273,21 @@ impl Interval {
 }
 
 impl Facets {
+    /// Parts of the row through (y, z) in a body that planes do not describe.
+    fn spans(&self, y: f64, z: f64) -> Option<Vec<[f64; 2]>> {
+        let chord = |round: &Round| round.chord(&Vec3::new(0.0, y, z), &Vec3::x());
+        let of_round = || self.round.as_ref().map(|round| chord(round).into_iter().map(<[f64; 2]>::from).collect());
+        self.dents.as_ref().map(|surface| surface.row(y, z)).or_else(of_round)
+    }
+
+    /// True for points of the body that lie deeper than the shell.
+    fn is_deep(&self, point: &Vec3) -> bool {
+        match &self.dents {
+            Some(surface) => surface.nearest(point).is_none_or(|near| near.1 > self.shell),
+            None => -self.height(point) > self.shell,
+        }
+    }
+
     /// The row through (y, z), in the outer body and in the core.
     fn intervals(&self, y: f64, z: f64) -> [Interval; 2] {
         let mut outer = Interval { low: self.aabb.min.x, high: self.aabb.max.x };

@@ -51,6 +51,8 @@ fn shapes(spec: &Spec) -> String {
             "Aggregates are given grains, some with dents, scaled to their size.".to_owned()
         }
         ShapeKind::Library => "Aggregates are the convex hulls of given grains, scaled to their size.".to_owned(),
+        ShapeKind::Sphere => "Aggregates are spheres.".to_owned(),
+        ShapeKind::Ellipsoid => "Aggregates are ellipsoids.".to_owned(),
         ShapeKind::Polyhedron => format!("Aggregates are random convex polyhedra with {fewest} to {most} vertices."),
         ShapeKind::Rounded => format!("Aggregates are rounded convex polyhedra with {fewest} to {most} vertices."),
         ShapeKind::Crushed => format!("Aggregates are angular convex polyhedra with {fewest} to {most} vertices."),

@@ -1,14 +1,28 @@
-//! Questions about bodies that may have dents, which the convex answers do not reach.
+//! Questions about bodies that may have dents or be round, which the convex answers do not reach.
 
-use crate::geometry::{Plane, Polyhedron};
+use super::closed::eroded_volume;
+use crate::geometry::{Plane, Polyhedron, Round};
 use crate::gjk::{self, GjkError};
 use crate::math::Vec3;
+use crate::round_bodies::Other;
 
 impl Polyhedron {
     /// How far `x` is from the body, mm, negative inside: beyond the farthest face plane, which is less than the distance
     /// where an edge or corner is nearest; the distance itself where the body has dents.
     pub fn height(&self, x: &Vec3) -> f64 {
-        if self.is_convex() { Plane::height_over(self.planes(), x) } else { -self.surface().depth(x) }
+        match self.round() {
+            Some(round) => round.height(x),
+            None if self.is_convex() => Plane::height_over(self.planes(), x),
+            None => -self.surface().depth(x),
+        }
+    }
+
+    /// Volume of the points deeper than `thickness` mm in a body with dents or an ellipsoid, mm3, to some 1e-3 of the body.
+    pub fn eroded_volume(&self, thickness: f64) -> f64 {
+        match self.round() {
+            Some(round) => eroded_volume(&round.aabb(), thickness, |point| -round.height(point)),
+            None => self.surface().eroded_volume(thickness),
+        }
     }
 
     /// Distance of two bodies, mm; 0 where they share a point.
@@ -16,6 +30,9 @@ impl Polyhedron {
     /// # Errors
     /// Coordinates that are not finite.
     pub fn distance(&self, other: &Self) -> Result<f64, GjkError> {
+        if let Some((round, other)) = self.round_pair(other) {
+            return Ok(other.asked(|other| round.distance(other)));
+        }
         if self.is_convex() && other.is_convex() {
             return gjk::distance(self.vertices(), other.vertices());
         }
@@ -30,8 +47,25 @@ impl Polyhedron {
     /// # Errors
     /// Coordinates that are not finite.
     pub fn is_farther(&self, other: &Self, gap: f64) -> Result<bool, GjkError> {
+        if let Some((round, other)) = self.round_pair(other) {
+            return Ok(other.asked(|other| round.is_apart(other, gap)));
+        }
         let hulls = gjk::distance_exceeds(self.vertices(), other.vertices(), gap)?;
         let has_dents = !(self.is_convex() && other.is_convex());
         Ok(hulls || has_dents && self.surface().is_apart(&other.surface(), gap))
+    }
+
+    /// A round body of the two, and the other one.
+    fn round_pair<'a>(&'a self, other: &'a Self) -> Option<(Round, &'a Self)> {
+        self.round().map(|round| (round, other)).or_else(|| other.round().map(|round| (round, self)))
+    }
+
+    /// An answer about the body beside a round one.
+    fn asked<T>(&self, ask: impl Fn(&Other) -> T) -> T {
+        match self.round() {
+            Some(round) => ask(&Other::Round(round)),
+            None if self.is_convex() => ask(&Other::Hull(self.vertices())),
+            None => ask(&Other::Surface(&self.surface())),
+        }
     }
 }

@@ -105,26 +105,7 @@ impl Triangles {
     /// Cubes are divided down to 1/32 of the longest side; the distance at its middle tells the share of a cube that the
     /// inner surface divides, as if that were plane.
     pub fn eroded_volume(&self, thickness: f64) -> f64 {
-        let aabb = self.aabb();
-        let mut half = aabb.size().max() / 2.0;
-        let (mut cubes, mut volume) = (vec![(aabb.min + aabb.max) / 2.0], 0.0);
-        for halving in 0..=EROSION_HALVINGS {
-            let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
-            let mut divided = Vec::new();
-            for middle in cubes {
-                let height = self.depth(&middle) - thickness;
-                if height >= reach {
-                    volume += whole;
-                } else if height > -reach && halving == EROSION_HALVINGS {
-                    volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
-                } else if height > -reach {
-                    divided.push(middle);
-                }
-            }
-            half /= 2.0;
-            cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
-        }
-        volume
+        eroded_volume(&self.aabb(), thickness, |point| self.depth(point))
     }
 
     /// True when the bodies are proved more than `gap` mm apart. Both surfaces must be closed and connected.
@@ -166,6 +147,29 @@ const ENOUGH: f64 = 1.05;
 
 /// Divisions of the box for the volume of an erosion.
 const EROSION_HALVINGS: usize = 5;
+
+/// Volume of the points in a box that are deeper than `thickness`, mm3; `depth` has a slope of 1.
+pub(super) fn eroded_volume(aabb: &Aabb, thickness: f64, depth: impl Fn(&Vec3) -> f64) -> f64 {
+    let mut half = aabb.size().max() / 2.0;
+    let (mut cubes, mut volume) = (vec![(aabb.min + aabb.max) / 2.0], 0.0);
+    for halving in 0..=EROSION_HALVINGS {
+        let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
+        let mut divided = Vec::new();
+        for middle in cubes {
+            let height = depth(&middle) - thickness;
+            if height >= reach {
+                volume += whole;
+            } else if height > -reach && halving == EROSION_HALVINGS {
+                volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
+            } else if height > -reach {
+                divided.push(middle);
+            }
+        }
+        half /= 2.0;
+        cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
+    }
+    volume
+}
 
 /// Middles of the eight cubes of half edge `half` around a point.
 fn eighths(middle: Vec3, half: f64) -> impl Iterator<Item = Vec3> {

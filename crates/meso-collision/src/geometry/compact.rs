@@ -1,7 +1,8 @@
 //! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
 use crate::geometry::Polyhedron;
-use crate::geometry::faces::{FaceList, Faces, Indices};
+use crate::geometry::faces::{FaceList, Faces, Form, Indices};
+use crate::geometry::round::{ENDS, Round};
 use crate::math::{Aabb, Vec3};
 
 /// A polyhedron whose vertices are f32 numbers, coordinate by coordinate.
@@ -11,14 +12,15 @@ pub struct CompactPolyhedron {
     /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Number of corners of all faces, with [`CONCAVE`] for a surface of triangles with dents; with the number of vertices
-    /// it determines the lists' layout.
+    /// Number of corners of all faces, with [`CONCAVE`] for a surface of triangles with dents and [`ROUND`] for a round body,
+    /// which has its ends alone; with the number of vertices it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
 
-/// Flag beside the number of corners: no surface has as many.
+/// Flags beside the number of corners: no surface has as many.
 const CONCAVE: u32 = 1 << 31;
+const ROUND: u32 = 1 << 30;
 
 /// Storage of the lists of faces.
 enum Width {
@@ -43,11 +45,14 @@ fn unpacked(triangle: u16) -> [u8; 3] {
 /// Rounds the coordinates to f32; the volume stays that of the original body.
 impl From<Polyhedron> for CompactPolyhedron {
     fn from(body: Polyhedron) -> Self {
+        if body.round().is_some() {
+            return Self::round_within(&body);
+        }
         let (vertices, faces) = (body.vertices(), body.face_lists());
         let mut compact = Self {
             lists: Box::default(),
             vertices: vertices.len() as u32,
-            corners: faces.corners as u32 | if faces.is_convex { 0 } else { CONCAVE },
+            corners: faces.corners as u32 | if faces.form == Form::Dents { CONCAVE } else { 0 },
             volume: body.volume(),
         };
         debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed surface");
@@ -104,14 +109,46 @@ impl CompactPolyhedron {
         self.corners & CONCAVE == 0
     }
 
+    /// True for a ball or an ellipsoid, whose vertices are its ends.
+    pub fn is_round(&self) -> bool {
+        self.corners & ROUND != 0
+    }
+
+    /// The ball or ellipsoid, where it is one.
+    pub fn round(&self) -> Option<Round> {
+        if !self.is_round() {
+            return None;
+        }
+        Some(Round::of_ends(&self.vertices().collect::<Vec<_>>()))
+    }
+
+    /// The ends alone: its facets follow from them.
+    fn round_within(body: &Polyhedron) -> Self {
+        let ends = &body.vertices()[..ENDS];
+        let along = |axis: usize| ends.iter().map(move |end| (end[axis] as f32).to_bits());
+        let lists = (0..3).flat_map(along).collect();
+        Self { lists, vertices: ENDS as u32, corners: ROUND, volume: body.volume() }
+    }
+
+    fn form(&self) -> Form {
+        match self.corners & (CONCAVE | ROUND) {
+            0 => Form::Convex,
+            CONCAVE => Form::Dents,
+            _ => Form::Round,
+        }
+    }
+
     fn corner_count(&self) -> u32 {
-        self.corners & !CONCAVE
+        self.corners & !(CONCAVE | ROUND)
     }
 
     /// By Euler's formula: two faces meet at every edge, and so do two corners of faces for every edge. A surface with
     /// dents may have handles, and consists of triangles.
     fn face_count(&self) -> usize {
-        let faces = if self.is_convex() { self.corners / 2 + 2 - self.vertices } else { self.corner_count() / 3 };
+        let faces = match self.form() {
+            Form::Convex => self.corners / 2 + 2 - self.vertices,
+            Form::Dents | Form::Round => self.corner_count() / 3,
+        };
         faces as usize
     }
 
@@ -140,14 +177,14 @@ impl CompactPolyhedron {
                 let triangles: &[u16] = bytemuck::cast_slice(lists);
                 let corners = triangles[..self.face_count()].iter().flat_map(|&triangle| unpacked(triangle));
                 let mut faces = FaceList::of_triangles(corners.collect());
-                faces.is_convex = self.is_convex();
+                faces.form = self.form();
                 return faces;
             }
             Width::U8 => Indices::U8(&bytemuck::cast_slice(lists)[..len]),
             Width::U16 => Indices::U16(&bytemuck::cast_slice(lists)[..len]),
             Width::U32 => Indices::U32(&lists[..len]),
         };
-        FaceList::from(Faces { lists, corners, is_convex: self.is_convex() })
+        FaceList::from(Faces { lists, corners, form: self.form() })
     }
 
     /// Vertex positions, mm.
@@ -164,6 +201,9 @@ impl CompactPolyhedron {
 
     /// The smallest axis-aligned box around the body.
     pub fn aabb(&self) -> Aabb {
+        if let Some(round) = self.round() {
+            return round.aabb();
+        }
         let low = self.coordinates().map(|all| f64::from(all.iter().copied().fold(f32::INFINITY, f32::min)));
         let high = self.coordinates().map(|all| f64::from(all.iter().copied().fold(f32::NEG_INFINITY, f32::max)));
         Aabb { min: low.into(), max: high.into() }

@@ -8,8 +8,20 @@ use serde::{Serialize, Serializer};
 pub(crate) struct FaceList {
     lists: Owned,
     corners: u32,
-    /// False for the triangles of a surface with dents. It stands here because it takes no memory beside `corners`.
-    pub(crate) is_convex: bool,
+    /// It stands here because it takes no memory beside `corners`.
+    pub(crate) form: Form,
+}
+
+/// Relation of a body to its faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// The faces bound a convex polyhedron.
+    #[default]
+    Convex,
+    /// The faces are the triangles of a surface that need not be convex.
+    Dents,
+    /// The faces are drawn within a round body, which the first six vertices determine.
+    Round,
 }
 
 /// A [`FaceList`] wherever its indices are.
@@ -18,7 +30,7 @@ pub(crate) struct Faces<'a> {
     /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
     pub(crate) lists: Indices<'a>,
     pub(crate) corners: usize,
-    pub(crate) is_convex: bool,
+    pub(crate) form: Form,
 }
 
 /// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
@@ -50,12 +62,12 @@ impl FaceList {
     pub(crate) fn new(corners: &[u32], ends: &[u32]) -> Self {
         let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
         let lists = if triangles { Owned::new(corners) } else { Owned::new(&[corners, ends].concat()) };
-        Self { lists, corners: corners.len() as u32, is_convex: true }
+        Self { lists, corners: corners.len() as u32, form: Form::Convex }
     }
 
     /// Triangles with these corners, one after the other.
     pub(crate) fn of_triangles(corners: Box<[u8]>) -> Self {
-        Self { corners: corners.len() as u32, lists: Owned::U8(corners), is_convex: true }
+        Self { corners: corners.len() as u32, lists: Owned::U8(corners), form: Form::Convex }
     }
 
     pub(crate) fn faces(&self) -> Faces<'_> {
@@ -64,7 +76,7 @@ impl FaceList {
             Owned::U16(values) => Indices::U16(values),
             Owned::U32(values) => Indices::U32(values),
         };
-        Faces { lists, corners: self.corners as usize, is_convex: self.is_convex }
+        Faces { lists, corners: self.corners as usize, form: self.form }
     }
 }
 
@@ -75,7 +87,7 @@ impl From<Faces<'_>> for FaceList {
             Indices::U16(values) => Owned::U16(values.into()),
             Indices::U32(values) => Owned::U32(values.into()),
         };
-        Self { lists, corners: faces.corners as u32, is_convex: faces.is_convex }
+        Self { lists, corners: faces.corners as u32, form: faces.form }
     }
 }
 

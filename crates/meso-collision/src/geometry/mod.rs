@@ -1,4 +1,4 @@
-//! Bodies: convex polyhedra, their hulls, offsets and the ellipsoids they are cut from; closed surfaces of any shape.
+//! Bodies: convex polyhedra, their hulls, offsets and the ellipsoids they are cut from; closed surfaces of any shape; balls.
 
 mod compact;
 pub mod ellipsoid;
@@ -9,6 +9,7 @@ mod measure;
 mod offset;
 mod plane;
 mod polyhedron;
+mod round;
 mod sieve;
 mod surface;
 
@@ -23,6 +24,7 @@ pub use offset::OffsetError;
 pub use plane::Facet;
 pub use plane::Plane;
 pub use polyhedron::{MassProperties, Polyhedron};
+pub use round::Round;
 pub use surface::body_surface::BodySurface;
 pub use surface::box_tree::BoxTree;
 pub use surface::clip::clipped;

@@ -1,14 +1,16 @@
-//! A polyhedron, convex unless it was made of a surface with dents: vertices and outward faces, with its exact integrals.
+//! A polyhedron, convex unless it was made of a surface with dents, or a round body with facets: vertices and outward faces, with its exact integrals.
 
 use crate::geometry::exact::predicates::orient3d;
-use crate::geometry::faces::{Face, FaceList, Faces};
+use crate::geometry::faces::{Face, FaceList, Faces, Form};
 use crate::geometry::measure::facet_kernels::{Facets, Moment};
 use crate::geometry::measure::integrals;
 use crate::geometry::measure::tetrahedron::six_volumes;
 use crate::geometry::plane::{Facet, Plane};
+use crate::geometry::round::{FACETS, Round};
 use crate::geometry::{HullError, TriangleMesh, Triangles, convex_hull};
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
+use std::borrow::Cow;
 
 /// As many vertices as a byte can number.
 const BYTE_INDICES: usize = 256;
@@ -60,13 +62,65 @@ impl Polyhedron {
     /// The body as one that need not be convex, whose faces must be triangles.
     #[must_use]
     pub fn with_dents(mut self) -> Self {
-        self.faces.is_convex = false;
+        self.faces.form = Form::Dents;
         self
     }
 
     /// False for a body with dents, even where it has none.
     pub fn is_convex(&self) -> bool {
-        self.faces.is_convex
+        self.faces.form != Form::Dents
+    }
+
+    /// A ball or an ellipsoid. Its vertices lie on it, its faces within; volume, inertia, box, points inside, distances
+    /// and sieve size are those of the round body itself.
+    pub fn of_round(round: &Round) -> Self {
+        Self::of_ends(&round.ends())
+    }
+
+    /// The round body whose ends these are.
+    pub fn of_ends(ends: &[Vec3]) -> Self {
+        let round = Round::of_ends(ends);
+        let mut faces = FaceList::of_triangles(FACETS.triangles.as_flattened().into());
+        faces.form = Form::Round;
+        Self { vertices: round.vertices(ends), faces, volume: round.volume() }
+    }
+
+    /// The ball or ellipsoid that it is, beyond its faces.
+    pub fn round(&self) -> Option<Round> {
+        (self.faces.form == Form::Round).then(|| Round::of_ends(&self.vertices))
+    }
+
+    /// The body bounded by its faces: a round one becomes a convex polyhedron of its volume, others stay.
+    pub fn faceted(&self) -> Cow<'_, Self> {
+        let Some(round) = self.round() else { return Cow::Borrowed(self) };
+        let within = self.facets_grown(&round, 1.0);
+        Cow::Owned(self.facets_grown(&round, libm::cbrt(self.volume / within.volume)))
+    }
+
+    /// Planes that leave the body inside and follow it closely: those of its faces, or around a round body.
+    pub fn bounding_planes(&self) -> Vec<Plane> {
+        match self.round() {
+            Some(round) => self.facets_grown(&round, FACETS.outwards).planes().collect(),
+            None => self.planes().collect(),
+        }
+    }
+
+    /// True where the points deeper than a thickness are a body of the same kind, which they are not for dents and
+    /// ellipsoids.
+    pub fn has_inner_body(&self) -> bool {
+        match self.faces.form {
+            Form::Convex => true,
+            Form::Dents => false,
+            Form::Round => self.round().is_some_and(|round| round.radius().is_some()),
+        }
+    }
+
+    /// The facets of a round body as a convex polyhedron, grown about its centre.
+    pub(crate) fn facets_grown(&self, round: &Round, growth: f64) -> Self {
+        let mut faces = self.faces.clone();
+        faces.form = Form::Convex;
+        let centre = round.centre();
+        Self::with_faces(self.vertices.iter().map(|vertex| centre + (vertex - centre) * growth).collect(), faces)
     }
 
     /// Its triangles, to be asked which points they hold and whether they are apart from others.
@@ -109,6 +163,9 @@ impl Polyhedron {
 
     /// Over faces that other vertices had.
     pub(crate) fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
+        if faces.form == Form::Round {
+            return Self::of_ends(&vertices);
+        }
         let volume = match faces.faces().byte_triangles() {
             Some(triangles) => integrals::volume_of_few(&vertices, triangles),
             None => integrals::volume(&vertices, faces.faces().iter().flat_map(Face::triangles)),
@@ -118,6 +175,9 @@ impl Polyhedron {
 
     /// Over faces that other vertices had, around the same volume.
     pub(crate) fn of_volume(vertices: Box<[Vec3]>, faces: FaceList, volume: f64) -> Self {
+        if faces.form == Form::Round {
+            return Self::of_ends(&vertices);
+        }
         Self { vertices, faces, volume }
     }
 
@@ -178,6 +238,9 @@ impl Polyhedron {
 
     /// Surface area, mm2.
     pub fn area(&self) -> f64 {
+        if let Some(round) = self.round() {
+            return round.area();
+        }
         self.facets().iter().map(|facet| facet.area).sum()
     }
 
@@ -188,6 +251,9 @@ impl Polyhedron {
 
     /// Centre of volume, mm.
     pub fn centroid(&self) -> Vec3 {
+        if let Some(round) = self.round() {
+            return *round.centre();
+        }
         let (volume, moment) = match self.face_lists().byte_triangles() {
             // Nearly all bodies: eight tetrahedra at a time.
             Some(triangles) => widest(Moment { apex: self.vertices[0], vertices: &self.vertices, triangles }),
@@ -207,6 +273,9 @@ impl Polyhedron {
     ///
     /// The covariance of a tetrahedron (0, a, b, c) of volume V is V/20 (s s^T + a a^T + b b^T + c c^T), s = a + b + c.
     pub fn mass_properties(&self) -> MassProperties {
+        if let Some(round) = self.round() {
+            return MassProperties { volume: self.volume, centroid: *round.centre(), inertia: round.inertia() };
+        }
         let (mut volume, mut moment, mut covariance) = (0.0, Vec3::zeros(), Mat3::zeros());
         self.each_tetrahedron(|v, [a, b, c]| {
             let s = a + b + c;
@@ -238,6 +307,9 @@ impl Polyhedron {
         if !self.is_convex() {
             return self.surface().contains(point);
         }
+        if let Some(round) = self.round() {
+            return round.contains(point);
+        }
         self.faces().all(|face| {
             let [a, b, c] = [0, 1, 2].map(|k| &self.vertices[face.vertex(k) as usize]);
             orient3d(a, b, c, point) <= 0.0
@@ -246,6 +318,9 @@ impl Polyhedron {
 
     /// The smallest axis-aligned box around the body.
     pub fn aabb(&self) -> Aabb {
+        if let Some(round) = self.round() {
+            return round.aabb();
+        }
         Aabb::around(&self.vertices)
     }
 

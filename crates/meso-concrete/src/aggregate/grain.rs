@@ -1,7 +1,7 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
-use meso_collision::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull};
+use meso_collision::geometry::{CompactPolyhedron, HullError, Polyhedron, Round, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
 use serde::{Deserialize, Serialize};
@@ -159,6 +159,19 @@ impl Grain {
         let turn = stream.rotation().to_rotation_matrix().into_inner();
         let body = unit.mapped(|vertex| narrowed(&snap(&(turn * (vertex * length)))));
         let inner_radius = body.surface().depth(&Vec3::zeros());
+        Self::around_origin(Kind::Aggregate, ids, body, inner_radius)
+    }
+
+    /// The ball or ellipsoid with these semi-axes, mm, an ellipsoid in a random orientation, without ITZ.
+    pub(super) fn round(ids: (u16, u32), semi_axes: &Vec3, stream: &mut Stream) -> Self {
+        let round = Round::of_semi_axes(semi_axes);
+        let turn = match round.radius() {
+            Some(_) => Mat3::identity(),
+            None => stream.rotation().to_rotation_matrix().into_inner(),
+        };
+        // Opposite ends are rounded alike, so that the centre stays.
+        let body = Polyhedron::of_ends(&round.ends().map(|end| narrowed(&snap(&(turn * end)))));
+        let inner_radius = body.round().map_or(0.0, |round| round.semi_axes()[2]);
         Self::around_origin(Kind::Aggregate, ids, body, inner_radius)
     }
 

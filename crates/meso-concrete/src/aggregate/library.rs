@@ -44,7 +44,7 @@ pub enum TemplateError {
     Surface(#[from] SurfaceError),
     /// More triangles than every copy of a grain may have.
     #[error(
-        "it has {triangles} triangles, and a grain may have up to {MOST_TRIANGLES}; reduce it, or take its hull by shape.hull = true"
+        "it has {triangles} triangles, and a grain may have up to {MOST_TRIANGLES}; raise shape.tolerance, or take its hull by shape.hull = true"
     )]
     TooMany {
         /// Number of triangles.

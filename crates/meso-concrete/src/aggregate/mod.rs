@@ -46,13 +46,14 @@ impl Aggregate {
         self.body.inward_offset(self.itz_thickness_mm)
     }
 
-    /// The volume inside a shell of `thickness` mm, mm3; sampled to some 1e-3 of the body where that has dents.
+    /// The volume inside a shell of `thickness` mm, mm3; sampled to some 1e-3 of the body where that has dents or is an
+    /// ellipsoid.
     ///
     /// # Errors
     /// Fails like [`core`](Self::core).
     pub fn core_volume(&self, thickness: f64) -> Result<f64, OffsetError> {
-        if thickness > 0.0 && !self.body.is_convex() {
-            return Ok(self.body.surface().eroded_volume(thickness));
+        if thickness > 0.0 && !self.body.has_inner_body() {
+            return Ok(self.body.eroded_volume(thickness));
         }
         Ok(self.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
     }

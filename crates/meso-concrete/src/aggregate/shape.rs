@@ -13,20 +13,20 @@ use std::f64::consts::{PI, TAU};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Shape {
-    /// Which kind of polyhedron.
+    /// Which kind of body.
     pub kind: ShapeKind,
-    /// Fewest and most vertices; of no meaning for a library.
+    /// Fewest and most vertices; of no meaning for a library, spheres and ellipsoids.
     pub vertices: [u32; 2],
-    /// Law of b/a, the intermediate over the longest axis; of no meaning for a library.
+    /// Law of b/a, the intermediate over the longest axis; of no meaning for a library and spheres.
     pub elongation: AspectRatio,
-    /// Law of c/b, the shortest over the intermediate axis; of no meaning for a library.
+    /// Law of c/b, the shortest over the intermediate axis; of no meaning for a library and spheres.
     pub flatness: AspectRatio,
     /// The grains of a library.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grains: Vec<Template>,
 }
 
-/// Kinds of polyhedra.
+/// Kinds of grains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -38,6 +38,10 @@ pub enum ShapeKind {
     Rounded,
     /// Crushed rock: few, sharp corners, at random depths.
     Crushed,
+    /// Exact balls.
+    Sphere,
+    /// Exact ellipsoids.
+    Ellipsoid,
     /// A user's own grains, drawn at random and scaled.
     Library,
 }
@@ -56,25 +60,26 @@ impl ShapeKind {
     /// Fewest and most vertices where nothing is said.
     pub fn usual_vertices(self) -> [u32; 2] {
         match self {
-            Self::Polyhedron | Self::Library => [20, 30],
+            Self::Polyhedron | Self::Library | Self::Sphere | Self::Ellipsoid => [20, 30],
             Self::Rounded => [80, 80],
             Self::Crushed => [10, 16],
         }
     }
 
-    /// Volume of the polyhedron over its ellipsoid's, with the usual number of vertices: 0.55 to 0.65 for the paper's.
+    /// Volume of the grain over its ellipsoid's, with the usual number of vertices: 0.55 to 0.65 for the paper's.
     pub fn mean_hull_over_ellipsoid(self) -> f64 {
         match self {
             Self::Polyhedron | Self::Library => 0.6,
             Self::Rounded => 0.9,
             Self::Crushed => 0.62,
+            Self::Sphere | Self::Ellipsoid => 1.0,
         }
     }
 
     /// Fewest vertices that make such a grain: the ends of the three axes, or corners all around.
     pub fn fewest_vertices(self) -> u32 {
         match self {
-            Self::Polyhedron | Self::Library => 6,
+            Self::Polyhedron | Self::Library | Self::Sphere | Self::Ellipsoid => 6,
             Self::Rounded | Self::Crushed => 8,
         }
     }
@@ -99,6 +104,8 @@ pub enum Outline<'a> {
     Hull(Vec<Vec3>),
     /// A surface with dents, of length 1.
     Dents(&'a Dents),
+    /// A ball or an ellipsoid, by its semi-axes, mm.
+    Round(Vec3),
 }
 
 impl Shape {
@@ -115,7 +122,11 @@ impl Shape {
             let grain = &self.grains[stream.integer(0, self.grains.len() as u32 - 1) as usize];
             return grain.dents().map_or_else(|| Outline::Hull(grain.scaled_to(length)), Outline::Dents);
         }
-        Outline::Hull(self.random_outline(length, class_limit, stream))
+        match self.kind {
+            ShapeKind::Sphere => Outline::Round(Vec3::repeat(length / 2.0)),
+            ShapeKind::Ellipsoid => Outline::Round(self.ellipsoid(length, stream).semi_axes),
+            _ => Outline::Hull(self.random_outline(length, class_limit, stream)),
+        }
     }
 
     fn random_outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Vec<Vec3> {
@@ -124,9 +135,7 @@ impl Shape {
         match self.kind {
             ShapeKind::Rounded => rounded(&ellipsoid, count, stream),
             ShapeKind::Crushed => crushed(&ellipsoid, count, stream),
-            ShapeKind::Polyhedron | ShapeKind::Library => {
-                polyhedron(&ellipsoid, count, class_limit / count as f64, stream)
-            }
+            _ => polyhedron(&ellipsoid, count, class_limit / count as f64, stream),
         }
     }
 

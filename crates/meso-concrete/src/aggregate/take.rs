@@ -6,7 +6,7 @@ use super::random::{Draw, Stream};
 use super::{Grading, Itz, Outline, Shape, SizeClass, SizeDefinition};
 use crate::parallel;
 use crate::stop;
-use meso_collision::geometry::{HullError, convex_hull};
+use meso_collision::geometry::{HullError, Round, convex_hull};
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
 pub(crate) const ITZ_LIMIT: f64 = 0.5;
@@ -103,6 +103,10 @@ fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result
         Outline::Dents(dents) => {
             let length = if is_sieved { size / dents.sieve_size } else { size };
             Grain::dented((class, index), &dents.body, length, stream)
+        }
+        Outline::Round(semi_axes) => {
+            let scale = if is_sieved { size / Round::of_semi_axes(&semi_axes).sieve_size() } else { 1.0 };
+            Grain::round((class, index), &(semi_axes * scale), stream)
         }
     };
     let drawn = stream.uniform(mixture.itz.thickness_mm[0], mixture.itz.thickness_mm[1]);

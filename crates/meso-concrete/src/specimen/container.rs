@@ -1,9 +1,12 @@
 //! The interface of every specimen's geometry.
 
 use super::Largest;
-use meso_collision::geometry::TriangleMesh;
+use meso_collision::geometry::{Round, TriangleMesh};
 use meso_collision::math::{Aabb, Vec3};
 use std::fmt::Debug;
+
+/// Relative rounding of a gap or an extent.
+const ROUNDING: f64 = 1e-13;
 
 /// The closed region that a specimen encloses, in the specimen's frame.
 #[allow(unused_variables, reason = "the defaults of most containers need no arguments")]
@@ -23,6 +26,22 @@ pub trait Container: Debug + Send + Sync {
     /// Never true for a body that lies outside. Exact between planes without a gap. Gaps and curved walls need
     /// rounding: it errs by at most 1e-12 of the specimen's size, on the side of refusing.
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool;
+
+    /// True when a ball or an ellipsoid, moved by `centre`, lies in the container with `gap` mm to its surface.
+    ///
+    /// A ball is its centre with a wider gap. An ellipsoid counts as its box in a box, elsewhere as 320 facets around it,
+    /// up to 2 % of its size too wide.
+    fn holds_round(&self, round: &Round, centre: &Vec3, gap: f64) -> bool {
+        let centre = centre + round.centre();
+        if let Some(radius) = round.radius() {
+            return self.holds(&[Vec3::zeros()], &centre, (gap + radius) * (1.0 + ROUNDING));
+        }
+        if self.is_box() {
+            let half = round.half_extents() * (1.0 + ROUNDING);
+            return self.holds(&[-half, half], &centre, gap);
+        }
+        self.holds(&round.circumscribed(), &centre, gap)
+    }
 
     /// Upper bounds on a body in the container.
     fn largest(&self) -> Largest {

@@ -145,7 +145,7 @@ pub fn stiffness<'a>(
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
-    error::accepts(&bodies)?;
+    let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, table }, counts, options, watch)
 }

@@ -2,7 +2,7 @@
 
 use crate::cells::NO_BODY;
 use crate::tet::TetMesh;
-use meso_collision::geometry::{Plane, Polyhedron, nearest_on_triangle};
+use meso_collision::geometry::{Plane, Polyhedron, Round, nearest_on_triangle};
 use meso_collision::math::Vec3;
 
 /// Sine of the angle below which planes count as parallel.
@@ -19,6 +19,8 @@ pub(super) struct Surface {
     pub(super) volume: f64,
     /// Points this far from a plane count as on it, mm.
     slack: f64,
+    /// A ball or an ellipsoid, without faces, edges and corners.
+    round: Option<Round>,
 }
 
 /// An edge of a body.
@@ -38,6 +40,11 @@ impl Edge {
 
 impl Surface {
     pub(super) fn new(body: &Polyhedron) -> Self {
+        let (volume, slack) = (body.volume(), SLACK * body.aabb().size().max());
+        if let Some(round) = body.round() {
+            let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            return Self { planes, triangles, edges, corners, volume, slack, round: Some(round) };
+        }
         let at = |i: u32| body.vertices()[i as usize];
         let mut edges = Vec::new();
         for face in body.faces() {
@@ -54,8 +61,9 @@ impl Surface {
             triangles: if body.is_convex() { Vec::new() } else { body.triangles().map(|t| t.map(at)).collect() },
             edges: edges.into_iter().map(|edge| Edge::new(edge.map(at))).collect(),
             corners: body.vertices().to_vec(),
-            volume: body.volume(),
-            slack: 1e-9 * body.aabb().size().max(),
+            volume,
+            slack,
+            round: None,
         }
     }
 
@@ -76,6 +84,10 @@ impl Surface {
 
     /// `x` after the part of `step` that lies in all the faces at `x`, or `None` where that leaves the faces.
     pub(super) fn along_face(&self, x: &Vec3, step: &Vec3) -> Option<Vec3> {
+        if let Some(round) = &self.round {
+            let normal = round.normal(x);
+            return self.has(x).then(|| round.nearest(&(x + step - normal * normal.dot(step))));
+        }
         let at = self.faces_at(x);
         let step = match at[..] {
             [(_, plane)] => step - plane.normal * plane.normal.dot(step),
@@ -91,6 +103,9 @@ impl Surface {
 
     /// Projects a point within the planes through `x` across `axes`, too.
     pub(super) fn along_face_within(&self, x: &Vec3, step: &Vec3, axes: [bool; 3]) -> Option<Vec3> {
+        if let Some(round) = &self.round {
+            return if self.has(x) { nearest_in_planes(round, &(x + step), axes, self.slack) } else { None };
+        }
         let at = self.faces_at(x);
         let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();
         normals.extend(at.iter().map(|(_, plane)| plane.normal));
@@ -103,6 +118,10 @@ impl Surface {
     /// Calls `visit` with the positions nearest to `x` on the faces, and with the edges, within the planes through `x` across
     /// `axes`, as far as these are within `reach`.
     pub(super) fn nearest_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
+        if let Some(round) = &self.round {
+            let position = nearest_in_planes(round, x, axes, self.slack);
+            return position.filter(|position| (position - x).norm() < reach).into_iter().for_each(visit);
+        }
         for (face, plane) in self.planes.iter().enumerate() {
             let direction = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
             let step = direction * ((plane.offset - plane.normal.dot(x)) / direction.norm_squared());
@@ -124,6 +143,13 @@ impl Surface {
 
     /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
     pub(super) fn feet_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
+        if let Some(round) = &self.round {
+            let foot = round.nearest(x);
+            if (foot - x).norm() < reach {
+                visit(foot);
+            }
+            return;
+        }
         for (face, plane) in self.planes.iter().enumerate() {
             let height = plane.height(x);
             let foot = x - plane.normal * height;
@@ -135,6 +161,9 @@ impl Surface {
 
     /// Whether `x` lies on the surface.
     pub(super) fn has(&self, x: &Vec3) -> bool {
+        if let Some(round) = &self.round {
+            return round.height(x).abs() <= self.slack;
+        }
         (0..self.planes.len()).any(|face| self.is_on(face, x)) && self.holds(x)
     }
 
@@ -163,6 +192,31 @@ impl Surface {
         self.triangles.get(face).is_none_or(|triangle| (nearest_on_triangle(triangle, x) - x).norm() <= self.slack)
     }
 }
+
+/// The position on a ball or an ellipsoid near `x` in the planes through `x` across `axes`; `None` where they miss it.
+///
+/// Steps along the gradient within the planes, each to the surface.
+fn nearest_in_planes(round: &Round, x: &Vec3, axes: [bool; 3], slack: f64) -> Option<Vec3> {
+    let mut position = *x;
+    for _ in 0..STEPS {
+        let normal = round.normal(&position);
+        let way = Vec3::from_fn(|axis, _| if axes[axis] { 0.0 } else { normal[axis] });
+        let way = way.try_normalize(PARALLEL)?;
+        let (from, to) = round.chord(&position, &way)?;
+        let step = if from.abs() < to.abs() { from } else { to };
+        position += way * step;
+        if step.abs() <= slack {
+            return Some(position);
+        }
+    }
+    None
+}
+
+/// Most steps to a position in a plane.
+const STEPS: usize = 20;
+
+/// Share of a body's size that counts as none.
+const SLACK: f64 = 1e-9;
 
 /// A body that lacks this share of its volume, or more, counts in full.
 const FULL: f64 = 0.02;

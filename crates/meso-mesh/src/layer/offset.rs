@@ -43,7 +43,7 @@ pub(super) struct RadialOffset {
 impl RadialOffset {
     /// `None` where the aggregate hardly reaches `flat`: no direction is inward.
     fn new(aggregate: &Aggregate, thickness: f64, flat: Flat, walls: &Aabb, periodic: [bool; 3]) -> Option<Self> {
-        let planes: Vec<Plane> = aggregate.body.planes().collect();
+        let planes: Vec<Plane> = aggregate.body.bounding_planes();
         let aabb = aggregate.body.aabb();
         let centre = match flat {
             Flat::SPACE => aggregate.body.centroid(),

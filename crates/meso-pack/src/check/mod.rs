@@ -208,15 +208,18 @@ fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
 
 /// The bodies, then their images that one of them may meet.
 fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Placed<'a>> {
+    let place = |body: u32, a: &'a Aggregate, vertices: Cow<'a, [Vec3]>| {
+        let dents = (!a.body.is_convex()).then_some(&a.body);
+        Placed { body, vertices, dents, is_round: a.body.round().is_some() }
+    };
     let own = (0..).zip(bodies);
-    let mut placed: Vec<Placed> =
-        own.map(|(body, a)| Placed { body, vertices: Cow::Borrowed(a.body.vertices()), dents: dents(a) }).collect();
+    let mut placed: Vec<Placed> = own.map(|(body, a)| place(body, a, Cow::Borrowed(a.body.vertices()))).collect();
     let period = model.spec.specimen.period();
     if period.is_none() {
         return placed;
     }
     let (mut reached, gap) = (domain, Vec3::repeat(model.spec.placement.min_gap_mm));
-    bodies.iter().flat_map(|a| a.body.vertices()).for_each(|v| reached.include(v));
+    bodies.iter().map(|a| a.body.aabb()).for_each(|aabb| reached = reached.with(&aabb));
     // An aggregate far off is a finding of its own; its images would be without number.
     let most = domain.size();
     let reached = Aabb { min: reached.min.sup(&(domain.min - most)), max: reached.max.inf(&(domain.max + most)) };
@@ -224,22 +227,18 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
     for (id, aggregate) in (0..).zip(bodies) {
         let shifts = period.shifts(&aggregate.body.aabb(), &reached).into_iter().filter(|s| *s != Vec3::zeros());
         placed.extend(shifts.map(|shift| {
-            let vertices = aggregate.body.vertices().iter().map(|v| v + shift).collect();
-            Placed { body: id, vertices: Cow::Owned(vertices), dents: dents(aggregate) }
+            place(id, aggregate, Cow::Owned(aggregate.body.vertices().iter().map(|v| v + shift).collect()))
         }));
     }
     placed
 }
 
-/// The body where it has dents.
-fn dents(aggregate: &Aggregate) -> Option<&Polyhedron> {
-    (!aggregate.body.is_convex()).then_some(&aggregate.body)
-}
-
 /// Checks of one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
-    let convex = if aggregate.body.is_convex() {
+    let convex = if let Some(round) = aggregate.body.round() {
+        solid::check_round(&round, &aggregate.body).err().map(|reason| Finding::NotSolid { aggregate: id, reason })
+    } else if aggregate.body.is_convex() {
         solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason })
     } else {
         solid::check_surface(&aggregate.body).err().map(|reason| Finding::NotSolid { aggregate: id, reason })
@@ -252,7 +251,10 @@ fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Ve
 }
 
 fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
-    let inside = container.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
+    let inside = match aggregate.body.round() {
+        Some(round) => container.holds_round(&round, &Vec3::zeros(), model.spec.placement.wall_gap_mm),
+        None => container.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm),
+    };
     let (period, middle) = (model.spec.specimen.period(), aggregate.body.aabb());
     let middle = (middle.min + middle.max) / 2.0;
     // In directions that repeat themselves the aggregate is there once, near the box. Which point of it lies in the box
@@ -315,7 +317,10 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
         _ => return inclusions::size(&model.spec.inclusions(), aggregate),
     };
     let size_mm = match model.spec.grading.size {
-        SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
+        SizeDefinition::LongestAxis => match aggregate.body.round() {
+            Some(round) => 2.0 * round.semi_axes()[0],
+            None => longest_distance(aggregate.body.vertices()),
+        },
         SizeDefinition::Sieve => aggregate.body.sieve_size(),
     };
     let rounding = rounding(size_mm);

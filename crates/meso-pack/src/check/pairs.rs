@@ -1,9 +1,10 @@
 //! Every pair of bodies, by a grid of buckets and the exact verdict.
 
 use super::Finding;
-use meso_collision::geometry::{Polyhedron, Triangles, convex_hull};
+use meso_collision::geometry::{Polyhedron, Round, Triangles, convex_hull};
 use meso_collision::gjk;
 use meso_collision::math::{Aabb, Vec3};
+use meso_collision::round_bodies::Other;
 use meso_concrete::parallel;
 use std::borrow::Cow;
 
@@ -13,9 +14,19 @@ pub(super) struct Placed<'a> {
     pub(super) vertices: Cow<'a, [Vec3]>,
     /// The body itself where it has dents; only its faces count.
     pub(super) dents: Option<&'a Polyhedron>,
+    /// True for a ball or an ellipsoid; its first vertices are its ends.
+    pub(super) is_round: bool,
 }
 
 impl Placed<'_> {
+    fn round(&self) -> Option<Round> {
+        self.is_round.then(|| Round::of_ends(&self.vertices))
+    }
+
+    fn aabb(&self) -> Aabb {
+        self.round().map_or_else(|| Aabb::around(&*self.vertices), |round| round.aabb())
+    }
+
     /// The surface: that of the body with these vertices, or of their hull.
     fn surface(&self) -> Option<Triangles> {
         let corners = |t: [u32; 3]| t.map(|i| self.vertices[i as usize]);
@@ -39,7 +50,7 @@ fn surfaces(a: &Placed, b: &Placed) -> Option<[Triangles; 2]> {
 pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Finding>) {
     // A little more than half the gap each, to cover rounding.
     let margin = gap / 2.0 * (1.0 + 1e-9);
-    let boxes: Vec<Aabb> = parallel::map_each(all, |it| Aabb::around(&*it.vertices).grown(margin));
+    let boxes: Vec<Aabb> = parallel::map_each(all, |it| it.aabb().grown(margin));
     let buckets = Buckets::new(&boxes);
     let answers = parallel::map(bodies, |a| check_one(a, all, &boxes, &buckets, gap));
     let tested = answers.iter().map(|answer| answer.0).sum();
@@ -58,6 +69,9 @@ fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f
 }
 
 fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
+    if let Some((round, other)) = a.round().map(|round| (round, b)).or_else(|| b.round().map(|round| (round, a))) {
+        return round_verdict(&round, other, [a.body, b.body], gap);
+    }
     let (p, q) = (&*a.vertices, &*b.vertices);
     // Bodies whose coordinates exceed the accepted magnitudes are not proved apart.
     let hulls_meet = gjk::intersects(p, q).unwrap_or(true);
@@ -72,7 +86,28 @@ fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
         Some([a, b]) => a.distance_below(&b, gap),
         None => gjk::distance(p, q).unwrap_or(0.0),
     };
-    (distance_mm < gap).then_some(Finding::Gap { a: a.body, b: b.body, distance_mm })
+    nearer([a.body, b.body], distance_mm, gap)
+}
+
+fn nearer([a, b]: [u32; 2], distance_mm: f64, gap: f64) -> Option<Finding> {
+    (distance_mm < gap).then_some(Finding::Gap { a, b, distance_mm })
+}
+
+/// The verdict where one body is a ball or an ellipsoid.
+fn round_verdict(round: &Round, other: &Placed, [a, b]: [u32; 2], gap: f64) -> Option<Finding> {
+    let surface = other.dents.and_then(|_| other.surface());
+    let other = match (other.round(), &surface) {
+        (Some(other), _) => Other::Round(other),
+        (None, Some(surface)) => Other::Surface(surface),
+        (None, None) => Other::Hull(&other.vertices),
+    };
+    if !round.is_apart(&other, 0.0) {
+        return Some(Finding::Overlap { a, b });
+    }
+    if gap == 0.0 || round.is_apart(&other, gap) {
+        return None;
+    }
+    nearer([a, b], round.distance(&other), gap)
 }
 
 /// Boxes sorted by the cell of their lowest corner.
@@ -160,7 +195,7 @@ mod tests {
     #[test]
     fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
         let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
-        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), dents: None };
+        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), dents: None, is_round: false };
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
     }

@@ -1,7 +1,7 @@
 //! One body alone: closed, convex, seen from outside, by exact signs.
 
 use meso_collision::dents::SelfCrossing;
-use meso_collision::geometry::{Face, Polyhedron, TriangleMesh, Triangles};
+use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh, Triangles};
 use meso_collision::math::Vec3;
 use robust::{Coord3D, orient3d};
 
@@ -75,9 +75,21 @@ pub(super) fn check_surface(body: &Polyhedron) -> Result<(), String> {
     }
 }
 
+/// The share of its size by which the axes of a ball or an ellipsoid may miss the right angle: single precision.
+const TILT: f64 = 1e-6;
+
+/// Checks a ball or an ellipsoid: its axes are orthogonal and cross in the middle.
+pub(super) fn check_round(round: &Round, body: &Polyhedron) -> Result<(), String> {
+    let is_sound = round.is_sound(body.vertices(), TILT * round.semi_axes()[0]);
+    if is_sound { Ok(()) } else { Err("its ends are not those of an ellipsoid".to_owned()) }
+}
+
 /// The depth of a point in the body, mm: that of the vertices' mean below the nearest face plane, or of a point that is
 /// deep in a body with dents.
 pub(super) fn depth_of_inner_point(body: &Polyhedron) -> f64 {
+    if let Some(round) = body.round() {
+        return round.semi_axes()[2];
+    }
     if !body.is_convex() {
         return body.surface().deepest().1;
     }

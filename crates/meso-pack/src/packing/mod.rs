@@ -125,11 +125,12 @@ impl Pose {
         self.turn.map(|turn| Rotation::new_normalize(turn.cast().into_inner()))
     }
 
-    /// Vertices about the centre: turned and rounded to the lattice, or as they are.
+    /// Vertices about the centre: turned and rounded to the lattice, or as they are. A ball is never turned.
     pub(crate) fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
+        let is_ball = body.round().is_some_and(|round| round.radius().is_some());
         match self.rotation() {
-            Some(rotation) => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
-            None => body.vertices().collect(),
+            Some(rotation) if !is_ball => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
+            _ => body.vertices().collect(),
         }
     }
 
@@ -142,7 +143,7 @@ impl Pose {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         // Triangles of a surface with dents stay: their copies are proved as they are turned.
-        let keeps_faces = self.turn.is_none() || !body.is_convex();
+        let keeps_faces = self.turn.is_none() || !body.is_convex() || body.is_round();
         if keeps_faces { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
     }
 }

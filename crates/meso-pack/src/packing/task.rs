@@ -22,6 +22,8 @@ pub(super) struct Task<'a> {
     pub(super) deadline: f64,
     /// True where a grain has dents.
     pub(super) has_dents: bool,
+    /// True where a grain is a ball or an ellipsoid.
+    pub(super) has_round: bool,
     /// Why the run stops; set once by the first thread that finds a reason.
     stop: OnceLock<StopReason>,
 }
@@ -46,6 +48,7 @@ impl<'a> Task<'a> {
             started,
             deadline: request.placement.deadline(started),
             has_dents: request.grains.iter().any(|grain| !grain.body.is_convex()),
+            has_round: request.grains.iter().any(|grain| grain.body.is_round()),
             stop: OnceLock::new(),
         }
     }

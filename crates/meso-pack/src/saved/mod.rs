@@ -130,8 +130,17 @@ fn write_aggregate(aggregate: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
     if !aggregate.body.is_convex() {
         out.extend_from_slice(b",\"dents\":true");
     }
+    if let Some(round) = aggregate.body.round() {
+        out.extend_from_slice(b",\"round\":true,\"vertices\":");
+        write_vertices(&aggregate.body.vertices()[..round.ends().len()], out);
+        out.extend_from_slice(OCTAHEDRON);
+        return Ok(());
+    }
     write_body(&aggregate.body, out)
 }
+
+/// Faces over the ends of a ball or an ellipsoid, for readers that know neither.
+const OCTAHEDRON: &[u8] = b",\"faces\":[[1,3,5],[3,0,5],[0,2,5],[2,1,5],[3,1,4],[0,3,4],[2,0,4],[1,2,4]]}";
 
 fn write_inclusion(inclusion: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
     write!(out, "{{\"id\":{},\"phase\":\"{}\"", inclusion.id, inclusion.kind.name())?;
@@ -140,17 +149,22 @@ fn write_inclusion(inclusion: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
 
 fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
     out.extend_from_slice(b",\"vertices\":");
-    for (i, vertex) in body.vertices().iter().enumerate() {
-        out.push(if i == 0 { b'[' } else { b',' });
-        write_vertex(vertex, out);
-    }
-    out.extend_from_slice(b"],\"faces\":[");
+    write_vertices(body.vertices(), out);
+    out.extend_from_slice(b",\"faces\":[");
     for face in body.faces() {
         write_face(face, out);
     }
     out.pop();
     out.extend_from_slice(b"]}");
     Ok(())
+}
+
+fn write_vertices(vertices: &[Vec3], out: &mut Vec<u8>) {
+    for (i, vertex) in vertices.iter().enumerate() {
+        out.push(if i == 0 { b'[' } else { b',' });
+        write_vertex(vertex, out);
+    }
+    out.push(b']');
 }
 
 /// Characters of the longest number.

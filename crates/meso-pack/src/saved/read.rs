@@ -8,7 +8,7 @@ use crate::distinct;
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::stop;
@@ -86,6 +86,8 @@ struct FileAggregate {
     itz_thickness_mm: f64,
     #[serde(default)]
     dents: bool,
+    #[serde(default)]
+    round: bool,
     vertices: Vec<[f64; 3]>,
     faces: Polygons,
 }
@@ -247,14 +249,30 @@ fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggreg
     if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
         return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
     }
-    let FileAggregate { id, class, itz_thickness_mm, dents, vertices, faces } = file;
+    let FileAggregate { id, class, itz_thickness_mm, dents, round, vertices, faces } = file;
     if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
         return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
     }
     let body = body(vertices, faces).map_err(wrong)?;
-    let body = if dents { body.with_dents() } else { body };
+    let body = match (dents, round) {
+        (true, true) => return Err(wrong("it has dents and is round; it can be one of them".to_owned())),
+        (true, false) => body.with_dents(),
+        (false, true) => rounded(&body).map_err(wrong)?,
+        (false, false) => body,
+    };
     Ok(Aggregate { id, kind: Kind::Aggregate, class, itz_thickness_mm, body })
 }
+
+/// The ball or ellipsoid over an octahedron of its ends.
+fn rounded(octahedron: &Polyhedron) -> Result<Polyhedron, String> {
+    let ends = octahedron.vertices();
+    let is_sound = ends.len() == 6 && Round::of_ends(ends).is_sound(ends, TILT * octahedron.aabb().size().max());
+    let fault = || "it is round, and its vertices are not the six ends of an ellipsoid's axes".to_owned();
+    if is_sound { Ok(Polyhedron::of_ends(ends)) } else { Err(fault()) }
+}
+
+/// Share of its size by which the axes of a ball or an ellipsoid may miss the right angle in a file.
+const TILT: f64 = 1e-3;
 
 /// A void or fibre, of the phases that the spec asks for.
 fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate, ReadError> {

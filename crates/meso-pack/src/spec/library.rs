@@ -6,7 +6,7 @@ use super::messages::found;
 use super::tree::{Node, Value};
 use crate::distinct;
 use meso_collision::geometry::{TriangleMesh, convex_hull};
-use meso_collision::math::Vec3;
+use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Template;
 use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
@@ -14,10 +14,18 @@ use serde::Deserialize;
 
 const KEY: &str = "shape.library";
 const HULL: &str = "shape.hull";
+const TOLERANCE: &str = "shape.tolerance";
+/// Scans are reduced to this share of their length where no tolerance is given, and have more triangles than that.
+const USUAL_TOLERANCE: f64 = 0.005;
+const SCAN: usize = 20_000;
+/// Largest tolerance: a tenth of the length leaves some ten corners.
+const MOST_TOLERANCE: f64 = 0.1;
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
 const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
                        ...], \"faces\": [[0, 1, 2], ...]}";
+const ROUND: &str = "it is a ball or an ellipsoid, saved as the ends of its axes, and a library takes polyhedra; convert the model to \
+                     STL and name that file, or set shape.kind to \"sphere\" or \"ellipsoid\"";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold. With `shape.hull` each is the
 /// convex hull of its body. With the kind `harmonics` the files hold coefficients.
@@ -25,6 +33,7 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
     let hull = shape.take("hull").map(|(_, node)| node);
     let is_harmonic = shape.child("kind").is_some_and(|kind| kind.value == Value::Text(HARMONICS.to_owned()));
+    let tolerance = tolerance(shape)?;
     let [degree, triangles] = [DEGREE, TRIANGLES].map(|option| option.taken(shape));
     let library = shape.take("library").or_else(|| shape.take("path"));
     let Some((_, Node { value, line })) = library else {
@@ -45,7 +54,7 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(KEY, message) });
     };
     let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
-    let grains = Reader { files, takes_hull, form }
+    let grains = Reader { files, takes_hull, form, tolerance }
         .grains(&name)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
     let kind = if is_harmonic { None } else { shape.take("kind") };
@@ -56,6 +65,22 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         entries.push(kind.unwrap_or_else(|| ("kind".to_owned(), node(Value::Text("library".to_owned()), line))));
     }
     Ok(())
+}
+
+/// Takes the distance that a surface may be reduced to, as a share of its length.
+fn tolerance(shape: &mut Node) -> Result<Option<f64>, SpecError> {
+    let Some((_, given)) = shape.take("tolerance") else { return Ok(None) };
+    let share = match given.value {
+        Value::Integer(n) => n as f64,
+        Value::Float(x) => x,
+        _ => f64::NAN,
+    };
+    if (0.0..=MOST_TOLERANCE).contains(&share) {
+        return Ok(Some(share));
+    }
+    let message =
+        format!("is {}; it must be a share of a grain's length, 0 to {MOST_TOLERANCE}", found(&given.unexpected()));
+    Err(SpecError { line: given.line, ..SpecError::value(TOLERANCE, message) })
 }
 
 const HARMONICS: &str = "harmonics";
@@ -147,6 +172,8 @@ struct Reader<'a> {
     /// Whether bodies that are not convex count as their hulls.
     takes_hull: bool,
     form: Form,
+    /// Share of its length within which a surface is reduced; absent: scans alone.
+    tolerance: Option<f64>,
 }
 
 impl Reader<'_> {
@@ -182,11 +209,33 @@ impl Reader<'_> {
         let (bodies, notes) = import::read_bodies(name, &bytes).map_err(|error| error.to_string())?;
         notes.iter().for_each(|note| self.files.remark(name, note));
         let count = bodies.len();
+        let bodies = bodies.into_iter().map(|body| self.reduced(name, body)).collect::<Result<Vec<_>, _>>()?;
         let named = |(i, body): (usize, TriangleMesh)| {
             let within = if count == 1 { String::new() } else { format!("body {i} of {count}, counted from 0: ") };
             self.grain(body).map_err(|reason| format!("{within}{reason}"))
         };
         bodies.into_iter().enumerate().map(named).collect()
+    }
+
+    /// A scan in fewer triangles, with a remark about what that changed; other surfaces as they are.
+    fn reduced(&mut self, name: &str, surface: TriangleMesh) -> Result<TriangleMesh, String> {
+        let is_scan = surface.triangles.len() > SCAN;
+        let share = self.tolerance.unwrap_or(if is_scan { USUAL_TOLERANCE } else { 0.0 });
+        if share == 0.0 || self.takes_hull {
+            return Ok(surface);
+        }
+        surface.check_closed().map_err(|error| error.to_string())?;
+        let distance = share * Aabb::around(&surface.vertices).size().max();
+        let reduced = surface.reduced(distance).map_err(|error| error.to_string())?;
+        let [before, after] = [&surface, &reduced].map(|surface| surface.triangles.len());
+        let percent = 100.0 * (reduced.volume() / surface.volume() - 1.0);
+        let remark = format!(
+            "{before} triangles became {after}, nowhere more than {distance:.3} mm away ({} % of its length); its volume changed by \
+             {percent:+.2} %",
+            100.0 * share
+        );
+        self.files.remark(name, &remark);
+        Ok(reduced)
     }
 
     /// The stone of a file of coefficients, and a remark about the volume that its triangles hold.
@@ -201,12 +250,13 @@ impl Reader<'_> {
 
     fn json_grains(&self, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         let named = |(i, grain): (usize, Grain)| {
-            let (name, vertices, faces) = match grain {
-                Grain::Vertices(vertices) => (None, vertices, None),
-                Grain::Named { name, vertices, faces } => (name, vertices, faces),
+            let (name, vertices, faces, round) = match grain {
+                Grain::Vertices(vertices) => (None, vertices, None, false),
+                Grain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
             };
             let name = name.unwrap_or_else(|| format!("grain {i}"));
-            self.json_grain(vertices, faces).map_err(|reason| format!("{name}: {reason}"))
+            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(vertices, faces) };
+            grain.map_err(|reason| format!("{name}: {reason}"))
         };
         listed(bytes)?.into_iter().enumerate().map(named).collect()
     }
@@ -252,7 +302,14 @@ enum Listed {
 #[serde(untagged)]
 enum Grain {
     Vertices(Vec<[f64; 3]>),
-    Named { name: Option<String>, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>> },
+    Named {
+        name: Option<String>,
+        vertices: Vec<[f64; 3]>,
+        faces: Option<Vec<Vec<u32>>>,
+        /// True for a ball or an ellipsoid of a saved model, whose vertices are the ends of its axes.
+        #[serde(default)]
+        round: bool,
+    },
 }
 
 fn listed(bytes: &[u8]) -> Result<Vec<Grain>, String> {

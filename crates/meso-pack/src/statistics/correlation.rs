@@ -233,6 +233,9 @@ fn near_line(sample: &Sample, origin: &Vec3, direction: &Vec3, length: f64) -> V
 
 /// Where a line enters and leaves a body: once, unless the body has dents.
 fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)> {
+    if let Some(round) = body.round() {
+        return round.chord(origin, direction).into_iter().collect();
+    }
     if body.is_convex() {
         return chord(body, origin, direction).into_iter().collect();
     }

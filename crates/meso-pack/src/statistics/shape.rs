@@ -119,6 +119,9 @@ impl Principal {
 
 /// Extents along the principal axes, descending.
 fn extents(body: &Polyhedron) -> [f64; 3] {
+    if let Some(round) = body.round() {
+        return round.semi_axes().map(|axis| 2.0 * axis);
+    }
     let principal = Principal::of(body);
     let axes = match principal.equal {
         [false, false] => [0, 1, 2].map(|k| principal.axis(k)),

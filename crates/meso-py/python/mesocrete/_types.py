@@ -199,23 +199,25 @@ class Shape(TypedDict, total=False):
     degree: int
     """Highest degree of the harmonics that counts; 12 by default."""
     elongation: AspectRatio
-    """Law of b/a, the intermediate over the longest axis; of no meaning for a library."""
+    """Law of b/a, the intermediate over the longest axis; of no meaning for a library and spheres."""
     flatness: AspectRatio
-    """Law of c/b, the shortest over the intermediate axis; of no meaning for a library."""
+    """Law of c/b, the shortest over the intermediate axis; of no meaning for a library and spheres."""
     grains: Sequence[Template]
     """The grains of a library."""
     hull: bool
     """Grains of a `library` that are not convex count as their convex hulls."""
-    kind: Literal["polyhedron", "rounded", "crushed", "library", "harmonics"]
-    """Which kind of polyhedron."""
+    kind: Literal["polyhedron", "rounded", "crushed", "sphere", "ellipsoid", "library", "harmonics"]
+    """Which kind of body."""
     library: str
     """A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain."""
     path: str
     """A file (DAT, ANM, TXT) or folder of coefficients n m Re Im, for harmonics; another name of `library`."""
+    tolerance: float
+    """Distance within which the surfaces of a `library` are reduced to fewer triangles, as a share of their length, 0 to 0.1; scans of more than 20,000 triangles by 0.005 where it is absent."""
     triangles: int
     """Triangles of the surface that is made of harmonics; 160 by default."""
     vertices: Sequence[int]
-    """Fewest and most vertices; of no meaning for a library."""
+    """Fewest and most vertices; of no meaning for a library, spheres and ellipsoids."""
 
 
 class CubeSpecimen(TypedDict, total=False):

@@ -94,11 +94,12 @@ impl Default for ImageOptions {
 }
 
 impl ImageOptions {
-    /// Refuses shares of shells and cores where an aggregate has dents: these have no inner surface.
+    /// Refuses shares of shells and cores where an aggregate has dents or is an ellipsoid: these have no
+    /// inner surface of their kind.
     pub(super) fn accept(&self, aggregates: &[Aggregate]) -> Result<(), SpecError> {
         let is_inner = self.quantity == Quantity::Share && matches!(self.of, ShareOf::Core | ShareOf::Itz);
-        if is_inner && aggregates.iter().any(|aggregate| !aggregate.body.is_convex()) {
-            let accepted = "aggregates with dents take aggregate; images of phases have their shells";
+        if is_inner && aggregates.iter().any(|aggregate| !aggregate.body.has_inner_body()) {
+            let accepted = "ellipsoids and aggregates with dents take aggregate; images of phases have their shells";
             return Err(wrong("of", if self.of == ShareOf::Core { "core" } else { "itz" }, accepted));
         }
         Ok(())

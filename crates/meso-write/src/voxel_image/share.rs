@@ -60,8 +60,10 @@ impl Shares {
 fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
     stop::point();
     let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), surface, sign };
-    let whole = || part(aggregate.body.clone(), 1.0);
-    let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(core, sign));
+    // A ball or an ellipsoid counts by facets that hold its volume.
+    let faceted = |body: &Polyhedron| body.faceted().into_owned();
+    let whole = || part(faceted(&aggregate.body), 1.0);
+    let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(faceted(&core), sign));
     match (of, aggregate.kind) {
         (ShareOf::Aggregate, Kind::Aggregate) | (ShareOf::Void, Kind::Void) | (ShareOf::Fibre, Kind::Fibre) => {
             vec![whole()]

@@ -33,8 +33,8 @@ pub enum OffsetError {
         /// The value given, mm.
         thickness: f64,
     },
-    /// The body has dents, so that no planes bound it.
-    #[error("the body is not convex, so its inner surface has no plane faces")]
+    /// The body has dents or is an ellipsoid, whose inner surface is no polyhedron.
+    #[error("the body has dents or is an ellipsoid, so its inner surface is no polyhedron")]
     NotConvex,
     /// The result cannot be given to the promised accuracy.
     #[error("the offset is ill-conditioned: {reason}")]
@@ -64,6 +64,10 @@ impl Polyhedron {
         }
         if !self.is_convex() {
             return Err(OffsetError::NotConvex);
+        }
+        if let Some(round) = self.round() {
+            let core = round.core(thickness).ok_or(OffsetError::NotConvex)?;
+            return Ok(core.radius().is_some_and(|radius| radius > 0.0).then(|| Self::of_round(&core)));
         }
         let corners = plane_corners(self);
         // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.

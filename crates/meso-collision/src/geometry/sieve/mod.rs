@@ -40,6 +40,9 @@ impl Polyhedron {
         if !self.is_convex() {
             return self.hull().map_or(0.0, |hull| hull.sieve_size());
         }
+        if let Some(round) = self.round() {
+            return round.sieve_size();
+        }
         dispatch(search::Smallest { body: self })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::nearest::nearest_on_triangle;
 use super::triangles::Triangles;
+use crate::geometry::round::{FACETS, Round};
 use crate::geometry::{Plane, Polyhedron};
 use crate::math::Vec3;
 
@@ -15,11 +16,17 @@ pub struct BodySurface {
     balls: Vec<(Vec3, f64)>,
     /// The surface of a body with dents, whose hull has the triangles, planes and balls.
     dents: Option<Triangles>,
+    /// A ball or an ellipsoid, with the triangles, planes and balls of facets around it.
+    round: Option<Round>,
 }
 
 impl BodySurface {
     /// The surface of `body`.
     pub fn new(body: &Polyhedron) -> Self {
+        if let Some(round) = body.round() {
+            let around = body.facets_grown(&round, FACETS.outwards);
+            return Self { round: Some(round), ..Self::of_convex(&around) };
+        }
         match body.hull() {
             Ok(hull) if !body.is_convex() => Self { dents: Some(body.surface()), ..Self::of_convex(&hull) },
             _ => Self::of_convex(body),
@@ -32,7 +39,7 @@ impl BodySurface {
             body.faces().zip(body.planes()).flat_map(|(face, plane)| face.triangles().map(move |t| (t, plane)));
         let (triangles, planes): (Vec<_>, Vec<_>) = pieces.map(|(t, plane)| (corners(t), plane)).unzip();
         let balls = triangles.iter().map(ball_around).collect();
-        Self { triangles, planes, balls, dents: None }
+        Self { triangles, planes, balls, dents: None, round: None }
     }
 
     /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
@@ -49,6 +56,9 @@ impl BodySurface {
     /// Returns [`BodySurface::distance`], or `None` where a face plane shows that an outer `x` is no nearer than
     /// `limit`.
     pub fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
+        if let Some(round) = &self.round {
+            return Some(round.height(x).abs());
+        }
         let (highest, most) = self.highest(x);
         if let Some(surface) = &self.dents {
             // Within the hull a plane tells nothing.

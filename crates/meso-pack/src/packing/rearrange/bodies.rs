@@ -2,7 +2,7 @@
 
 use super::contact::{LANES, Points, V, dot, length, scale};
 use super::fibres;
-use super::turn::{turn, turn_on};
+use super::turn::{outer_radius, turn, turn_on, vertex_count};
 use super::walls::Walls;
 use crate::packing::{Pose, Turn};
 use meso_collision::math::{Aabb, Vec3};
@@ -99,7 +99,7 @@ impl Fixed {
         let mass = libm::pow(grain.volume(), MASS_EXPONENT) * fibres::weight(grain);
         Self {
             grain: index,
-            outer_radius: grain.outer_radius * 1.000_001,
+            outer_radius: outer_radius(grain) * 1.000_001,
             inverse_mass: (1.0 / mass) as f32,
             inverse_inertia: (1.0 / fibres::inertia(grain, mass)) as f32,
             ball_radius: grain.ball_radius() as f32,
@@ -120,6 +120,8 @@ pub(super) struct Bodies<'a> {
     spans: Vec<Span>,
     /// From the centre of every fibre to its end, before it is turned, mm; zero for all else, empty without fibres.
     axes: Vec<V>,
+    /// Radius of every ball, whose only vertex is its centre, mm; zero for all else, empty without balls.
+    rims: Vec<f32>,
     /// Turned vertices about the centre: x, then y, then z, each padded to a multiple of `LANES`.
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
@@ -140,7 +142,7 @@ impl<'a> Bodies<'a> {
         let grain = |(grain, _): &(u32, Pose)| &grains[*grain as usize];
         let (mut spans, mut end) = (Vec::with_capacity(poses.len()), 0);
         for pose in &poses {
-            let len = grain(pose).body.vertex_count().next_multiple_of(LANES) as u32;
+            let len = vertex_count(&grain(pose).body).next_multiple_of(LANES) as u32;
             spans.push(Span { start: end, len });
             end += 3 * len;
         }
@@ -151,6 +153,7 @@ impl<'a> Bodies<'a> {
             state: parallel::map_each(&poses, |(_, pose)| State::at(pose)),
             spans,
             axes: fibres::axes(poses.iter().map(grain)),
+            rims: rims(poses.iter().map(grain)),
             turned: vec![0.0; end as usize],
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
@@ -169,6 +172,12 @@ impl<'a> Bodies<'a> {
         let (start, len) = (start as usize, len as usize);
         let all = &self.turned[start..start + 3 * len];
         Points { x: &all[..len], y: &all[len..2 * len], z: &all[2 * len..] }
+    }
+
+    /// Radius of a ball, whose points are its centre alone, mm; 0 for all else.
+    #[inline(always)]
+    pub(super) fn rim(&self, body: u32) -> f32 {
+        self.rims.get(body as usize).copied().unwrap_or(0.0)
     }
 
     /// Centre of the nearest image of `j` seen from the centre of `i`.
@@ -246,18 +255,18 @@ impl<'a> Bodies<'a> {
 
     /// Turns all vertices from the grains' own, and puts the bodies inside `walls`.
     pub(super) fn settle(&mut self, walls: &Walls) {
-        let (grains, fixed) = (self.grains, &self.fixed);
+        let (grains, fixed, rims) = (self.grains, &self.fixed, &self.rims);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             let shape = &grains[fixed[body].grain as usize].body;
             *moving.own_box = turn(shape, moving.turned, &moving.state.rotation);
-            moving.confine(walls, &fixed[body]);
+            moving.confine(walls, &fixed[body], rims.get(body));
         });
     }
 
     /// Calls `step` on every body's state, to set its velocity and spin; then moves it by them and puts it back inside
     /// `walls`.
     pub(super) fn advance(&mut self, sweep: u32, walls: &Walls, step: impl Fn(u32, &Fixed, &mut State) + Sync) {
-        let (grains, fixed) = (self.grains, &self.fixed);
+        let (grains, fixed, rims) = (self.grains, &self.fixed, &self.rims);
         let is_due = sweep.is_multiple_of(TURN_ANEW);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             step(body as u32, &fixed[body], moving.state);
@@ -272,7 +281,7 @@ impl<'a> Bodies<'a> {
             } else {
                 turn_on(moving.turned, &turn_by)
             };
-            moving.confine(walls, &fixed[body]);
+            moving.confine(walls, &fixed[body], rims.get(body));
         });
     }
 
@@ -318,15 +327,27 @@ struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    /// Puts the body inside `walls`, and notes how far it has gone in this sweep.
-    fn confine(self, walls: &Walls, fixed: &Fixed) {
+    /// Puts the body inside `walls`, and notes how far it has gone in this sweep. A ball has a `rim` around its points.
+    fn confine(self, walls: &Walls, fixed: &Fixed, rim: Option<&f32>) {
         let Self { state, turned, own_box, path } = self;
+        let rim = rim.copied().unwrap_or(0.0);
+        if rim > 0.0 {
+            *own_box = (own_box.0.map(|low| low - rim), own_box.1.map(|high| high + rim));
+        }
         let free = state.centre;
         state.held = walls.holds(&free, own_box);
-        (state.centre, state.inside) = walls.confine(free, own_box, turned, f64::from(fixed.outer_radius));
+        (state.centre, state.inside) = walls.confine(free, own_box, (turned, rim), f64::from(fixed.outer_radius));
         let moved = (state.centre - free + widened(state.velocity)).norm() as f32;
         *path += (moved + length(state.spin) * fixed.outer_radius) * 1.000_01;
     }
+}
+
+/// Radii of balls, zero for all else; empty without balls.
+fn rims<'a>(grains: impl Iterator<Item = &'a Grain>) -> Vec<f32> {
+    let radius =
+        |grain: &Grain| grain.body.round().and_then(|round| round.radius()).map_or(0.0, |radius| radius as f32);
+    let rims: Vec<f32> = grains.map(radius).collect();
+    if rims.iter().any(|rim| *rim > 0.0) { rims } else { Vec::new() }
 }
 
 /// Bodies a thread moves at once.

@@ -263,13 +263,14 @@ impl Link {
             }
         }
         let (p, q, x) = (bodies.points(a), bodies.points(b), bodies.offset(a, b));
-        if known.is_none() {
-            contact.gap = gap_along(&p, &q, x, contact.normal);
-        }
-        if contact.gap < want {
+        // A ball is its centre with a rim: the query is about what is within the rims.
+        let rims = bodies.rim(a) + bodies.rim(b);
+        contact.gap = if known.is_none() { gap_along(&p, &q, x, contact.normal) } else { contact.gap + rims };
+        if contact.gap - rims < want {
             contact.refresh(&p, &q, x, bodies.middle_offset(a, b, x));
             self.axis = Axis::new(contact.normal);
         }
+        contact.gap -= rims;
         self.clear = contact.gap + paths;
         (contact.gap < want).then_some(contact)
     }

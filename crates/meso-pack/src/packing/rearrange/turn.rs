@@ -3,12 +3,38 @@
 use super::contact::{LANES, V, highest};
 use crate::packing::Turn;
 use meso_collision::geometry::CompactPolyhedron;
+use meso_collision::math::Vec3;
 use meso_collision::simd::{Wide, widest};
+use meso_concrete::aggregate::Grain;
+
+/// Vertices that the dynamics see of a round shape: a ball's centre, which has a rim, or the facets around an ellipsoid.
+fn round_vertices(shape: &CompactPolyhedron) -> Option<Vec<Vec3>> {
+    let round = shape.round()?;
+    Some(if round.radius().is_some() { vec![*round.centre()] } else { round.circumscribed() })
+}
+
+/// Number of vertices that the dynamics see of a shape.
+pub(super) fn vertex_count(shape: &CompactPolyhedron) -> usize {
+    round_vertices(shape).map_or_else(|| shape.vertex_count(), |vertices| vertices.len())
+}
+
+/// Radius of the sphere about the centre that holds them, and the rim of a ball, mm.
+pub(super) fn outer_radius(grain: &Grain) -> f32 {
+    let around = round_vertices(&grain.body).unwrap_or_default();
+    around.iter().map(|vertex| vertex.norm() as f32).fold(grain.outer_radius, f32::max)
+}
 
 /// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of
 /// the result.
 pub(super) fn turn(shape: &CompactPolyhedron, turned: &mut [f32], rotation: &Turn) -> (V, V) {
     let len = turned.len() / 3;
+    if let Some(around) = round_vertices(shape) {
+        for (axis, turned) in turned.chunks_exact_mut(len).enumerate() {
+            turned.iter_mut().zip(&around).for_each(|(to, vertex)| *to = vertex[axis] as f32);
+            turned[around.len()..].fill(around[0][axis] as f32);
+        }
+        return turn_on(turned, rotation);
+    }
     for (turned, along) in turned.chunks_exact_mut(len).zip(shape.coordinates()) {
         turned[..along.len()].copy_from_slice(along);
         turned[along.len()..].fill(along[0]);

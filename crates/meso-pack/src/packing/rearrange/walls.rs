@@ -30,9 +30,10 @@ impl<'a> Walls<'a> {
         Self { container: &*task.container, gap, margin, low, high }
     }
 
-    /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is not
-    /// done yet.
-    pub(super) fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> (Vec3, bool) {
+    /// The centre of a body, of its box, its `turned` vertices about it and the rim around these, moved inside; false where
+    /// that is not done yet.
+    pub(super) fn confine(&self, centre: Vec3, own_box: &(V, V), points: (&[f32], f32), radius: f64) -> (Vec3, bool) {
+        let (turned, gap) = (points.0, self.gap + f64::from(points.1));
         let mut centre = self.boxed_in(centre, own_box);
         if self.container.is_box() || self.container.is_clear(&centre, radius + self.gap) {
             return (centre, true);
@@ -43,8 +44,8 @@ impl<'a> Walls<'a> {
         let body: Vec<Vec3> = (0..x.len()).map(point).collect();
         let own = Points { x, y, z };
         for _ in 0..MOST_STEPS {
-            let inside = self.container.confine(&body, &centre, self.gap);
-            let inside = self.boxed_in(self.clear_of_obstacles(&own, inside, own_box), own_box);
+            let inside = self.container.confine(&body, &centre, gap);
+            let inside = self.boxed_in(self.clear_of_obstacles(&own, inside, own_box, gap), own_box);
             let step = (inside - centre).norm();
             centre = inside;
             if step < SETTLED * self.margin {
@@ -55,7 +56,7 @@ impl<'a> Walls<'a> {
     }
 
     /// The centre after every obstacle near has pushed the body away in turn.
-    fn clear_of_obstacles(&self, own: &Points, mut centre: Vec3, (low, high): &(V, V)) -> Vec3 {
+    fn clear_of_obstacles(&self, own: &Points, mut centre: Vec3, (low, high): &(V, V), gap: f64) -> Vec3 {
         let corner = |v: &V| Vec3::from_fn(|i, _| f64::from(v[i])) + centre;
         let near = Aabb { min: corner(low), max: corner(high) }.grown(self.gap);
         let mut obstacles = self.container.obstacles(&near);
@@ -63,7 +64,7 @@ impl<'a> Walls<'a> {
         // first.
         obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle.points, &centre).to_bits());
         for obstacle in &obstacles {
-            centre += obstacle::push(own, &centre, obstacle, self.gap);
+            centre += obstacle::push(own, &centre, obstacle, gap);
         }
         centre
     }

@@ -3,10 +3,11 @@
 use super::nearby::Nearby;
 use crate::packing::Pose;
 use crate::packing::task::Task;
-use meso_collision::geometry::{CompactPolyhedron, Triangles, convex_hull};
+use meso_collision::geometry::{CompactPolyhedron, Round, Triangles, convex_hull};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::prefetch::prefetch;
+use meso_collision::round_bodies::Other;
 use meso_collision::simd::Wide;
 use meso_concrete::aggregate::Grain;
 
@@ -50,6 +51,8 @@ pub(super) struct Candidate<'a> {
     solid: gjk::Solid,
     /// The surface where a pair may need it: hulls that meet decide nothing where one of the bodies has dents.
     surface: Option<Triangles>,
+    /// The ball or ellipsoid that it is, about its centre.
+    round: Option<Round>,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
@@ -73,7 +76,7 @@ impl<'a> Candidate<'a> {
         let outer = hull.as_ref().unwrap_or(&body);
         let solid = gjk::Solid::new(outer.vertices(), &outer.facets());
         let surface = among_dents.then(|| body.surface());
-        Self { grain, solid, surface, aabb: grain.body.aabb(), vertices: body.into_vertices() }
+        Self { grain, solid, surface, round: body.round(), aabb: grain.body.aabb(), vertices: body.into_vertices() }
     }
 }
 
@@ -147,7 +150,12 @@ impl<'a> Scene<'a> {
             Look::Clear => None,
         };
         let placement = self.task.request.placement;
-        if !self.task.container.holds(&it.vertices, centre, placement.wall_gap_mm) {
+        let (container, wall_gap) = (&self.task.container, placement.wall_gap_mm);
+        let is_inside = match &it.round {
+            Some(round) => container.holds_round(round, centre, wall_gap),
+            None => container.holds(&it.vertices, centre, wall_gap),
+        };
+        if !is_inside {
             return false;
         }
         let gap = placement.min_gap_mm;
@@ -169,6 +177,11 @@ impl<'a> Scene<'a> {
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Scratch) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
         let (offset, gap) = (other_centre - centre, self.task.request.placement.min_gap_mm);
+        if self.task.has_round
+            && let Some(apart) = self.round_apart(it, placed, &offset)
+        {
+            return apart;
+        }
         let hulls_apart =
             gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, (&offset, gap), work.counters);
         // Coordinates on the lattice make the sums exact.
@@ -178,6 +191,28 @@ impl<'a> Scene<'a> {
             has_dents && own.is_apart(&other.widened().translated(&offset).surface(), gap)
         };
         hulls_apart || it.surface.as_ref().is_some_and(surfaces_apart)
+    }
+}
+
+impl Scene<'_> {
+    /// Whether a pair is proved apart, where one of the two is a ball or an ellipsoid.
+    fn round_apart(&self, it: &Candidate, placed: usize, offset: &Vec3) -> Option<bool> {
+        let (other, gap) = (self.body(placed), self.task.request.placement.min_gap_mm);
+        match (&it.round, other.round()) {
+            (Some(round), Some(other)) => Some(round.is_apart(&Other::Round(other.moved(offset)), gap)),
+            (None, Some(round)) => Some(match &it.surface {
+                Some(surface) => round.moved(offset).is_apart(&Other::Surface(surface), gap),
+                None => round.moved(offset).is_apart(&Other::Hull(&it.vertices), gap),
+            }),
+            (Some(round), None) => {
+                let moved = other.widened().translated(offset);
+                Some(match moved.is_convex() {
+                    true => round.is_apart(&Other::Hull(moved.vertices()), gap),
+                    false => round.is_apart(&Other::Surface(&moved.surface()), gap),
+                })
+            }
+            (None, None) => None,
+        }
     }
 }
 

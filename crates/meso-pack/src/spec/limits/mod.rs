@@ -263,6 +263,9 @@ pub(super) fn mean_volume(shape: &Shape) -> f64 {
     if shape.kind == ShapeKind::Library {
         return shape.grains.iter().map(Template::relative_volume).sum::<f64>() / shape.grains.len() as f64;
     }
+    if shape.kind == ShapeKind::Sphere {
+        return std::f64::consts::PI / 6.0;
+    }
     let ellipsoid = mean(&shape.elongation).powi(2) * mean(&shape.flatness) * std::f64::consts::PI / 6.0;
     ellipsoid * shape.kind.mean_hull_over_ellipsoid()
 }
