@@ -142,7 +142,8 @@ def label_image(program, folder, voxels):
 def main():
     quick = "--quick" in sys.argv
     named = [word for word in sys.argv[1:] if word != "--quick"]
-    program = named[0] if named else "mesocrete"
+    beside = Path(sys.executable).with_name("mesocrete")
+    program = named[0] if named else str(beside) if beside.exists() else "mesocrete"
     lines = [HEADER]
     with tempfile.TemporaryDirectory() as folder:
         phases = Path(folder) / "p.toml"
