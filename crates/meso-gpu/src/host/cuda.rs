@@ -240,6 +240,9 @@ impl Host for Cuda {
     }
 
     fn write(&mut self, to: Buffer, at: usize, bytes: &[u8]) -> Result<(), String> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
         self.enter()?;
         // SAFETY: the buffer has room from `at` on, as its maker asked for it.
         let status = unsafe { (self.functions.cuMemcpyHtoD_v2)(to.0 + at as u64, bytes.as_ptr().cast(), bytes.len()) };

@@ -120,18 +120,18 @@ pub struct Rules {
 /// A run as plain data.
 pub struct Upload<'a>(&'a Run<'a>);
 
-/// The action of a support on a node.
+/// A support at a node.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
     /// The node.
     pub node: u32,
     /// Number of the support.
     pub support: u32,
-    /// What the support does.
+    /// Its action.
     pub action: Action,
 }
 
-/// What a support does to a node.
+/// Action of a support on a node.
 #[derive(Clone, Copy, Debug)]
 pub enum Action {
     /// A plate may meet it, this far from it before the test, mm.
