@@ -141,8 +141,8 @@ fn hull_beyond(round: &Round, points: &[Vec3], enough: f64) -> f64 {
     let separation = |n: &Vec3| n.dot(&lowest(n)) - round.reach(n) - ROUNDING * size;
     let nearest =
         |points: &[Vec3]| gjk::closest_points(&[Vec3::zeros()], points).map_or(Vec3::zeros(), |found| found[1]);
-    let unit: Vec<Vec3> = arms.iter().map(|arm| round.to_unit(arm)).collect();
-    let Some(mut n) = round.from_unit_normal(&nearest(&unit)).try_normalize(0.0) else { return f64::NEG_INFINITY };
+    let unit: Vec<Vec3> = arms.iter().map(|arm| round.unit_arm(arm)).collect();
+    let Some(mut n) = round.normal_of_unit(&nearest(&unit)).try_normalize(0.0) else { return f64::NEG_INFINITY };
     let mut best = separation(&n);
     let mut differences = Vec::new();
     for _ in 0..MOST_STEPS {
@@ -276,7 +276,7 @@ mod tests {
             let body = ellipsoid(&mut stream, Vec3::new(3.0, -2.0, 1.0));
             let point = body.centre() + Vec3::from_fn(|_, _| stream.uniform(-3.0, 3.0));
             let nearest = body.nearest(&point);
-            let normal = body.from_unit_normal(&body.to_unit(&(nearest - body.centre()))).normalize();
+            let normal = body.normal_of_unit(&body.unit_arm(&(nearest - body.centre()))).normalize();
             let arm = point - nearest;
             assert!((arm.cross(&normal)).norm() < 1e-6, "the arm is normal to the surface");
             assert!((arm.dot(&normal) - body.height(&point)).abs() < 1e-6);

@@ -142,12 +142,12 @@ impl Round {
     }
 
     /// An arm from the centre where the body is a unit ball.
-    pub(crate) fn to_unit(&self, arm: &Vec3) -> Vec3 {
+    pub(crate) fn unit_arm(&self, arm: &Vec3) -> Vec3 {
         self.inverse * arm
     }
 
     /// The normal of a plane here whose normal is `normal` where the body is a unit ball, of any length.
-    pub(crate) fn from_unit_normal(&self, normal: &Vec3) -> Vec3 {
+    pub(crate) fn normal_of_unit(&self, normal: &Vec3) -> Vec3 {
         self.inverse.tr_mul(normal)
     }
 
@@ -210,7 +210,7 @@ impl Round {
 
     /// The outward unit normal of the scaled copy of the surface that passes through `point`.
     pub fn normal(&self, point: &Vec3) -> Vec3 {
-        let gradient = self.from_unit_normal(&self.to_unit(&(point - self.centre)));
+        let gradient = self.normal_of_unit(&self.unit_arm(&(point - self.centre)));
         gradient.try_normalize(0.0).unwrap_or_else(Vec3::x)
     }
 
