@@ -45,6 +45,7 @@ __all__ = [
     "closest_points",
     "convex_hull",
     "distance",
+    "effective",
     "intersects",
     "intersects_many",
     "load",

@@ -74,13 +74,13 @@ impl File<'_> {
             Some("binary") => values.add_bytes(&self.unpacked(&decoded(inline.as_bytes()))?, kind, self.is_big),
             Some("appended") => {
                 let offset = attribute(tag, "offset").and_then(|text| text.parse().ok()).unwrap_or(0);
-                values.add_bytes(&self.from_appended(offset)?, kind, self.is_big)
+                values.add_bytes(&self.read_appended(offset)?, kind, self.is_big)
             }
             Some(other) => Err(unread(format!("the format `{}`", other.escape_debug()))),
         }
     }
 
-    fn from_appended(&self, offset: usize) -> Result<Vec<u8>, VolumeError> {
+    fn read_appended(&self, offset: usize) -> Result<Vec<u8>, VolumeError> {
         let cut = || VolumeError::Cut("values");
         let start = find(self.appended, b"_").ok_or_else(cut)?;
         let tag = str::from_utf8(&self.appended[..start]).map_err(|_| cut())?;
