@@ -18,22 +18,26 @@ def documented(text: str) -> str:
     from mesocrete import _mesocrete
 
     lines = text.splitlines()
-    edits: list[tuple[int, int, list[str]]] = []
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-            edits += edit(node, getattr(_mesocrete, node.name, None), "    ")
+    module = ast.parse(text).body
+    edits = functions(module, _mesocrete, "    ")
+    for node in module:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            owner = getattr(_mesocrete, node.name, None)
-            before = ""
-            for item in node.body:
-                if isinstance(item, ast.FunctionDef) and not item.name.startswith("_"):
-                    # Of overloads the first has it.
-                    if item.name != before:
-                        edits += edit(item, getattr(owner, item.name, None), "        ")
-                    before = item.name if is_overload(item) else ""
+            edits += functions(node.body, getattr(_mesocrete, node.name, None), "        ")
     for first, last, new in sorted(edits, reverse=True):
         lines[first:last] = new
     return "\n".join(lines) + "\n"
+
+
+def functions(nodes: list[ast.stmt], owner: object, indent: str) -> list[tuple[int, int, list[str]]]:
+    """Return the edits of a module's or a class's public functions. Of overloads the first has the docstring."""
+    edits: list[tuple[int, int, list[str]]] = []
+    before = ""
+    for node in nodes:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            if node.name != before:
+                edits += edit(node, getattr(owner, node.name, None), indent)
+            before = node.name if is_overload(node) else ""
+    return edits
 
 
 def is_overload(node: ast.FunctionDef) -> bool:

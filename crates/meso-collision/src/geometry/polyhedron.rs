@@ -1,4 +1,5 @@
-//! A polyhedron, convex unless it was made of a surface with dents, or a round body with facets: vertices and outward faces, with its exact integrals.
+//! A polyhedron: vertices and outward faces, with its exact integrals. It is convex unless it was made of a surface with
+//! dents, or a round body with facets.
 
 use crate::geometry::exact::predicates::orient3d;
 use crate::geometry::faces::{Face, FaceList, Faces, Form};

@@ -1159,44 +1159,7 @@ def effective(
     axes: Literal["xyz"] = "xyz",
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
-) -> _results.Stiffness:
-    """Effective diffusivity, conductivity or stiffness of a label volume, with its error.
-
-    Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
-    volume of every second voxel, since labels have errors of first order.
-
-    Parameters
-    ----------
-    labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
-        One integer a phase, at most 256.
-    what : {"diffusivity", "conductivity", "stiffness"}
-        The property.
-    voxel_size : float or sequence of three float
-        Edge of a voxel, mm; three are along x, y, z.
-    phases : mapping, optional
-        Values by label, as in `{0: 1.0, 1: 0.0}`; for stiffness, each label has a mapping of `youngs_modulus_mpa`,
-        `poisson_ratio`, `eigenstrain`. Without, labels are those of `Packing.voxelize`, with its phases' defaults.
-    eigenstrain : mapping, optional
-        Strains without stress by label, for stiffness.
-    axes : str
-        Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
-    periodic : str
-        Axes along which the volume repeats itself; along others both faces have given values.
-    progress : bool or callable, optional
-        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
-
-    Returns
-    -------
-    dict
-        See `Packing.effective`; names of phases are their labels.
-
-    Raises
-    ------
-    ValueError, TypeError
-        Names the option, its value and the accepted range; a label without a value.
-    RuntimeError
-        Where the equations do not converge.
-    """
+) -> _results.Stiffness: ...
 
 def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -> Packing:
     """Reads a saved model.
