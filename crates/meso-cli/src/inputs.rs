@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::stderr;
-use meso_core::import::volume::{self, Volume};
+use meso_core::import::volume::{self, LabelNumber, Volume};
 use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
 use meso_files::{Beside, missing_recipe};
@@ -85,7 +85,7 @@ pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
 const LONGEST_VOLUME: u64 = 8 << 30;
 
 /// Reads a label volume.
-pub(crate) fn volume(path: &Path) -> Result<Volume, Failure> {
+pub(crate) fn volume<N: LabelNumber>(path: &Path) -> Result<Volume<N>, Failure> {
     let bytes = read(path, LONGEST_VOLUME, "a label volume")?;
     volume::read(&path.to_string_lossy(), &bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }

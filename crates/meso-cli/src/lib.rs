@@ -72,6 +72,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
         Command::Image(args) => commands::image::run(&args),
+        Command::Import(args) => commands::import::run(&args),
         Command::Effective(args) => commands::effective::run(&args),
         Command::Init(args) => commands::init::run(&args),
         Command::Schema(args) => commands::schema::run(&args),

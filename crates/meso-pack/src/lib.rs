@@ -8,6 +8,7 @@
 
 pub mod check;
 mod distinct;
+pub mod labelled;
 pub mod model;
 pub mod packing;
 pub mod recipes;

@@ -4,6 +4,7 @@ use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
+use meso_core::import::volume::{self, Volume};
 use meso_core::mesh::{CellKind, Mesh, MeshTable, Purpose, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
@@ -24,6 +25,16 @@ use std::sync::Arc;
 pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
     let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
     saved::read_while(&bytes, watch).map_err(|error| wrong_value(format!("{}: {error}", path.display())))
+}
+
+/// Reads a label volume.
+///
+/// # Errors
+/// `OSError` where the file cannot be read, `ValueError` with its name where it is no label volume.
+pub(crate) fn volume(path: &Path) -> PyResult<Volume<u16>> {
+    let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
+    let volume = volume::read(&path.to_string_lossy(), &bytes);
+    volume.map_err(|error| wrong_value(format!("{}: {error}", path.display())))
 }
 
 /// Bytes that are read at a time: about a millisecond's worth.

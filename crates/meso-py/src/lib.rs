@@ -36,7 +36,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::mesh::{PyMesh, restore_mesh};
     #[pymodule_export]
-    use super::packing::{PyAggregates, PyPacking, load, of_labels, pack, restore_packing};
+    use super::packing::{PyAggregates, PyPacking, from_labels, load, of_labels, pack, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

@@ -60,6 +60,13 @@ Examples:
   mesocrete image model.json -o ids.npy --what grain
   mesocrete image model.json -o cut.png --section z=75";
 
+pub(super) const IMPORT: &str = "\
+Examples:
+  mesocrete import scan.tif --voxel-size-mm 0.1              0 is mortar, every other label a grain or a phase
+  mesocrete import phases.npy --aggregate 0,1 -o model.json  core and ITZ are the aggregates' phase
+  mesocrete import ids.vti --mortar=-1 -o model.json         ids as mesocrete's own images have them
+  mesocrete mesh model.json -o model.inp --element-size-mm 1";
+
 pub(super) const EFFECTIVE: &str = "\
 Examples:
   mesocrete effective model.json -o out                      diffusivity, impermeable aggregates

@@ -8,6 +8,7 @@ pub(crate) mod effective;
 mod examples;
 pub(crate) mod fit;
 pub(crate) mod image;
+pub(crate) mod import;
 pub(crate) mod init;
 pub(crate) mod mesh;
 mod meshing;
@@ -72,6 +73,9 @@ pub(crate) enum Command {
     /// Write a saved model in another format
     #[command(after_help = examples::CONVERT)]
     Convert(convert::Args),
+    /// Turn a label volume, one integer a grain or a phase, into a saved model
+    #[command(after_help = examples::IMPORT)]
+    Import(import::Args),
     /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
     #[command(after_help = examples::IMAGE)]
     Image(image::Args),
@@ -105,6 +109,7 @@ impl Command {
             Self::Convert(args) => args.validate(),
             Self::Report(args) => args.validate(),
             Self::Image(args) => args.validate(),
+            Self::Import(args) => args.validate(),
             _ => Ok(()),
         }
     }

@@ -44,6 +44,12 @@ impl TriangleMesh {
         first.reduced_within((1.0 - FIRST_STEP) * distance, true)
     }
 
+    /// The surface with all edges collapsed whose root mean square quadric error is at most `limit` mm: a few times faster
+    /// than [`reduced`](Self::reduced), and nothing is proved.
+    pub fn simplified(&self, limit: f64) -> Self {
+        Reduction::new(self).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
+    }
+
     fn reduced_within(&self, distance: f64, is_last: bool) -> Result<Self, NotReduced> {
         let given = facets(self);
         let stages = Reduction::new(self).stages(&LIMITS.map(|limit| limit * distance));

@@ -9,7 +9,7 @@ use crate::stop;
 use meso_collision::geometry::{HullError, Round, convex_hull};
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
-pub(crate) const ITZ_LIMIT: f64 = 0.5;
+pub const ITZ_LIMIT: f64 = 0.5;
 
 /// The parts of a spec that the take needs.
 #[derive(Clone, Copy)]

@@ -5,6 +5,7 @@
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
 mod columns;
+pub mod grains;
 pub mod harmonics;
 mod mend;
 mod obj;

@@ -45,6 +45,8 @@ const NOT_CHECKED: [&str; 4] = [
     "the counters in work",
     "which of the versions up to this one wrote the file",
 ];
+/// Where the grains are a label volume's.
+const NOT_CHECKED_OF_LABELS: &str = "that the bodies are the label volume's: import it again and compare";
 /// Where a time limit or the user ended the run.
 const NOT_CHECKED_IF_STOPPED: &str = "how many grains were made and discarded before the stop";
 /// Where the spec makes far more grains than the file accounts for.
@@ -201,6 +203,9 @@ pub fn check(model: &Model) -> Check {
 }
 
 fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
+    if model.report.labels.is_some() {
+        return vec![NOT_CHECKED_OF_LABELS, NOT_CHECKED[3]];
+    }
     let stopped = taken::was_stopped(model).then_some(NOT_CHECKED_IF_STOPPED);
     let too_many = (!made_again).then_some(NOT_CHECKED_IF_TOO_MANY);
     NOT_CHECKED.into_iter().chain(stopped).chain(too_many).collect()

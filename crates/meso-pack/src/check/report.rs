@@ -25,6 +25,11 @@ pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
         differences("", &plain(report), &plain(&right), &mut reasons);
         reasons.extend(stopped(model, taken, &right));
     }
+    if let Some(labels) = &report.labels {
+        differences("", &plain(report), &plain(&of_labels(model)), &mut reasons);
+        let (said, found) = (labels.labels.len(), model.aggregates.len());
+        reasons.extend((said != found).then(|| format!("labels.labels has {said} labels for {found} aggregates")));
+    }
     reasons.into_iter().map(wrong).collect()
 }
 
@@ -43,6 +48,15 @@ fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     }
     let (strategy, stop_detail) = (said.strategy.clone(), said.stop_detail.clone());
     Report { strategy, stop_detail, discarded: said.discarded, ..right }
+}
+
+/// The report of a label volume's model as it must be; how it was made is taken from the file.
+fn of_labels(model: &Model) -> Report {
+    let said = model.report.clone();
+    let right = Report::of_bodies(&target(&model.spec), &model.aggregates, &model.inclusions);
+    let grading = model.spec.grading.describe();
+    let Report { version, strategy, itz_limited, labels, stop_detail, seconds, work, .. } = said;
+    Report { version, grading, strategy, itz_limited, labels, stop_detail, seconds, work, ..right }
 }
 
 /// Checks the report of a run that was stopped.

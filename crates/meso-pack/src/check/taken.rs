@@ -21,8 +21,11 @@ pub(super) struct Taken {
 
 /// Grains that the spec gives, and those found among the bodies.
 ///
-/// Nothing taken where making the grains would take far longer than the file is long.
+/// Nothing taken where the grains are a label volume's, or making them would take far longer than the file is long.
 pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Taken>, Vec<Finding>) {
+    if model.report.labels.is_some() {
+        return (None, Vec::new());
+    }
     let accounted = model.aggregates.len().saturating_add(model.report.discarded);
     let made = model.spec.estimated_aggregates();
     if made > MOST_MADE * accounted as f64 + FEW {

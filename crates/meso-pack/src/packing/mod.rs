@@ -18,8 +18,8 @@ use meso_concrete::specimen::{Largest, Specimen};
 use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
 pub(crate) use place::place;
-pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
-pub(crate) use report::{NOT_RECORDED, report};
+pub(crate) use report::report;
+pub use report::{ClassReport, LabelReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.

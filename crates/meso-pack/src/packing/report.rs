@@ -35,6 +35,9 @@ pub struct Report {
     pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
+    /// The label volume that the aggregates come from, where they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<LabelReport>,
     /// Why the placement ended.
     pub stop_reason: StopReason,
     /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
@@ -45,6 +48,28 @@ pub struct Report {
     /// Counters of each stage.
     #[serde(default)]
     pub work: Work,
+}
+
+/// A label volume whose grains the aggregates are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LabelReport {
+    /// Voxels along x, y, z.
+    pub voxels: [usize; 3],
+    /// Edges of a voxel along x, y, z, mm.
+    pub voxel_size_mm: [f64; 3],
+    /// Share of the voxels that the aggregates had, to compare with their fraction.
+    pub fraction: f64,
+    /// Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured.
+    pub farthest_mm: f64,
+    /// Pairs of grains that share a face in the labels, and are apart in the model.
+    pub parted_pairs: usize,
+    /// Grains dropped as too small.
+    pub dropped: usize,
+    /// Share of the voxels that they had.
+    pub dropped_fraction: f64,
+    /// Label of every aggregate, by id.
+    pub labels: Vec<i64>,
 }
 
 /// Kind and volume of the specimen.
@@ -199,6 +224,7 @@ pub(crate) fn report(
         grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
         itz_limited: tally.itz_limited.clone(),
+        labels: None,
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
         } else {
@@ -216,6 +242,33 @@ pub(crate) fn report(
 pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
 
 impl Report {
+    /// The figures that follow from the bodies of a model; others are not recorded.
+    pub(crate) fn of_bodies(target: &Target, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Self {
+        let volume = target.specimen.volume();
+        let classes = ClassReport::all(target.grading, target.fraction, aggregates, volume);
+        let fraction = classes.iter().map(|class| class.fraction).sum();
+        let reached = fraction >= target.fraction - 0.001;
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: target.seed,
+            target_fraction: target.fraction,
+            fraction,
+            aggregates: aggregates.len(),
+            discarded: 0,
+            specimen: SpecimenReport::new(target.specimen),
+            grading: NOT_RECORDED.to_owned(),
+            strategy: NOT_RECORDED.to_owned(),
+            classes,
+            phases: PhaseReport::all(&target.inclusions, inclusions, volume),
+            itz_limited: Vec::new(),
+            labels: None,
+            stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
+            stop_detail: NOT_RECORDED.to_owned(),
+            seconds: Seconds::default(),
+            work: Work::default(),
+        }
+    }
+
     /// False where a saved model brought no report, and this one was computed from its bodies.
     pub fn is_recorded(&self) -> bool {
         self.strategy != NOT_RECORDED

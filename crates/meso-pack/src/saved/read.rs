@@ -5,8 +5,8 @@
 use super::polygons::Polygons;
 use super::{VERSION, gzip, seal};
 use crate::distinct;
-use crate::model::Model;
-use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+use crate::model::{Model, target};
+use crate::packing::Report;
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
@@ -153,7 +153,7 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
     let report = match file.report {
         Some(report) => accept_report(report, &spec, aggregates.len())?,
-        None => figures(&spec, &aggregates, &inclusions),
+        None => Report::of_bodies(&target(&spec), &aggregates, &inclusions),
     };
     Ok(Model { spec, aggregates, inclusions, report })
 }
@@ -329,31 +329,5 @@ fn closed_surface(vertices: usize, faces: &Polygons) -> Result<(), String> {
             Err(format!("the edge {from}-{to} has a face on one side only; the surface must be closed"))
         }
         None => Ok(()),
-    }
-}
-
-/// The report of a file without one, computed from its aggregates.
-fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Report {
-    let volume = spec.specimen.volume();
-    let classes = ClassReport::all(&spec.grading, spec.fraction, aggregates, volume);
-    let fraction = classes.iter().map(|class| class.fraction).sum();
-    let reached = fraction >= spec.fraction - 0.001;
-    Report {
-        version: VERSION.to_owned(),
-        seed: spec.seed,
-        target_fraction: spec.fraction,
-        fraction,
-        aggregates: aggregates.len(),
-        discarded: 0,
-        specimen: SpecimenReport::new(&spec.specimen),
-        grading: NOT_RECORDED.to_owned(),
-        strategy: NOT_RECORDED.to_owned(),
-        classes,
-        phases: PhaseReport::all(&spec.inclusions(), inclusions, volume),
-        itz_limited: Vec::new(),
-        stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
-        stop_detail: NOT_RECORDED.to_owned(),
-        seconds: Seconds::default(),
-        work: Work::default(),
     }
 }

@@ -46,6 +46,7 @@ __all__ = [
     "convex_hull",
     "distance",
     "effective",
+    "from_labels",
     "intersects",
     "intersects_many",
     "load",
@@ -1160,6 +1161,60 @@ def effective(
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
 ) -> _results.Stiffness: ...
+
+def from_labels(
+    labels: ArrayLike | _Path,
+    voxel_size: float | Sequence[float] | None = None,
+    *,
+    mortar: Sequence[int] = (0,),
+    aggregate: Sequence[int] = (),
+    least_voxels: int = 64,
+    itz_thickness: float = 0.0,
+    tolerance: float = 0.2,
+    smoothing: float = 1.0,
+    step: float = 2.0,
+    progress: bool | Callable[..., object] | None = None,
+) -> Packing:
+    """The grains of a label volume, as a CT scan leaves them after segmentation, as a packing in a box.
+
+    Every connected part of a label is a grain: a smooth closed surface with the volume of its voxels, apart from all
+    others. Grains that the volume's faces cut end at the box.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (nz, ny, nx), or path-like
+        One integer a grain or a phase; or a file (.tif, .npy, .vti).
+    voxel_size : float or sequence of three float, optional
+        Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
+    mortar : sequence of int
+        Labels of the mortar. Ids of `Packing.voxelize` take (-1,).
+    aggregate : sequence of int
+        Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
+    least_voxels : int
+        Smaller grains are mortar.
+    itz_thickness : float
+        Thickness of the ITZ of every grain, mm.
+    tolerance : float
+        Root mean square error of merged triangles, in voxels.
+    smoothing : float
+        Width of the blur that smooths surfaces, in voxels.
+    step : float
+        Distance of the points between which a surface is found, in voxels.
+    progress : bool or callable, optional
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+
+    Returns
+    -------
+    Packing
+        `report()["labels"]` has the label of every aggregate, and how far surfaces are from the voxels.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Names the option, its value and the accepted range; a volume without grains, or with one that fills it.
+    OSError
+        Where the file cannot be read.
+    """
 
 def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -> Packing:
     """Reads a saved model.

@@ -5,7 +5,7 @@ use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
 use meso_core::Watch;
-use meso_core::import::volume::Volume;
+use meso_core::import::volume::{LabelNumber, Volume};
 use meso_core::watch::Stage;
 use meso_core::{Model, spec};
 use meso_effective::{
@@ -231,7 +231,7 @@ fn by_text<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 }
 
 /// Edges of a voxel along x, y, z, mm.
-fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
+pub(super) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
     let Some(given) = given else { return Ok([1.0; 3]) };
     let spacing = given.extract().map(|h: f64| [h; 3]).or_else(|_| given.extract::<[f64; 3]>());
     let spacing = spacing.map_err(|_| wrong_type(format!("voxel_size is {given}; it must be a number or three")))?;
@@ -242,7 +242,7 @@ fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
 }
 
 /// The label volume that an array is.
-fn volume(labels: &Bound<'_, PyAny>) -> PyResult<Volume> {
+pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volume<N>> {
     let numpy = labels.py().import("numpy")?;
     let array = numpy.call_method1("asarray", (labels,))?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;

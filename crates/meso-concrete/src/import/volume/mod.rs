@@ -12,12 +12,15 @@ use std::collections::BTreeMap;
 
 /// Endings of the names of files that are read, in lower case.
 pub const ENDINGS: [&str; 4] = ["tif", "tiff", "npy", "vti"];
-/// Most labels; grey values have more.
-const MOST: usize = 256;
+/// Numbers of labels: `u8` where labels are phases, `u16` where they are grains.
+pub trait LabelNumber: Copy + Default + Into<usize> + TryFrom<usize> {}
+
+impl LabelNumber for u8 {}
+impl LabelNumber for u16 {}
 
 /// A label at every voxel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Volume {
+pub struct Volume<N = u8> {
     /// Voxels along x, y, z.
     pub counts: [usize; 3],
     /// Edges of a voxel along x, y, z, mm; `None` if the file does not say.
@@ -25,7 +28,7 @@ pub struct Volume {
     /// The labels that occur, ascending.
     pub labels: Vec<i64>,
     /// Index into [`labels`](Self::labels) of every voxel, x fastest.
-    pub of: Vec<u8>,
+    pub of: Vec<N>,
 }
 
 /// Why bytes are no label volume.
@@ -62,16 +65,19 @@ pub enum VolumeError {
         /// The value as text.
         value: String,
     },
-    /// More labels than phases could be.
-    #[error("it has more than {MOST} labels; segment the image first, one label a phase")]
-    Many,
+    /// More labels than phases or grains could be.
+    #[error("it has more than {most} labels; segment the image first, one label a phase or a grain")]
+    Many {
+        /// Most labels that are read; grey values have more.
+        most: usize,
+    },
 }
 
 /// Reads the label volume in `bytes`; the ending of `name` decides the format.
 ///
 /// # Errors
 /// See [`VolumeError`].
-pub fn read(name: &str, bytes: &[u8]) -> Result<Volume, VolumeError> {
+pub fn read<N: LabelNumber>(name: &str, bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     match ending(name).as_deref() {
         Some("tif" | "tiff") => tif::read(bytes),
         Some("npy") => npy::read(bytes),
@@ -80,7 +86,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Volume, VolumeError> {
     }
 }
 
-impl Volume {
+impl<N: LabelNumber> Volume<N> {
     /// A volume from its labels, x fastest.
     ///
     /// # Errors
@@ -98,14 +104,14 @@ impl Volume {
 
 /// Labels as they are read, numbered in the order of their first voxel.
 #[derive(Default)]
-struct Values {
-    numbers: BTreeMap<i64, u8>,
+struct Values<N> {
+    numbers: BTreeMap<i64, N>,
     /// The label before, and its number.
-    last: Option<(i64, u8)>,
-    of: Vec<u8>,
+    last: Option<(i64, N)>,
+    of: Vec<N>,
 }
 
-impl Values {
+impl<N: LabelNumber> Values<N> {
     fn add(&mut self, label: i64) -> Result<(), VolumeError> {
         let number = match self.last {
             Some((last, number)) if last == label => number,
@@ -116,11 +122,12 @@ impl Values {
         Ok(())
     }
 
-    fn number(&mut self, label: i64) -> Result<u8, VolumeError> {
+    fn number(&mut self, label: i64) -> Result<N, VolumeError> {
         if let Some(number) = self.numbers.get(&label) {
             return Ok(*number);
         }
-        let number = u8::try_from(self.numbers.len()).map_err(|_| VolumeError::Many)?;
+        let most = self.numbers.len();
+        let number = N::try_from(most).map_err(|_| VolumeError::Many { most })?;
         self.numbers.insert(label, number);
         Ok(number)
     }
@@ -160,17 +167,19 @@ impl Values {
         self.add(label)
     }
 
-    fn volume(self, counts: [usize; 3], spacing_mm: Option<[f64; 3]>) -> Result<Volume, VolumeError> {
+    fn volume(self, counts: [usize; 3], spacing_mm: Option<[f64; 3]>) -> Result<Volume<N>, VolumeError> {
         if self.of.is_empty() {
             return Err(VolumeError::Empty);
         }
         if voxels(counts) != Some(self.of.len()) {
             return Err(VolumeError::Cut("values"));
         }
-        let mut places = [0; MOST];
-        self.numbers.values().enumerate().for_each(|(place, number)| places[usize::from(*number)] = place as u8);
+        let mut places = vec![N::default(); self.numbers.len()];
+        for (place, number) in self.numbers.values().enumerate() {
+            places[(*number).into()] = N::try_from(place).unwrap_or_default();
+        }
         let mut of = self.of;
-        of.iter_mut().for_each(|number| *number = places[usize::from(*number)]);
+        of.iter_mut().for_each(|number| *number = places[(*number).into()]);
         let is_length = |h: &f64| h.is_finite() && *h > 0.0;
         let spacing_mm = spacing_mm.filter(|spacing| spacing.iter().all(is_length));
         Ok(Volume { counts, spacing_mm, labels: self.numbers.into_keys().collect(), of })

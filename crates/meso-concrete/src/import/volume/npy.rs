@@ -1,11 +1,11 @@
 //! Arrays of numpy (`.npy`), two or three axes, any byte order.
 
-use super::{Kind, Number, Values, Volume, VolumeError, voxels};
+use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError, voxels};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 const FIX: &str = "save integers with two or three axes, as in numpy.save(\"labels.npy\", labels.astype(\"uint8\"))";
 
-pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
+pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(VolumeError::Begin("a file of numpy.save"))?;
     let cut = || VolumeError::Cut("header");
     // Two bytes of version, then the header's length in 2 bytes, or in 4 from version 2 on.
@@ -18,7 +18,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
     values(header, &rest[start + length..])
 }
 
-fn values(header: &str, data: &[u8]) -> Result<Volume, VolumeError> {
+fn values<N: LabelNumber>(header: &str, data: &[u8]) -> Result<Volume<N>, VolumeError> {
     let kind = entry(header, "descr").ok_or(VolumeError::Missing("descr"))?;
     let kind = kind.split('\'').nth(1).unwrap_or(kind);
     let unread = |found: String| VolumeError::Unread { found, fix: FIX };

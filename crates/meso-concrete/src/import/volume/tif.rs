@@ -3,7 +3,7 @@
 //! The spacing is ImageJ's: pixels per unit along x and y, and the distance of slices and the unit in the description. The
 //! resolution of other programs is that of a printer, so it is ignored.
 
-use super::{Values, Volume, VolumeError};
+use super::{LabelNumber, Values, Volume, VolumeError};
 use std::io::Cursor;
 use tiff::TiffError;
 use tiff::decoder::ifd::Value;
@@ -12,7 +12,7 @@ use tiff::tags::Tag;
 
 const FIX: &str = "save one grey page for every layer, without compression";
 
-pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
+pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(fault)?;
     let (width, height) = decoder.dimensions().map_err(fault)?;
     let about = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
@@ -36,7 +36,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
     values.volume([width as usize, height as usize, pages], spacing_mm)
 }
 
-fn page(decoder: &mut Decoder<Cursor<&[u8]>>, pixels: usize, values: &mut Values) -> Result<(), VolumeError> {
+fn page<N: LabelNumber>(
+    decoder: &mut Decoder<Cursor<&[u8]>>,
+    pixels: usize,
+    values: &mut Values<N>,
+) -> Result<(), VolumeError> {
     let before = values.of.len();
     match decoder.read_image().map_err(fault)? {
         DecodingResult::U8(page) => page.into_iter().try_for_each(|value| values.add(value.into())),

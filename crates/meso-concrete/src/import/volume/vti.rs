@@ -2,14 +2,14 @@
 //!
 //! Values are text, base64 or appended as they come, and may be compressed by zlib in blocks.
 
-use super::{Kind, Number, Values, Volume, VolumeError};
+use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 const FIX: &str = "write it by ParaView's or PyVista's own writer";
 const NO_IMAGE: VolumeError = VolumeError::Begin("VTK image data");
 
-pub(super) fn read(bytes: &[u8]) -> Result<Volume, VolumeError> {
+pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     let end = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
     let head = str::from_utf8(&bytes[..end]).map_err(|_| NO_IMAGE)?;
     let file = tag(head, "VTKFile").ok_or(NO_IMAGE)?;
@@ -61,7 +61,7 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn read(&self, (tag, text): Array<'_>, values: &mut Values) -> Result<(), VolumeError> {
+    fn read<N: LabelNumber>(&self, (tag, text): Array<'_>, values: &mut Values<N>) -> Result<(), VolumeError> {
         let name = attribute(tag, "type").ok_or(VolumeError::Missing("type of an array"))?;
         let unread = |found: String| VolumeError::Unread { found, fix: FIX };
         let kind = kind_of(name).ok_or_else(|| unread(format!("the type `{}`", name.escape_debug())))?;

@@ -1,0 +1,67 @@
+//! The work of `mesocrete import`: a label volume becomes a saved model.
+
+use super::flags::Args;
+use crate::failure::Failure;
+use crate::outputs::{self, Unit};
+use crate::progress::Watch;
+use crate::{inputs, room, stderr};
+use meso_concrete::thousands;
+use meso_core::Model;
+use meso_core::formats::SurfaceOptions;
+use meso_core::labelled::{LabelOptions, of_labels};
+use meso_core::packing::LabelReport;
+use meso_core::watch::Stage;
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    args.threads.run(|| on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    args.validate()?;
+    let (options, plan) = (args.options()?, args.plan()?);
+    outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.volume])?;
+    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Take, 1.0)]);
+    let volume = inputs::volume(&args.volume)?;
+    room::accept_image("the grains of the volume", LabelOptions::bytes(volume.counts))?;
+    let spacing = options.voxel_size_mm.or(volume.spacing_mm);
+    let model = of_labels(&volume, &options, &watch);
+    watch.finish();
+    let model = model.map_err(|error| Failure::Run(format!("{}: {error}", args.volume.display())))?;
+    drop(volume);
+    let mut unit = Unit::default();
+    for (target, format) in &plan {
+        unit.fill(target, args.writing.force, |out| format.write(&model, SurfaceOptions::default(), out))?;
+    }
+    unit.commit()?;
+    if spacing.is_none() {
+        stderr::line("warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets it");
+    }
+    if let Some(labels) = model.report.labels.as_ref().filter(|_| !args.writing.quiet) {
+        print(&model, labels);
+        plan.iter()
+            .filter_map(|(target, _)| target.file())
+            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+    }
+    Ok(0)
+}
+
+fn print(model: &Model, labels: &LabelReport) {
+    let report = &model.report;
+    let triangles: usize = model.aggregates.iter().map(|aggregate| aggregate.body.triangles().count()).sum();
+    stderr::line(format!(
+        "{} grains of {} triangles: fraction {:.5}, {:.5} in the labels; surfaces are up to {:.3} mm from the voxels' faces",
+        thousands(report.aggregates),
+        thousands(triangles),
+        report.fraction,
+        labels.fraction,
+        labels.farthest_mm
+    ));
+    if labels.parted_pairs > 0 {
+        stderr::line(format!("{} pairs of grains that touch in the labels are apart", thousands(labels.parted_pairs)));
+    }
+    if labels.dropped > 0 {
+        let percent = 100.0 * labels.dropped_fraction;
+        let dropped = thousands(labels.dropped);
+        stderr::line(format!("{dropped} grains are too small, {percent:.3} % of the voxels; they are mortar"));
+    }
+}

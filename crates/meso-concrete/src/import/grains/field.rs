@@ -1,0 +1,166 @@
+//! Two smooth fields about a grain: its own share, and how far that exceeds the share of its neighbours.
+//!
+//! Shares are indicators of voxels, blurred by a Gaussian of one width for all grains. So the shares of all grains sum to 1 at
+//! most. Where a grain's share exceeds that of all others by a margin, no other grain's does. Beyond the walls the volume is
+//! mirrored, so that surfaces meet walls at right angles.
+
+use super::labelled::LabelledGrains;
+
+/// Nodes of the fields in the whole volume.
+pub(super) struct Lattice {
+    counts: [usize; 3],
+    /// For each axis and node the first voxel, which may lie beyond a wall, and the weights of it and the next ones.
+    weights: [Vec<(isize, Vec<f32>)>; 3],
+    voxels: [usize; 3],
+    /// Voxels that a kernel reaches.
+    reach: usize,
+}
+
+/// The fields at a box of nodes, x fastest.
+pub(super) struct Field {
+    /// First node along x, y, z.
+    pub(super) from: [usize; 3],
+    counts: [usize; 3],
+    /// Share of the grain.
+    own: Vec<f32>,
+    /// Share of the grain less that of all others.
+    lead: Vec<f32>,
+}
+
+impl Field {
+    /// Positive where the grain's share exceeds `level`, and that of all others by `margin`. One node is added on each side,
+    /// with minus the size of its neighbour.
+    pub(super) fn values(&self, level: f32, margin: f32) -> ([usize; 3], Vec<f32>) {
+        let [nx, ny, nz] = self.counts;
+        let counts = self.counts.map(|count| count + 2);
+        let mut values = Vec::with_capacity(counts.iter().product());
+        for (y, z) in (0..counts[2]).flat_map(|z| (0..counts[1]).map(move |y| (y, z))) {
+            let inner = |node: usize, count: usize| node.clamp(1, count) - 1;
+            let row = (inner(z, nz) * ny + inner(y, ny)) * nx;
+            let is_outer = y == 0 || z == 0 || y > ny || z > nz;
+            values.extend((0..nx + 2).map(|x| {
+                let node = row + inner(x, nx);
+                let value = (self.own[node] - level).min(self.lead[node] - margin);
+                if is_outer || x == 0 || x > nx { -value.abs() } else { value }
+            }));
+        }
+        (counts, values)
+    }
+}
+
+/// Standard deviations that a kernel reaches.
+const REACH: f64 = 3.0;
+
+impl Lattice {
+    /// Nodes some `step` voxels apart, for a blur of `width` voxels.
+    pub(super) fn new(voxels: [usize; 3], step: f64, width: f64) -> Self {
+        let reach = (REACH * width).ceil() as usize;
+        let counts = voxels.map(|count| (count as f64 / step).ceil() as usize);
+        let axis = |axis: usize| {
+            let spacing = voxels[axis] as f64 / counts[axis] as f64;
+            (0..counts[axis]).map(|node| kernel((node as f64 + 0.5) * spacing, width, reach)).collect()
+        };
+        Self { counts, weights: [axis(0), axis(1), axis(2)], voxels, reach }
+    }
+
+    /// Edges of the lattice's cells in voxels.
+    pub(super) fn spacing(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.voxels[axis] as f64 / self.counts[axis] as f64)
+    }
+
+    /// The fields around a grain, by its number from 1.
+    pub(super) fn field(&self, parts: &LabelledGrains, number: u32) -> Field {
+        let part = &parts.grains[number as usize - 1];
+        let spacing = self.spacing();
+        let pad = |axis: usize| self.reach as f64 / spacing[axis] + 2.0;
+        let from = [0, 1, 2].map(|axis| (part.from[axis] as f64 / spacing[axis] - pad(axis)).max(0.0) as usize);
+        let to = [0, 1, 2]
+            .map(|axis| ((part.to[axis] as f64 / spacing[axis] + pad(axis)).ceil() as usize).min(self.counts[axis]));
+        let counts = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let own = self.blurred(parts, from, counts, |voxel| voxel == number);
+        let others = self.blurred(parts, from, counts, |voxel| voxel > 0 && voxel != number);
+        let lead = own.iter().zip(&others).map(|(own, others)| own - others).collect();
+        Field { from, counts, own, lead }
+    }
+
+    /// The blurred indicator of some voxels: along x, then y, then z.
+    fn blurred(
+        &self,
+        parts: &LabelledGrains,
+        from: [usize; 3],
+        counts: [usize; 3],
+        is_in: impl Fn(u32) -> bool,
+    ) -> Vec<f32> {
+        let [nx, ny, nz] = counts;
+        let [ys, zs] = [1, 2].map(|axis| self.span(axis, from[axis], counts[axis]));
+        let rows = ys[1] - ys[0];
+        let mut along_x = vec![0.0; nx * rows * (zs[1] - zs[0])];
+        let mut row = vec![0.0; 0];
+        for (line, out) in along_x.chunks_exact_mut(nx).enumerate() {
+            let (y, z) = (ys[0] + line % rows, zs[0] + line / rows);
+            let [first, last] = self.span(0, from[0], nx);
+            let start = (z * self.voxels[1] + y) * self.voxels[0];
+            let voxels = &parts.of[start + first..start + last];
+            if !voxels.iter().any(|&voxel| is_in(voxel)) {
+                continue;
+            }
+            row.clear();
+            row.extend(voxels.iter().map(|&voxel| f32::from(u8::from(is_in(voxel)))));
+            for (node, out) in out.iter_mut().enumerate() {
+                let (start, weights) = &self.weights[0][from[0] + node];
+                let at = |k: usize| row[mirrored(start + k as isize, self.voxels[0]) - first];
+                *out = weights.iter().enumerate().map(|(k, weight)| weight * at(k)).sum();
+            }
+        }
+        let mut along_y = vec![0.0; nx * ny * (zs[1] - zs[0])];
+        for (line, out) in along_y.chunks_exact_mut(nx).enumerate() {
+            let (node, z) = (line % ny, line / ny);
+            let plane = &along_x[z * nx * rows..][..nx * rows];
+            self.sum(1, from[1] + node, |y| &plane[(y - ys[0]) * nx..][..nx], out);
+        }
+        let mut along_z = vec![0.0; nx * ny * nz];
+        for (node, out) in along_z.chunks_exact_mut(nx * ny).enumerate() {
+            self.sum(2, from[2] + node, |z| &along_y[(z - zs[0]) * nx * ny..][..nx * ny], out);
+        }
+        along_z
+    }
+
+    /// Adds the rows of an axis that a node sees to `out`, by their weights.
+    fn sum<'a>(&self, axis: usize, node: usize, row: impl Fn(usize) -> &'a [f32], out: &mut [f32]) {
+        let (start, weights) = &self.weights[axis][node];
+        for (k, weight) in (0..).zip(weights) {
+            let row = row(mirrored(start + k, self.voxels[axis]));
+            out.iter_mut().zip(row).for_each(|(out, value)| *out += weight * value);
+        }
+    }
+
+    /// The voxels that some nodes of an axis see.
+    fn span(&self, axis: usize, from: usize, count: usize) -> [usize; 2] {
+        let seen = |node: usize| {
+            let (start, weights) = &self.weights[axis][node];
+            (0..weights.len() as isize).map(move |k| mirrored(start + k, self.voxels[axis]))
+        };
+        let (first, last) = (from, from + count - 1);
+        let ends = || seen(first).chain(seen(last));
+        [ends().min().unwrap_or(0), ends().max().unwrap_or(0) + 1]
+    }
+}
+
+/// Weights of the voxels about `x`, which sum to 1.
+fn kernel(x: f64, width: f64, reach: usize) -> (isize, Vec<f32>) {
+    let start = x.floor() as isize - reach as isize;
+    let weight = |k: usize| {
+        let away = (start as f64 + k as f64 + 0.5 - x) / width;
+        libm::exp(-0.5 * away * away)
+    };
+    let weights: Vec<f64> = (0..=2 * reach).map(weight).collect();
+    let sum: f64 = weights.iter().sum();
+    (start, weights.iter().map(|weight| (weight / sum) as f32).collect())
+}
+
+/// The voxel that a position beyond a wall mirrors.
+fn mirrored(voxel: isize, count: usize) -> usize {
+    let period = 2 * count as isize;
+    let within = voxel.rem_euclid(period);
+    within.min(period - 1 - within) as usize
+}

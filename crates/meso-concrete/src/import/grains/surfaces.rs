@@ -1,0 +1,305 @@
+//! A closed surface for every grain of a label volume: smooth, of the volume of its voxels, and apart from all others.
+//!
+//! 1. A grain is where its blurred share exceeds a level, and the blurred share of all other grains by a margin. So grains
+//!    that touch in the labels part by a stated gap. The level is chosen so that the surface has the volume of the voxels.
+//! 2. Marching tetrahedra make the surface, and edges of small quadric error collapse.
+//! 3. No surface may cross itself, and every pair is proved apart. Grains that fail are made again with more triangles, at
+//!    last with all of them.
+
+use super::field::{Field, Lattice};
+use super::labelled::LabelledGrains;
+use super::tetrahedra::Nodes;
+use crate::parallel;
+use crate::watch::{Stage, Watch};
+use meso_collision::dents::SelfCrossing;
+use meso_collision::geometry::{TriangleMesh, Triangles};
+use meso_collision::math::{Aabb, Vec3};
+
+/// How surfaces are made; all lengths in voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceOptions {
+    /// Distance of the nodes of marching tetrahedra.
+    pub step: f64,
+    /// Standard deviation of the blur.
+    pub smoothing: f64,
+    /// Root mean square error up to which edges collapse.
+    pub tolerance: f64,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        Self { step: 2.0, smoothing: 1.0, tolerance: 0.2 }
+    }
+}
+
+/// Why grains have no surfaces.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SurfacesError {
+    /// A pair that shares a point with all its triangles.
+    #[error("grains {a} and {b}, from 1, cannot be parted: one encloses the other; fill the hollow")]
+    Enclosed {
+        /// Number of a grain.
+        a: usize,
+        /// Number of another.
+        b: usize,
+    },
+    /// The user stopped the work.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Gap between grains that touch in the labels, in voxels, before edges collapse.
+const GAP: f64 = 0.5;
+/// Tries of a grain, by their shares of the tolerance.
+const TRIES: [f64; 3] = [1.0, 0.25, 0.0];
+/// Levels of the blurred share that a surface may have: a plane one moves by 0.7 voxels at most.
+const LEVELS: [f64; 2] = [0.25, 0.75];
+/// Faces of a grain's voxels whose distance to its surface is measured, about.
+const MEASURED: usize = 500;
+/// Relative error of a grain's volume at which the search for its level ends, and the most steps of that.
+const CLOSE: f64 = 0.002;
+const STEPS: usize = 6;
+
+/// Grains of a volume, and how to make surfaces of them.
+pub struct Surfaces<'a> {
+    parts: &'a LabelledGrains,
+    spacing_mm: Vec3,
+    options: SurfaceOptions,
+    lattice: Lattice,
+}
+
+impl<'a> Surfaces<'a> {
+    /// Surfaces of `parts`, whose voxels have these edges.
+    pub fn new(parts: &'a LabelledGrains, spacing_mm: [f64; 3], options: SurfaceOptions) -> Self {
+        let lattice = Lattice::new(parts.counts, options.step, options.smoothing);
+        Self { parts, spacing_mm: spacing_mm.into(), options, lattice }
+    }
+
+    /// The surface of every grain, mm; `None` where a grain is too thin to be seen after the blur.
+    ///
+    /// # Errors
+    /// See [`SurfacesError`].
+    pub fn all(&self, watch: &dyn Watch) -> Result<Vec<Option<TriangleMesh>>, SurfacesError> {
+        let count = self.parts.grains.len();
+        let mut tries = vec![0; count];
+        let mut found: Vec<Option<Solid>> = (0..count).map(|_| None).collect();
+        let mut due: Vec<usize> = (0..count).collect();
+        while !due.is_empty() {
+            let made = parallel::map(due.len(), |k| {
+                if watch.stops() { None } else { self.solid(due[k], &mut tries[due[k]].clone()) }
+            });
+            if watch.stops() {
+                return Err(SurfacesError::Stopped);
+            }
+            for (&grain, made) in due.iter().zip(made) {
+                if let Some((solid, used)) = made {
+                    tries[grain] = used;
+                    found[grain] = Some(solid);
+                }
+            }
+            watch.stage(Stage::Take, 0.8);
+            due = self.meeting(&found, &mut tries)?;
+        }
+        Ok(found.into_iter().map(|solid| solid.map(|solid| solid.mesh)).collect())
+    }
+
+    /// The grains to be made again, since they share a point with another.
+    fn meeting(&self, found: &[Option<Solid>], tries: &mut [usize]) -> Result<Vec<usize>, SurfacesError> {
+        let mut due = Vec::new();
+        for (a, b) in meeting_pairs(found) {
+            let last = TRIES.len() - 1;
+            if tries[a] == last && tries[b] == last {
+                return Err(SurfacesError::Enclosed { a: a + 1, b: b + 1 });
+            }
+            due.extend([a, b].into_iter().filter(|&grain| tries[grain] < last));
+        }
+        due.sort_unstable();
+        due.dedup();
+        due.iter().for_each(|&grain| tries[grain] += 1);
+        Ok(due)
+    }
+
+    /// The surface of a grain from its next try on that does not cross itself, and that try.
+    fn solid(&self, grain: usize, first: &mut usize) -> Option<(Solid, usize)> {
+        let field = self.lattice.field(self.parts, grain as u32 + 1);
+        let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
+        let solids = (*first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
+        let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
+        solids.find(|(solid, number)| *number + 1 == TRIES.len() || !solid.crosses_itself())
+    }
+
+    /// The surface of a field whose volume is that of so many voxels as nearly as its neighbours allow, mm, without its hollows.
+    fn of_volume(&self, field: &Field, voxels: usize) -> Option<TriangleMesh> {
+        let target = voxels as f64 * self.spacing_mm.product();
+        let margin = 0.8 * GAP / 2.0 / self.options.smoothing;
+        let [mut low, mut high] = LEVELS;
+        let (mut level, mut last) = (0.5, None);
+        let mut best: Option<(f64, TriangleMesh)> = None;
+        for _ in 0..STEPS {
+            let mesh = self.marched(field, level, margin);
+            let excess = mesh.volume() - target;
+            if excess > 0.0 {
+                low = level
+            } else {
+                high = level
+            }
+            let slope = match last {
+                Some((before, old)) if before != excess => (excess - before) / (level - old),
+                // The slope of a plane surface.
+                _ => -2.5 * self.options.smoothing * self.spacing_mm.min() * area(&mesh),
+            };
+            last = Some((excess, level));
+            if best.as_ref().is_none_or(|best| excess.abs() < best.0) {
+                best = Some((excess.abs(), mesh));
+            }
+            if excess.abs() < CLOSE * target {
+                break;
+            }
+            let next = level - excess / slope;
+            level = if next > low && next < high { next } else { (low + high) / 2.0 };
+        }
+        let parts = best?.1.components().into_iter();
+        let outer = parts.max_by(|a, b| a.volume().total_cmp(&b.volume()))?;
+        (outer.volume() > 0.0).then_some(outer)
+    }
+
+    fn marched(&self, field: &Field, level: f64, margin: f64) -> TriangleMesh {
+        let (counts, values) = field.values(level as f32, margin as f32);
+        let mut mesh = Nodes { counts, values: &values }.surface();
+        let scale = Vec3::from(self.lattice.spacing()).component_mul(&self.spacing_mm);
+        let size = self.size();
+        let from = Vec3::from_fn(|axis, _| field.from[axis] as f64 - 0.5);
+        mesh.vertices.iter_mut().for_each(|v| *v = (*v + from).component_mul(&scale).sup(&Vec3::zeros()).inf(&size));
+        mesh
+    }
+
+    /// The largest distance of a face between a grain's voxels and others to its surface, mm; some of the faces are measured.
+    pub fn farthest(&self, meshes: &[Option<TriangleMesh>]) -> f64 {
+        let of = |grain: usize| meshes[grain].as_ref().map_or(0.0, |mesh| self.farthest_of(grain, mesh));
+        parallel::map(meshes.len(), of).into_iter().fold(0.0, f64::max)
+    }
+
+    fn farthest_of(&self, grain: usize, mesh: &TriangleMesh) -> f64 {
+        let facets = facets(mesh);
+        let faces = self.faces(grain);
+        let every = faces.len().div_ceil(MEASURED).max(1);
+        let distance = |face: &Vec3| facets.nearest(face).map_or(0.0, |near| near.1);
+        faces.iter().step_by(every).map(distance).fold(0.0, f64::max)
+    }
+
+    /// Middles of the faces between voxels of a grain and others, mm.
+    fn faces(&self, grain: usize) -> Vec<Vec3> {
+        let (part, number) = (&self.parts.grains[grain], grain as u32 + 1);
+        let mut faces = Vec::new();
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| part.from[axis]..part.to[axis]);
+        for (y, z) in zs.flat_map(|z| ys.clone().map(move |y| (y, z))) {
+            let row = (z * self.parts.counts[1] + y) * self.parts.counts[0];
+            for x in xs.clone().filter(|x| self.parts.of[row + x] == number) {
+                let middle = Vec3::new(x as f64, y as f64, z as f64).add_scalar(0.5);
+                for (axis, step) in self.parts.steps().into_iter().enumerate() {
+                    let at = [x, y, z][axis];
+                    let mut add = |other: usize, side: f64| {
+                        if self.parts.of[other] != number {
+                            let face = middle + Vec3::ith(axis, side);
+                            faces.push(face.component_mul(&self.spacing_mm));
+                        }
+                    };
+                    if at > 0 {
+                        add(row + x - step, -0.5);
+                    }
+                    if at + 1 < self.parts.counts[axis] {
+                        add(row + x + step, 0.5);
+                    }
+                }
+            }
+        }
+        faces
+    }
+
+    fn size(&self) -> Vec3 {
+        Vec3::from_fn(|axis, _| self.parts.counts[axis] as f64 * self.spacing_mm[axis])
+    }
+
+    /// A surface with fewer triangles; vertices near a wall that the grain touches lie in it.
+    fn tried(&self, grain: usize, given: &TriangleMesh, share: f64) -> TriangleMesh {
+        let limit = share * self.options.tolerance * self.spacing_mm.min();
+        let mut mesh = given.clone();
+        if limit > 0.0 {
+            mesh = given.simplified(limit);
+            // Merged triangles changed the volume a little.
+            let offset = (given.volume() - mesh.volume()) / area(&mesh);
+            let normals = normals(&mesh);
+            mesh.vertices.iter_mut().zip(normals).for_each(|(vertex, normal)| *vertex += normal * offset);
+        }
+        let part = &self.parts.grains[grain];
+        let size = self.size();
+        for vertex in &mut mesh.vertices {
+            for axis in 0..3 {
+                let x = &mut vertex[axis];
+                let near = if limit > 0.0 { 1.5 * limit } else { 0.0 };
+                if *x < 0.0 || part.from[axis] == 0 && *x < near {
+                    *x = 0.0;
+                }
+                if *x > size[axis] || part.to[axis] == self.parts.counts[axis] && *x > size[axis] - near {
+                    *x = size[axis];
+                }
+            }
+        }
+        mesh
+    }
+}
+
+/// A surface, and its triangles by where they lie.
+struct Solid {
+    mesh: TriangleMesh,
+    facets: Triangles,
+}
+
+impl Solid {
+    fn new(mesh: TriangleMesh) -> Self {
+        Self { facets: facets(&mesh), mesh }
+    }
+
+    fn crosses_itself(&self) -> bool {
+        self.mesh.check_closed().is_err() || (SelfCrossing { mesh: &self.mesh, facets: &self.facets }).find().is_some()
+    }
+}
+
+/// The pairs of surfaces that are not proved apart.
+fn meeting_pairs(found: &[Option<Solid>]) -> Vec<(usize, usize)> {
+    let mut boxes: Vec<(Aabb, usize, &Solid)> = Vec::new();
+    for (number, solid) in found.iter().enumerate() {
+        boxes.extend(solid.as_ref().map(|solid| (solid.facets.aabb(), number, solid)));
+    }
+    boxes.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x).then(a.1.cmp(&b.1)));
+    parallel::flat_map(boxes.len(), |k| {
+        let (own, number, solid) = &boxes[k];
+        let later = boxes[k + 1..].iter().take_while(|other| other.0.min.x <= own.max.x);
+        let meets =
+            |other: &&(Aabb, usize, &Solid)| own.intersects(&other.0) && !solid.facets.is_apart(&other.2.facets, 0.0);
+        later.filter(meets).map(|other| (*number, other.1)).collect::<Vec<_>>()
+    })
+}
+
+fn facets(mesh: &TriangleMesh) -> Triangles {
+    Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect())
+}
+
+fn area(mesh: &TriangleMesh) -> f64 {
+    mesh.triangles.iter().map(|t| cross(mesh, t).norm() / 2.0).sum()
+}
+
+fn cross(mesh: &TriangleMesh, [a, b, c]: &[u32; 3]) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(|i| mesh.vertices[*i as usize]);
+    (b - a).cross(&(c - a))
+}
+
+/// Unit normals at the vertices, by the areas of their triangles.
+fn normals(mesh: &TriangleMesh) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::zeros(); mesh.vertices.len()];
+    for triangle in &mesh.triangles {
+        let cross = cross(mesh, triangle);
+        triangle.iter().for_each(|i| normals[*i as usize] += cross);
+    }
+    normals.iter().map(|normal| normal.try_normalize(0.0).unwrap_or_default()).collect()
+}

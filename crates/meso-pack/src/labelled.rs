@@ -1,0 +1,424 @@
+//! A model of a label volume: its connected grains as closed surfaces at their places, in a box.
+//!
+//! The spec that the model carries describes what was found: the box, the fraction, the sieve curve of the grains.
+
+use crate::model::{Model, target};
+use crate::packing::{LabelReport, Report, StopReason};
+use crate::spec::{Spec, SpecError};
+use meso_collision::geometry::{Polyhedron, TriangleMesh};
+use meso_concrete::aggregate::take::ITZ_LIMIT;
+use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinition};
+use meso_concrete::import::grains::{LabelledGrains, Roles, SurfaceOptions, Surfaces, SurfacesError};
+use meso_concrete::import::volume::Volume;
+use meso_concrete::specimen::Specimen;
+use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::{OutOfRange, Ranges, parallel};
+
+/// How a label volume becomes a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelOptions {
+    /// Edges of a voxel along x, y, z, mm; `None` takes those of the file.
+    pub voxel_size_mm: Option<[f64; 3]>,
+    /// Which labels are grains.
+    pub roles: Roles,
+    /// Connected grains of fewer voxels are mortar.
+    pub least_voxels: usize,
+    /// Thickness of the ITZ of every grain, mm.
+    pub itz_thickness_mm: f64,
+    /// How surfaces are made.
+    pub surfaces: SurfaceOptions,
+}
+
+impl Default for LabelOptions {
+    fn default() -> Self {
+        Self {
+            voxel_size_mm: None,
+            roles: Roles { mortar: vec![0], aggregate: Vec::new() },
+            least_voxels: 64,
+            itz_thickness_mm: 0.0,
+            surfaces: SurfaceOptions::default(),
+        }
+    }
+}
+
+/// Why a label volume is no specimen.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LabelsError {
+    /// An option out of range.
+    #[error(transparent)]
+    Option(#[from] OutOfRange),
+    /// A volume without layers.
+    #[error("it has {} x {} x {} voxels; a specimen takes at least {LEAST_COUNT} along each axis", counts[0], counts[1], counts[2])]
+    Flat {
+        /// Voxels along x, y, z.
+        counts: [usize; 3],
+    },
+    /// More voxels than numbers.
+    #[error("it has {voxels} voxels, and at most 2^32 - 2 are taken; cut a part out")]
+    Long {
+        /// Number of voxels.
+        voxels: usize,
+    },
+    /// A label that mesocrete's own images give to the mortar.
+    #[error("it has the label {label}, which is below 0; name it as mortar, or as aggregate")]
+    Negative {
+        /// The label.
+        label: i64,
+    },
+    /// A label that is named and does not occur.
+    #[error("{key} names {label}, which the volume does not have; its labels are {labels}")]
+    Absent {
+        /// Name of the option.
+        key: &'static str,
+        /// The label.
+        label: i64,
+        /// The first labels.
+        labels: String,
+    },
+    /// No connected grain that is large enough.
+    #[error("it has no grain of {least} voxels or more ({dropped} are smaller); check which labels are mortar")]
+    NoGrains {
+        /// Least voxels of a grain.
+        least: usize,
+        /// How many are smaller.
+        dropped: usize,
+    },
+    /// A grain as large as the volume.
+    #[error(
+        "label {label} is one connected grain that takes {percent:.0} % of the volume; name it as mortar, or separate its grains first, by a watershed"
+    )]
+    Fills {
+        /// Its label.
+        label: i64,
+        /// Its share.
+        percent: f64,
+    },
+    /// Surfaces that could not be made.
+    #[error(transparent)]
+    Surfaces(#[from] SurfacesError),
+    /// A model that no spec can describe.
+    #[error("its grains make no model: {0}")]
+    Spec(#[from] SpecError),
+}
+
+/// Fewest voxels along an axis.
+const LEAST_COUNT: usize = 4;
+/// A grain with more than this share of the volume is no grain.
+const FILLS: f64 = 0.5;
+/// Bytes a voxel: labels as they are read and as numbers, roots and sizes of grains.
+const VOXEL_BYTES: f64 = 18.0;
+/// Digits of a limit of sizes, 1/mm.
+const DIGITS: f64 = 1e3;
+
+impl LabelOptions {
+    /// Names the first invalid value.
+    ///
+    /// # Errors
+    /// See [`OutOfRange`].
+    pub fn validate(&self) -> Result<(), OutOfRange> {
+        let SurfaceOptions { step, smoothing, tolerance } = self.surfaces;
+        let is_in = |key, value: f64, [low, high]: [f64; 2], unit: &str| {
+            Ranges("labels").require(
+                key,
+                value,
+                (low..=high).contains(&value),
+                format!("it must be {low} to {high} {unit}"),
+            )
+        };
+        for h in self.voxel_size_mm.iter().flatten() {
+            is_in("voxel_size_mm", *h, [1e-4, 1e3], "mm")?;
+        }
+        is_in("step", step, [1.0, 8.0], "voxels")?;
+        is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
+        is_in("tolerance", tolerance, [0.0, 1.0], "voxels")?;
+        is_in("itz_thickness_mm", self.itz_thickness_mm, [0.0, 1e3], "mm")
+    }
+
+    /// Bytes that a volume of so many voxels takes at its most.
+    pub fn bytes(counts: [usize; 3]) -> f64 {
+        VOXEL_BYTES * counts.iter().map(|count| *count as f64).product::<f64>()
+    }
+
+    /// Refuses a volume that is no specimen.
+    fn accept(&self, volume: &Volume<u16>) -> Result<(), LabelsError> {
+        self.validate()?;
+        let counts = volume.counts;
+        if counts.iter().any(|count| *count < LEAST_COUNT) {
+            return Err(LabelsError::Flat { counts });
+        }
+        if u32::try_from(volume.of.len() + 1).is_err() {
+            return Err(LabelsError::Long { voxels: volume.of.len() });
+        }
+        let Roles { mortar, aggregate } = &self.roles;
+        let is_named = |label: &i64| mortar.contains(label) || !aggregate.is_empty();
+        if let Some(&label) = volume.labels.iter().find(|label| **label < 0 && !is_named(label)) {
+            return Err(LabelsError::Negative { label });
+        }
+        // Mortar that is not there is no fault: 0 is named by default.
+        let given = mortar.iter().filter(|label| **label != 0).map(|label| ("mortar", label));
+        let mut named = given.chain(aggregate.iter().map(|label| ("aggregate", label)));
+        match named.find(|(_, label)| volume.labels.binary_search(label).is_err()) {
+            Some((key, &label)) => Err(LabelsError::Absent { key, label, labels: listed(&volume.labels) }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The first labels in words.
+fn listed(labels: &[i64]) -> String {
+    let first: Vec<String> = labels.iter().take(8).map(i64::to_string).collect();
+    let rest = if labels.len() > first.len() { " and so on" } else { "" };
+    format!("{}{rest}", first.join(", "))
+}
+
+/// The model of a label volume. Its aggregates are in the order of their labels, those of one label from the largest.
+///
+/// # Errors
+/// See [`LabelsError`].
+pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch) -> Result<Model, LabelsError> {
+    options.accept(volume)?;
+    watch.stage(Stage::Take, 0.0);
+    let parts = LabelledGrains::of(volume, &options.roles, options.least_voxels);
+    let voxels = volume.of.len() as f64;
+    let largest = parts.grains.iter().max_by_key(|part| part.voxels);
+    let Some(largest) = largest else {
+        return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: parts.dropped[0] });
+    };
+    let share = largest.voxels as f64 / voxels;
+    if share > FILLS {
+        return Err(LabelsError::Fills { label: largest.label, percent: 100.0 * share });
+    }
+    let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
+    let surfaces = Surfaces::new(&parts, spacing, options.surfaces);
+    let meshes = surfaces.all(watch)?;
+    let vanished = meshes.iter().filter(|mesh| mesh.is_none()).count();
+    let kept = || parts.grains.iter().zip(&meshes).filter_map(|(part, mesh)| Some((part, mesh.as_ref()?)));
+    let report = LabelReport {
+        voxels: volume.counts,
+        voxel_size_mm: spacing,
+        labels: kept().map(|(part, _)| part.label).collect(),
+        fraction: kept().map(|(part, _)| part.voxels as f64).sum::<f64>() / voxels,
+        farthest_mm: surfaces.farthest(&meshes),
+        parted_pairs: parts.touching_pairs(),
+        dropped: parts.dropped[0] + vanished,
+        dropped_fraction: parts.dropped[1] as f64 / voxels,
+    };
+    let bodies: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
+    Ok(assembled(&bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
+}
+
+fn assembled(
+    surfaces: &[&TriangleMesh],
+    counts: [usize; 3],
+    spacing: [f64; 3],
+    itz: f64,
+    labels: LabelReport,
+) -> Result<Model, SpecError> {
+    let bodies = parallel::map_each(surfaces, |mesh| Polyhedron::of_surface(mesh));
+    let sizes = parallel::map_each(&bodies, Polyhedron::sieve_size);
+    let volumes: Vec<f64> = bodies.iter().map(Polyhedron::volume).collect();
+    let grading = measured(&sizes, &volumes);
+    let class = |size: f64| {
+        let classes = grading.classes();
+        classes.iter().position(|class| size <= class.d_max_mm).unwrap_or(classes.len() - 1) as u16
+    };
+    let thickness = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.surface().deepest().1) } else { 0.0 };
+    let thicknesses = parallel::map_each(&bodies, thickness);
+    let limited = (0..).zip(&thicknesses).filter(|(_, thickness)| **thickness < itz).map(|(id, _)| id).collect();
+    let aggregate = |(id, body): (usize, Polyhedron)| Aggregate {
+        id: id as u32,
+        kind: Kind::Aggregate,
+        class: class(sizes[id]),
+        itz_thickness_mm: thicknesses[id],
+        body,
+    };
+    let aggregates: Vec<Aggregate> = bodies.into_iter().enumerate().map(aggregate).collect();
+    let specimen = Specimen::cuboid([0, 1, 2].map(|axis| counts[axis] as f64 * spacing[axis]));
+    let fraction = volumes.iter().sum::<f64>() / specimen.volume();
+    let spec = Spec { fraction, specimen, grading, itz: Itz { thickness_mm: [itz; 2] }, ..Spec::default() };
+    spec.validate()?;
+    let report = Report {
+        strategy: STRATEGY.to_owned(),
+        grading: spec.grading.describe(),
+        stop_reason: StopReason::TargetReached,
+        stop_detail: format!("all {} grains of the label volume", aggregates.len()),
+        itz_limited: limited,
+        labels: Some(labels),
+        ..Report::of_bodies(&target(&spec), &aggregates, &[])
+    };
+    Ok(Model { spec, aggregates, inclusions: Vec::new(), report })
+}
+
+/// Name of the strategy in reports: nothing was placed.
+const STRATEGY: &str = "label volume";
+
+/// The sieve curve of grains by their sizes and volumes, with the usual sieves as classes.
+fn measured(sizes: &[f64], volumes: &[f64]) -> Grading {
+    let (low, high) = sizes.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &size| (low.min(size), high.max(size)));
+    let d_min_mm = ((low * DIGITS).floor() / DIGITS).max(1.0 / DIGITS);
+    let d_max_mm = ((high * DIGITS).ceil() / DIGITS).max(d_min_mm + 1.0 / DIGITS);
+    let limits = Grading { d_min_mm, d_max_mm, size: SizeDefinition::Sieve, ..Grading::default() };
+    let sieves = limits.usual_classes();
+    let total: f64 = volumes.iter().sum();
+    let passes =
+        |sieve: f64| sizes.iter().zip(volumes).filter(|(size, _)| **size <= sieve).map(|grain| grain.1).sum::<f64>();
+    let last = sieves.len() - 1;
+    let passing = |(number, sieve): (usize, &f64)| match number {
+        0 => 0.0,
+        _ if number == last => 1.0,
+        _ => (passes(*sieve) / total).min(1.0),
+    };
+    let curve = Curve::Sieves { sieves_mm: sieves.clone(), passing: sieves.iter().enumerate().map(passing).collect() };
+    Grading { curve, classes_mm: sieves, ..limits }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::check;
+    use crate::model::pack;
+    use crate::saved;
+    use meso_collision::math::Vec3;
+    use meso_concrete::watch::Silent;
+
+    /// Labels of a cube of `count` voxels, by their middles in voxels.
+    fn volume(count: usize, label: impl Fn(&Vec3) -> i64) -> Volume<u16> {
+        let middle = |i: usize| [i % count, i / count % count, i / (count * count)].map(|x| x as f64 + 0.5);
+        let labels = (0..count * count * count).map(|i| label(&Vec3::from(middle(i))));
+        Volume::new([count; 3], None, labels.collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Balls by middle and radius; the label of the k-th is k + 1.
+    fn balls(count: usize, balls: &[([f64; 3], f64)]) -> Volume<u16> {
+        let holds = |p: &Vec3, (middle, radius): &([f64; 3], f64)| (p - Vec3::from(*middle)).norm() < *radius;
+        volume(count, |p| balls.iter().position(|ball| holds(p, ball)).map_or(0, |k| k as i64 + 1))
+    }
+
+    fn imported(volume: &Volume<u16>, options: &LabelOptions) -> Model {
+        let model = of_labels(volume, options, &Silent).unwrap();
+        assert_eq!(check(&model).findings, []);
+        model
+    }
+
+    /// Volume of an aggregate over that of its voxels, less one.
+    fn error(model: &Model, volume: &Volume<u16>, id: usize) -> f64 {
+        let labels = model.report.labels.as_ref().unwrap();
+        let number = volume.labels.binary_search(&labels.labels[id]).unwrap();
+        let voxels = volume.of.iter().filter(|of| usize::from(**of) == number).count() as f64;
+        model.aggregates[id].body.volume() / labels.voxel_size_mm.iter().product::<f64>() / voxels - 1.0
+    }
+
+    #[test]
+    fn balls_have_the_volume_of_their_voxels_and_a_surface_near_their_own() {
+        let volume = balls(40, &[([14.0, 14.0, 14.0], 9.0), ([29.0, 26.0, 25.0], 7.0)]);
+        let options = LabelOptions { voxel_size_mm: Some([0.5; 3]), ..LabelOptions::default() };
+        let model = imported(&volume, &options);
+        assert_eq!(model.aggregates.len(), 2);
+        for (id, (middle, radius)) in [(14.0, 9.0), (f64::NAN, 7.0)].into_iter().enumerate() {
+            assert!(error(&model, &volume, id).abs() < 0.005, "{}", error(&model, &volume, id));
+            let body = &model.aggregates[id].body;
+            let middle = if id == 0 { Vec3::repeat(middle) } else { Vec3::new(29.0, 26.0, 25.0) };
+            let away = |v: &Vec3| (v * 2.0 - middle).norm() - radius;
+            let farthest = body.vertices().iter().map(|v| away(v).abs()).fold(0.0, f64::max);
+            assert!(farthest < 0.6, "{farthest} voxels");
+        }
+        let labels = model.report.labels.unwrap();
+        assert_eq!((labels.labels, labels.parted_pairs), (vec![1, 2], 0));
+        assert!(labels.farthest_mm > 0.05 && labels.farthest_mm < 0.6, "{}", labels.farthest_mm);
+    }
+
+    #[test]
+    fn grains_that_touch_in_the_labels_are_apart() {
+        let volume = volume(32, |p| match (p.y, p.z) {
+            (y, z) if !(6.0..26.0).contains(&y) || !(6.0..26.0).contains(&z) => 0,
+            _ if p.x < 6.0 || p.x > 28.0 => 0,
+            _ => 1 + i64::from(p.x > 16.0),
+        });
+        let model = imported(&volume, &LabelOptions::default());
+        assert_eq!(model.report.labels.as_ref().unwrap().parted_pairs, 1);
+        let [left, right] = [0, 1].map(|id| model.aggregates[id].body.aabb());
+        assert!(right.min.x - left.max.x > 0.0 && right.min.x - left.max.x < 1.0);
+    }
+
+    #[test]
+    fn a_grain_that_a_face_of_the_volume_cuts_ends_there() {
+        let volume = balls(32, &[([0.0, 16.0, 16.0], 10.0), ([32.0, 32.0, 16.0], 9.0)]);
+        let model = imported(&volume, &LabelOptions::default());
+        let boxes = [0, 1].map(|id| model.aggregates[id].body.aabb());
+        assert_eq!((boxes[0].min.x, boxes[1].max.x, boxes[1].max.y), (0.0, 32.0, 32.0));
+        for id in 0..2 {
+            assert!(error(&model, &volume, id).abs() < 0.005, "{}", error(&model, &volume, id));
+        }
+    }
+
+    #[test]
+    fn a_packing_read_back_keeps_its_ids_and_volumes_on_any_number_of_threads() {
+        let spec = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 40 }\nitz = { thickness_mm = [0, 0] }\n\
+            grading = { d_min_mm = 10, d_max_mm = 20 }\n";
+        let packed = pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap();
+        let holds = |p: &Vec3| packed.aggregates.iter().position(|aggregate| aggregate.body.contains(p));
+        let volume = volume(80, |p| holds(&(p / 2.0)).map_or(-1, |id| id as i64));
+        let roles = Roles { mortar: vec![-1], aggregate: Vec::new() };
+        let options = LabelOptions { voxel_size_mm: Some([0.5; 3]), roles, ..LabelOptions::default() };
+        let model = imported(&volume, &options);
+        let labels = model.report.labels.as_ref().unwrap();
+        assert_eq!(labels.labels, (0..packed.aggregates.len() as i64).collect::<Vec<_>>());
+        assert!((model.report.fraction / labels.fraction - 1.0).abs() < 0.005);
+        assert!((model.report.fraction / packed.report.fraction - 1.0).abs() < 0.01);
+        let bytes = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut out = Vec::new();
+            saved::write(&pool.install(|| of_labels(&volume, &options, &Silent)).unwrap(), &mut out).unwrap();
+            out
+        };
+        let alone = bytes(1);
+        assert!(alone == bytes(3));
+        assert!(saved::read(&alone).unwrap() == model);
+    }
+
+    #[test]
+    fn core_and_itz_are_one_phase_whose_parts_are_grains() {
+        let depth = |p: &Vec3, x: f64, r: f64| r - (p - Vec3::new(x, 15.0, 15.0)).norm();
+        let volume = volume(30, |p| match depth(p, 8.0, 6.5).max(depth(p, 22.0, 6.0)) {
+            depth if depth > 1.5 => 0,
+            depth if depth > 0.0 => 1,
+            _ => 2,
+        });
+        let roles = Roles { mortar: Vec::new(), aggregate: vec![0, 1] };
+        let options = LabelOptions { roles, itz_thickness_mm: 1.0, ..LabelOptions::default() };
+        let model = imported(&volume, &options);
+        assert_eq!(model.aggregates.len(), 2);
+        assert!(model.aggregates[0].body.volume() > model.aggregates[1].body.volume());
+        assert_eq!(model.aggregates[0].itz_thickness_mm, 1.0);
+        assert!(model.report.itz_limited.is_empty());
+    }
+
+    #[test]
+    fn volumes_that_are_no_specimen_are_refused_with_a_remedy() {
+        let refused =
+            |volume: &Volume<u16>, options: LabelOptions| of_labels(volume, &options, &Silent).unwrap_err().to_string();
+        let usual = LabelOptions::default;
+        let one = balls(20, &[([10.0, 10.0, 10.0], 5.0)]);
+        let flat = Volume::new([20, 20, 1], None, vec![1; 400]).unwrap();
+        assert!(refused(&flat, usual()).contains("20 x 20 x 1 voxels"));
+        let filled = volume(8, |_| 1);
+        assert!(refused(&filled, usual()).contains("100 % of the volume"));
+        assert!(refused(&volume(8, |_| 0), usual()).contains("no grain of 64 voxels"));
+        assert!(refused(&volume(8, |p| -i64::from(p.x < 4.0)), usual()).contains("the label -1"));
+        let mortar = |labels: &[i64]| Roles { mortar: labels.to_vec(), aggregate: Vec::new() };
+        let absent = LabelOptions { roles: mortar(&[7]), ..usual() };
+        assert!(refused(&one, absent).contains("mortar names 7"));
+        let size = LabelOptions { voxel_size_mm: Some([0.0; 3]), ..usual() };
+        assert!(refused(&one, size).starts_with("labels.voxel_size_mm is 0"));
+        let step = LabelOptions { surfaces: SurfaceOptions { step: 9.0, ..SurfaceOptions::default() }, ..usual() };
+        assert!(refused(&one, step).starts_with("labels.step is 9"));
+        // A ball in the hollow of another, which the surface of that one fills.
+        let shell = volume(30, |p| match (p - Vec3::repeat(15.0)).norm() {
+            r if r < 6.0 => 2,
+            r if r < 9.0 => 0,
+            r if r < 13.0 => 1,
+            _ => 0,
+        });
+        assert!(refused(&shell, usual()).contains("encloses"));
+    }
+}

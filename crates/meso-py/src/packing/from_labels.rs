@@ -1,0 +1,102 @@
+//! `from_labels`: the grains of a label volume as a packing.
+
+use super::PyPacking;
+use super::effective::{spacing, volume};
+use crate::boundary::{accept_in_memory, guard, wrong_value};
+use crate::files;
+use crate::run::{Plan, in_stages, listener};
+use meso_core::import::grains::{Roles, SurfaceOptions};
+use meso_core::labelled::{LabelOptions, LabelsError};
+use meso_core::watch::Stage;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The grains of a label volume, as a CT scan leaves them after segmentation, as a packing in a box.
+///
+/// Every connected part of a label is a grain: a smooth closed surface with the volume of its voxels, apart from all
+/// others. Grains that the volume's faces cut end at the box.
+///
+/// Parameters
+/// ----------
+/// labels : array_like of int, shape (nz, ny, nx), or path-like
+///     One integer a grain or a phase; or a file (.tif, .npy, .vti).
+/// voxel_size : float or sequence of three float, optional
+///     Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
+/// mortar : sequence of int
+///     Labels of the mortar. Ids of `Packing.voxelize` take (-1,).
+/// aggregate : sequence of int
+///     Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
+/// least_voxels : int
+///     Smaller grains are mortar.
+/// itz_thickness : float
+///     Thickness of the ITZ of every grain, mm.
+/// tolerance : float
+///     Root mean square error of merged triangles, in voxels.
+/// smoothing : float
+///     Width of the blur that smooths surfaces, in voxels.
+/// step : float
+///     Distance of the points between which a surface is found, in voxels.
+/// progress : bool or callable, optional
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+///
+/// Returns
+/// -------
+/// Packing
+///     `report()["labels"]` has the label of every aggregate, and how far surfaces are from the voxels.
+///
+/// Raises
+/// ------
+/// ValueError, TypeError
+///     Names the option, its value and the accepted range; a volume without grains, or with one that fills it.
+/// OSError
+///     Where the file cannot be read.
+#[pyfunction]
+#[pyo3(signature = (labels, voxel_size=None, *, mortar=vec![0], aggregate=vec![], least_voxels=64, itz_thickness=0.0,
+    tolerance=0.2, smoothing=1.0, step=2.0, progress=None))]
+#[pyo3(
+    text_signature = "(labels, voxel_size=None, *, mortar=(0,), aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
+)]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn from_labels(
+    py: Python<'_>,
+    labels: &Bound<'_, PyAny>,
+    voxel_size: Option<&Bound<'_, PyAny>>,
+    mortar: Vec<i64>,
+    aggregate: Vec<i64>,
+    least_voxels: usize,
+    itz_thickness: f64,
+    tolerance: f64,
+    smoothing: f64,
+    step: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PyPacking> {
+    guard(|| {
+        let options = LabelOptions {
+            voxel_size_mm: voxel_size.map(|size| spacing(Some(size))).transpose()?,
+            roles: Roles { mortar, aggregate },
+            least_voxels,
+            itz_thickness_mm: itz_thickness,
+            surfaces: SurfaceOptions { step, smoothing, tolerance },
+        };
+        options.validate().map_err(|error| raised(&error.into()))?;
+        let volume = match labels.extract::<PathBuf>() {
+            Ok(path) => files::volume(&path)?,
+            Err(_) => volume(labels)?,
+        };
+        accept_in_memory("from_labels", LabelOptions::bytes(volume.counts), "labels")?;
+        let progress = listener(py, progress)?;
+        let plan = Plan::new(&[(Stage::Take, 1.0)], Some(1.0));
+        let model = in_stages(py, progress.as_ref(), plan, move |watch| {
+            watch.stops_soon();
+            meso_core::labelled::of_labels(&volume, &options, watch)
+        })?;
+        Ok(PyPacking(Arc::new(model.map_err(|error| raised(&error))?)))
+    })
+}
+
+/// An error by the names of Python's options.
+fn raised(error: &LabelsError) -> PyErr {
+    let text = error.to_string().replace("voxel_size_mm", "voxel_size").replace("itz_thickness_mm", "itz_thickness");
+    wrong_value(text.strip_prefix("labels.").unwrap_or(&text).to_owned())
+}
