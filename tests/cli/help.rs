@@ -14,7 +14,7 @@ fn help() {
     assert_snapshot!("help", folder.run(&["--help"]).stdout());
 }
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "pack",
     "mesh",
     "solve",
@@ -25,6 +25,7 @@ const COMMANDS: [&str; 15] = [
     "report",
     "convert",
     "image",
+    "import",
     "init",
     "recipes",
     "schema",

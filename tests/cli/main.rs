@@ -25,6 +25,7 @@ mod hostile;
 #[path = "../hostile/study.rs"]
 mod hostile_study;
 mod image;
+mod import;
 mod interrupt;
 #[path = "../layer_errors.rs"]
 mod layer_errors;

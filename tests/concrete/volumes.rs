@@ -34,7 +34,7 @@ fn arrays_of_numpy_have_any_type_and_order() {
         (npy(">f8", "(2, 3)", false, &big), [3, 2, 1]),
         (npy("<i2", "(3, 2, 1)", true, &little), [1, 2, 3]),
     ] {
-        let volume = read("a.NPY", &bytes).unwrap();
+        let volume = read::<u8>("a.NPY", &bytes).unwrap();
         assert_eq!((volume.counts, &volume.labels[..], volume.spacing_mm), (counts, &[-2, 5, 7][..], None));
         let expected = if counts[0] == 3 { values } else { [5, 7, -2, 5, 7, -2] };
         assert_eq!(labels(&volume), expected);
@@ -58,7 +58,7 @@ fn image_data_of_vtk_is_text_base64_or_compressed() {
         vti("", &appended, "<AppendedData encoding=\"raw\">_\u{6}\0\0\0\0\u{1}\u{2}\u{1}\u{2}\0</AppendedData>"),
         vti("", &appended, "<AppendedData encoding=\"base64\">_BgAAAAABAgECAA==</AppendedData>"),
     ] {
-        let volume = read("a.vti", &bytes).unwrap();
+        let volume = read::<u8>("a.vti", &bytes).unwrap();
         assert_eq!((volume.counts, volume.spacing_mm), ([3, 2, 1], Some([0.5, 0.5, 0.25])));
         assert_eq!(labels(&volume), [0, 1, 2, 1, 2, 0]);
     }
@@ -66,7 +66,7 @@ fn image_data_of_vtk_is_text_base64_or_compressed() {
 
 #[test]
 fn files_that_hold_no_labels_are_refused_with_a_reason() {
-    let refused = |name: &str, bytes: &[u8]| read(name, bytes).unwrap_err();
+    let refused = |name: &str, bytes: &[u8]| read::<u8>(name, bytes).unwrap_err();
     assert_eq!(refused("a.raw", b""), VolumeError::Ending);
     assert_eq!(refused("a.npy", b"PK"), VolumeError::Begin("a file of numpy.save"));
     assert_eq!(refused("a.tif", b"PK\0\0\0\0\0\0"), VolumeError::Begin("a TIFF file"));
@@ -77,7 +77,8 @@ fn files_that_hold_no_labels_are_refused_with_a_reason() {
     assert!(axes.starts_with("an array of 4 axes is not read; save integers"), "{axes}");
     assert!(refused("a.npy", &npy("<c8", "(2, 3)", false, &[1; 48])).to_string().starts_with("the type `<c8`"));
     let grey: Vec<u8> = (0..300_u16).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(refused("a.npy", &npy("<u2", "(3, 100)", false, &grey)), VolumeError::Many);
+    assert_eq!(refused("a.npy", &npy("<u2", "(3, 100)", false, &grey)), VolumeError::Many { most: 256 });
+    assert_eq!(read::<u16>("a.npy", &npy("<u2", "(3, 100)", false, &grey)).unwrap().labels.len(), 300);
     let real: Vec<u8> = [1.0_f32, 0.5].into_iter().flat_map(f32::to_le_bytes).collect();
     let said = refused("a.npy", &npy("<f4", "(1, 2)", false, &real)).to_string();
     assert_eq!(said, "voxel 1, counted from 0, has the value 0.5; labels are integers: segment the image first");

@@ -96,7 +96,7 @@ pub(crate) fn sieve_table(bytes: &[u8]) {
 /// A label volume in each format has a label for every voxel, or it is refused.
 pub(crate) fn label_volume(bytes: &[u8]) {
     for ending in volume::ENDINGS {
-        let Ok(volume) = volume::read(&format!("a.{ending}"), bytes) else { continue };
+        let Ok(volume) = volume::read::<u8>(&format!("a.{ending}"), bytes) else { continue };
         assert_eq!(volume.of.len(), volume.counts.iter().product::<usize>());
         assert!(volume.of.iter().all(|number| usize::from(*number) < volume.labels.len()));
     }

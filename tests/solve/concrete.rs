@@ -97,8 +97,8 @@ fn results_count_the_joined_aggregates_and_warn_of_their_cells() {
         (meshed.mesh.notes, result)
     };
     let (notes, parted) = result(Joined::Mortar);
-    assert!(notes.parted_pairs > 0 && notes.parted_cells > 0, "the trial needs closed gaps");
-    assert_eq!((parted.joined_pairs, parted.joined_cells), (notes.parted_pairs, notes.parted_cells));
+    assert!(notes.separated_pairs > 0 && notes.parted_cells > 0, "the trial needs closed gaps");
+    assert_eq!((parted.joined_pairs, parted.joined_cells), (notes.separated_pairs, notes.parted_cells));
     assert!(parted.warnings.iter().any(|text| text.contains("became mortar")), "{:?}", parted.warnings);
     let (kept_notes, kept) = result(Joined::Keep);
     assert_eq!((kept.joined_pairs, kept.joined_cells), (kept_notes.closed_gap_pairs, 0));

@@ -221,7 +221,7 @@ fn an_image_is_read_again_as_a_label_volume() {
     for (name, format) in [("a.tif", ImageFormat::Tif), ("a.npy", ImageFormat::Npy), ("a.vti", ImageFormat::Vti)] {
         let mut out = Cursor::new(Vec::new());
         format.write_file(&image, &model, Region::Whole, &Silent, &mut out).unwrap();
-        let volume = volume::read(name, &out.into_inner()).unwrap();
+        let volume = volume::read::<u8>(name, &out.into_inner()).unwrap();
         let labels: Vec<u8> = volume.of.iter().map(|number| volume.labels[usize::from(*number)] as u8).collect();
         assert_eq!((volume.counts, &labels[..]), ([12, 8, 10], &*values.bytes()), "{name}");
         let spacing = volume.spacing_mm.map(|spacing| spacing.map(|h| (h * 1e6).round() / 1e6));

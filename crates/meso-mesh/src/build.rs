@@ -85,7 +85,8 @@ fn accepts_bodies(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError>
         let way = "aggregates with dents take lattice or voxel; shape.hull = true packs their hulls";
         return Err(MeshError::option("method", "conforming", way));
     }
-    if is_fitted && itz == ItzForm::Solid {
+    let has_shell = |body: &Aggregate| !body.body.is_convex() && body.itz_thickness_mm > 0.0;
+    if is_fitted && itz == ItzForm::Solid && parts.bodies.iter().any(has_shell) {
         let way =
             "in a fitted lattice of aggregates with dents it must be cohesive, smeared or none; voxels take solid";
         return Err(MeshError::option("itz", "solid", way));

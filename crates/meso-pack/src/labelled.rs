@@ -8,7 +8,9 @@ use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::{Polyhedron, TriangleMesh};
 use meso_concrete::aggregate::take::ITZ_LIMIT;
 use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinition};
-use meso_concrete::import::grains::{LabelledGrains, Roles, SurfaceOptions, Surfaces, SurfacesError};
+use meso_concrete::import::grains::{
+    GrainSurfaces, LabelledGrain, LabelledGrains, Roles, SmoothOptions, SurfacesError,
+};
 use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
@@ -26,7 +28,7 @@ pub struct LabelOptions {
     /// Thickness of the ITZ of every grain, mm.
     pub itz_thickness_mm: f64,
     /// How surfaces are made.
-    pub surfaces: SurfaceOptions,
+    pub surfaces: SmoothOptions,
 }
 
 impl Default for LabelOptions {
@@ -36,7 +38,7 @@ impl Default for LabelOptions {
             roles: Roles { mortar: vec![0], aggregate: Vec::new() },
             least_voxels: 64,
             itz_thickness_mm: 0.0,
-            surfaces: SurfaceOptions::default(),
+            surfaces: SmoothOptions::default(),
         }
     }
 }
@@ -83,9 +85,9 @@ pub enum LabelsError {
         /// How many are smaller.
         dropped: usize,
     },
-    /// A grain as large as the volume.
+    /// A grain as large as the volume, or one that reaches all its faces, as a phase of grains that touch does.
     #[error(
-        "label {label} is one connected grain that takes {percent:.0} % of the volume; name it as mortar, or separate its grains first, by a watershed"
+        "label {label} has one connected grain that takes {percent:.0} % of the volume, or reaches all its faces; name it as mortar, or separate its grains first, by a watershed"
     )]
     Fills {
         /// Its label.
@@ -116,7 +118,7 @@ impl LabelOptions {
     /// # Errors
     /// See [`OutOfRange`].
     pub fn validate(&self) -> Result<(), OutOfRange> {
-        let SurfaceOptions { step, smoothing, tolerance } = self.surfaces;
+        let SmoothOptions { step, smoothing, tolerance } = self.surfaces;
         let is_in = |key, value: f64, [low, high]: [f64; 2], unit: &str| {
             Ranges("labels").require(
                 key,
@@ -184,12 +186,16 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
     let Some(largest) = largest else {
         return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: parts.dropped[0] });
     };
-    let share = largest.voxels as f64 / voxels;
-    if share > FILLS {
-        return Err(LabelsError::Fills { label: largest.label, percent: 100.0 * share });
+    let reaches_all = |grain: &&LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
+    if let Some(grain) = [largest]
+        .into_iter()
+        .chain(&parts.grains)
+        .find(|grain| reaches_all(grain) || grain.voxels as f64 > FILLS * voxels)
+    {
+        return Err(LabelsError::Fills { label: grain.label, percent: 100.0 * grain.voxels as f64 / voxels });
     }
     let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
-    let surfaces = Surfaces::new(&parts, spacing, options.surfaces);
+    let surfaces = GrainSurfaces::new(&parts, spacing, options.surfaces);
     let meshes = surfaces.all(watch)?;
     let vanished = meshes.iter().filter(|mesh| mesh.is_none()).count();
     let kept = || parts.grains.iter().zip(&meshes).filter_map(|(part, mesh)| Some((part, mesh.as_ref()?)));
@@ -199,7 +205,7 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         labels: kept().map(|(part, _)| part.label).collect(),
         fraction: kept().map(|(part, _)| part.voxels as f64).sum::<f64>() / voxels,
         farthest_mm: surfaces.farthest(&meshes),
-        parted_pairs: parts.touching_pairs(),
+        separated_pairs: parts.touching_pairs(),
         dropped: parts.dropped[0] + vanished,
         dropped_fraction: parts.dropped[1] as f64 / voxels,
     };
@@ -323,7 +329,7 @@ mod tests {
             assert!(farthest < 0.6, "{farthest} voxels");
         }
         let labels = model.report.labels.unwrap();
-        assert_eq!((labels.labels, labels.parted_pairs), (vec![1, 2], 0));
+        assert_eq!((labels.labels, labels.separated_pairs), (vec![1, 2], 0));
         assert!(labels.farthest_mm > 0.05 && labels.farthest_mm < 0.6, "{}", labels.farthest_mm);
     }
 
@@ -335,7 +341,7 @@ mod tests {
             _ => 1 + i64::from(p.x > 16.0),
         });
         let model = imported(&volume, &LabelOptions::default());
-        assert_eq!(model.report.labels.as_ref().unwrap().parted_pairs, 1);
+        assert_eq!(model.report.labels.as_ref().unwrap().separated_pairs, 1);
         let [left, right] = [0, 1].map(|id| model.aggregates[id].body.aabb());
         assert!(right.min.x - left.max.x > 0.0 && right.min.x - left.max.x < 1.0);
     }
@@ -410,7 +416,7 @@ mod tests {
         assert!(refused(&one, absent).contains("mortar names 7"));
         let size = LabelOptions { voxel_size_mm: Some([0.0; 3]), ..usual() };
         assert!(refused(&one, size).starts_with("labels.voxel_size_mm is 0"));
-        let step = LabelOptions { surfaces: SurfaceOptions { step: 9.0, ..SurfaceOptions::default() }, ..usual() };
+        let step = LabelOptions { surfaces: SmoothOptions { step: 9.0, ..SmoothOptions::default() }, ..usual() };
         assert!(refused(&one, step).starts_with("labels.step is 9"));
         // A ball in the hollow of another, which the surface of that one fills.
         let shell = volume(30, |p| match (p - Vec3::repeat(15.0)).norm() {

@@ -4,7 +4,7 @@ use meso_concrete::aggregate::{ShapeKind, SizeDefinition};
 use meso_concrete::thousands;
 use meso_pack::Spec;
 use meso_pack::model::Model;
-use meso_pack::packing::{PhaseReport, StopReason};
+use meso_pack::packing::{LabelReport, PhaseReport, Report, StopReason};
 
 /// The software and the paper behind its method, as a list of references.
 const SOURCES: &str = "\
@@ -25,23 +25,37 @@ pub fn paragraph(model: &Model) -> String {
             report.specimen.kind.replace('-', " "),
             thousands(report.specimen.volume_mm3.round() as usize)
         ),
-        shapes(spec),
+        origin(report).unwrap_or_else(|| shapes(spec)),
         format!("Sizes follow {}, and are {}.", report.grading, size(spec)),
-        format!(
-            "{} aggregates were placed ({}, seed {}), which is a volume fraction of {:.4}, ITZ included.",
-            thousands(report.aggregates),
-            report.strategy,
-            report.seed,
-            report.fraction
-        ),
-        classes(model),
+        placed(report),
+        if report.labels.is_none() { classes(model) } else { String::new() },
         inclusions(model),
         gaps(spec),
         itz(spec),
-        "The same version, spec and seed give the same model, bit for bit.".to_owned(),
+        format!(
+            "The same version, {} give the same model, bit for bit.",
+            if report.labels.is_some() { "labels and options" } else { "spec and seed" }
+        ),
     ];
     let text: Vec<String> = sentences.into_iter().filter(|sentence| !sentence.is_empty()).collect();
     format!("{}\n\n{}", wrapped(&text.join(" ")), SOURCES.replace("{version}", &report.version))
+}
+
+/// Where grains that were not packed come from.
+fn origin(report: &Report) -> Option<String> {
+    let LabelReport { voxels: [nx, ny, nz], voxel_size_mm: [x, y, z], .. } = report.labels.as_ref()?;
+    let size = if x == y && y == z { format!("{x} mm") } else { format!("{x} x {y} x {z} mm") };
+    Some(format!(
+        "Aggregates are the connected grains of a label volume of {nx} x {ny} x {nz} voxels of {size}, as smooth surfaces of the volume of their voxels."
+    ))
+}
+
+fn placed(report: &Report) -> String {
+    let Report { strategy, seed, fraction, .. } = report;
+    let how = if report.labels.is_some() { String::new() } else { format!(" ({strategy}, seed {seed})") };
+    let verb = if report.labels.is_some() { "found" } else { "placed" };
+    let aggregates = thousands(report.aggregates);
+    format!("{aggregates} aggregates were {verb}{how}, which is a volume fraction of {fraction:.4}, ITZ included.")
 }
 
 fn shapes(spec: &Spec) -> String {

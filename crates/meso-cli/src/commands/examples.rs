@@ -63,7 +63,7 @@ Examples:
 pub(super) const IMPORT: &str = "\
 Examples:
   mesocrete import scan.tif --voxel-size-mm 0.1              0 is mortar, every other label a grain or a phase
-  mesocrete import phases.npy --aggregate 0,1 -o model.json  core and ITZ are the aggregates' phase
+  mesocrete import phases.npy --aggregate 1,2 -o model.json  core and ITZ are the aggregates' phase
   mesocrete import ids.vti --mortar=-1 -o model.json         ids as mesocrete's own images have them
   mesocrete mesh model.json -o model.inp --element-size-mm 1";
 

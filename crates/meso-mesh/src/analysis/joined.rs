@@ -68,7 +68,7 @@ fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes; `cuts` tetrahedra before whole cells go.
 pub(crate) fn part(mesh: &mut Mesh, bodies: &BodyImages, cuts: bool) {
-    (mesh.notes.parted_nodes, mesh.notes.parted_pairs) = mesh.joined_aggregates();
+    (mesh.notes.parted_nodes, mesh.notes.separated_pairs) = mesh.joined_aggregates();
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
         for _ in 0..CUTS {
             let left = left(mesh, bodies, &joined(mesh));

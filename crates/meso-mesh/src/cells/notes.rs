@@ -18,7 +18,7 @@ pub struct Notes {
     /// Nodes that two or more aggregates shared and mortar parts now.
     pub parted_nodes: usize,
     /// Pairs of aggregates that mortar parts there.
-    pub parted_pairs: usize,
+    pub separated_pairs: usize,
     /// Cells of aggregates that became mortar for it.
     pub parted_cells: usize,
     /// Their volume, mm3, before any volume was made good.

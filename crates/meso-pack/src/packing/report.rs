@@ -63,7 +63,7 @@ pub struct LabelReport {
     /// Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured.
     pub farthest_mm: f64,
     /// Pairs of grains that share a face in the labels, and are apart in the model.
-    pub parted_pairs: usize,
+    pub separated_pairs: usize,
     /// Grains dropped as too small.
     pub dropped: usize,
     /// Share of the voxels that they had.

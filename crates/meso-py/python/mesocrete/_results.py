@@ -109,6 +109,27 @@ class Seconds(TypedDict):
     """Writing files."""
 
 
+class LabelReport(TypedDict):
+    """A label volume whose grains the aggregates are."""
+
+    voxels: list[int]
+    """Voxels along x, y, z."""
+    voxel_size_mm: list[float]
+    """Edges of a voxel along x, y, z, mm."""
+    fraction: float
+    """Share of the voxels that the aggregates had, to compare with their fraction."""
+    farthest_mm: float
+    """Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured."""
+    separated_pairs: int
+    """Pairs of grains that share a face in the labels, and are apart in the model."""
+    dropped: int
+    """Grains dropped as too small."""
+    dropped_fraction: float
+    """Share of the voxels that they had."""
+    labels: list[int]
+    """Label of every aggregate, by id."""
+
+
 class Report(TypedDict):
     """The figures of one run: the keys of `--summary-json`."""
 
@@ -136,6 +157,8 @@ class Report(TypedDict):
     """Voids and fibres, where the spec asks for some."""
     itz_limited: list[int]
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
+    labels: NotRequired[LabelReport | None]
+    """The label volume that the aggregates come from, where they do."""
     stop_reason: str
     """Why the placement ended."""
     stop_detail: str

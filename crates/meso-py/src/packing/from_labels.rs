@@ -5,7 +5,7 @@ use super::effective::{spacing, volume};
 use crate::boundary::{accept_in_memory, guard, wrong_value};
 use crate::files;
 use crate::run::{Plan, in_stages, listener};
-use meso_core::import::grains::{Roles, SurfaceOptions};
+use meso_core::import::grains::{Roles, SmoothOptions};
 use meso_core::labelled::{LabelOptions, LabelsError};
 use meso_core::watch::Stage;
 use pyo3::prelude::*;
@@ -77,7 +77,7 @@ pub(crate) fn from_labels(
             roles: Roles { mortar, aggregate },
             least_voxels,
             itz_thickness_mm: itz_thickness,
-            surfaces: SurfaceOptions { step, smoothing, tolerance },
+            surfaces: SmoothOptions { step, smoothing, tolerance },
         };
         options.validate().map_err(|error| raised(&error.into()))?;
         let volume = match labels.extract::<PathBuf>() {

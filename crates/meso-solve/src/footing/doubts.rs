@@ -38,7 +38,7 @@ impl Sample<'_> {
 
     fn of_joined(&self) -> Option<String> {
         let (mesh, notes) = (self.mesh, &self.mesh.notes);
-        let (left, pairs) = (self.joined_pairs(), notes.parted_pairs);
+        let (left, pairs) = (self.joined_pairs(), notes.separated_pairs);
         if left > 0 {
             return Some(format!(
                 "{left} pairs of aggregates share nodes and form a skeleton that cannot break; mesh with joined = \"mortar\""

@@ -184,7 +184,7 @@ impl Response {
             energy_balance_error: balance_error(rows),
             hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
             energies: energies(&last),
-            joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
+            joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.separated_pairs,
             joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
             columns: run.extra().names,

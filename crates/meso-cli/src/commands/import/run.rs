@@ -56,8 +56,11 @@ fn print(model: &Model, labels: &LabelReport) {
         labels.fraction,
         labels.farthest_mm
     ));
-    if labels.parted_pairs > 0 {
-        stderr::line(format!("{} pairs of grains that touch in the labels are apart", thousands(labels.parted_pairs)));
+    if labels.separated_pairs > 0 {
+        stderr::line(format!(
+            "{} pairs of grains that touch in the labels are apart",
+            thousands(labels.separated_pairs)
+        ));
     }
     if labels.dropped > 0 {
         let percent = 100.0 * labels.dropped_fraction;

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::outputs::Target;
 use meso_concrete::OutOfRange;
 use meso_core::formats::Format;
-use meso_core::import::grains::{Roles, SurfaceOptions};
+use meso_core::import::grains::{Roles, SmoothOptions};
 use meso_core::labelled::LabelOptions;
 use std::path::Path;
 
@@ -28,7 +28,7 @@ impl Args {
             roles: Roles { mortar: self.mortar.clone(), aggregate: self.aggregate.clone() },
             least_voxels: self.least_voxels as usize,
             itz_thickness_mm: self.itz_thickness_mm,
-            surfaces: SurfaceOptions { step: self.step, smoothing: self.smoothing, tolerance: self.tolerance },
+            surfaces: SmoothOptions { step: self.step, smoothing: self.smoothing, tolerance: self.tolerance },
         };
         let wrong = |error: OutOfRange| format!("--{} {}", error.key.replace('_', "-"), error.fault());
         options.validate().map_err(|error| Failure::Usage(wrong(error)))?;

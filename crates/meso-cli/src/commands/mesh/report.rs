@@ -283,7 +283,7 @@ fn gaps(notes: &Notes, has_cohesive: bool) {
         stderr::line(format!(
             "{} pairs of grains are closer than the elements can resolve. Mortar replaced {:.0} mm3 of aggregate to keep them \
              apart. Smaller elements or a larger min_gap_mm avoid this",
-            thousands(notes.parted_pairs),
+            thousands(notes.separated_pairs),
             notes.parted_mm3
         ));
     } else if nodes > 0 {

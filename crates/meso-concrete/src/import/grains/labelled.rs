@@ -168,3 +168,29 @@ fn root(lower: &mut [u32], mut voxel: u32) -> u32 {
     }
     voxel
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cut(labels: &[i64], least: usize) -> LabelledGrains {
+        let volume = Volume::new([4, 2, 2], None, labels.iter().copied()).unwrap();
+        LabelledGrains::of(&volume, &Roles { mortar: vec![0], aggregate: Vec::new() }, least)
+    }
+
+    #[test]
+    fn voxels_that_share_an_edge_alone_are_two_grains() {
+        let grains = cut(&[5, 0, 7, 7, 0, 5, 7, 0, 0, 5, 9, 0, 0, 0, 9, 0], 1);
+        assert_eq!(grains.of, [1, 0, 4, 4, 0, 2, 4, 0, 0, 3, 5, 0, 0, 0, 5, 0]);
+        assert_eq!(grains.grains.iter().map(|grain| grain.label).collect::<Vec<_>>(), [5, 5, 5, 7, 9]);
+    }
+
+    #[test]
+    fn grains_below_the_least_size_are_mortar() {
+        let grains = cut(&[5, 0, 7, 7, 5, 0, 7, 0, 0, 0, 9, 0, 0, 0, 9, 0], 3);
+        assert_eq!((grains.grains.len(), grains.dropped), (1, [2, 4]));
+        assert_eq!((grains.grains[0].label, grains.grains[0].from, grains.grains[0].to), (7, [2, 0, 0], [4, 2, 1]));
+        let all = cut(&[5, 0, 7, 7, 5, 0, 7, 0, 0, 0, 9, 0, 0, 0, 9, 0], 1);
+        assert_eq!((all.grains.len(), all.touching_pairs()), (3, 1));
+    }
+}

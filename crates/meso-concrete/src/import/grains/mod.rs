@@ -6,4 +6,4 @@ mod surfaces;
 mod tetrahedra;
 
 pub use labelled::{LabelledGrain, LabelledGrains, Roles};
-pub use surfaces::{SurfaceOptions, Surfaces, SurfacesError};
+pub use surfaces::{GrainSurfaces, SmoothOptions, SurfacesError};

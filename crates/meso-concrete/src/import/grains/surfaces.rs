@@ -1,7 +1,7 @@
 //! A closed surface for every grain of a label volume: smooth, of the volume of its voxels, and apart from all others.
 //!
 //! 1. A grain is where its blurred share exceeds a level, and the blurred share of all other grains by a margin. So grains
-//!    that touch in the labels part by a stated gap. The level is chosen so that the surface has the volume of the voxels.
+//!    that touch in the labels get a stated gap. The level is chosen so that the surface has the volume of the voxels.
 //! 2. Marching tetrahedra make the surface, and edges of small quadric error collapse.
 //! 3. No surface may cross itself, and every pair is proved apart. Grains that fail are made again with more triangles, at
 //!    last with all of them.
@@ -14,10 +14,11 @@ use crate::watch::{Stage, Watch};
 use meso_collision::dents::SelfCrossing;
 use meso_collision::geometry::{TriangleMesh, Triangles};
 use meso_collision::math::{Aabb, Vec3};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How surfaces are made; all lengths in voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceOptions {
+pub struct SmoothOptions {
     /// Distance of the nodes of marching tetrahedra.
     pub step: f64,
     /// Standard deviation of the blur.
@@ -26,7 +27,7 @@ pub struct SurfaceOptions {
     pub tolerance: f64,
 }
 
-impl Default for SurfaceOptions {
+impl Default for SmoothOptions {
     fn default() -> Self {
         Self { step: 2.0, smoothing: 1.0, tolerance: 0.2 }
     }
@@ -36,7 +37,7 @@ impl Default for SurfaceOptions {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SurfacesError {
     /// A pair that shares a point with all its triangles.
-    #[error("grains {a} and {b}, from 1, cannot be parted: one encloses the other; fill the hollow")]
+    #[error("grains {a} and {b}, from 1, cannot be separated: one encloses the other; fill the hollow")]
     Enclosed {
         /// Number of a grain.
         a: usize,
@@ -50,6 +51,8 @@ pub enum SurfacesError {
 
 /// Gap between grains that touch in the labels, in voxels, before edges collapse.
 const GAP: f64 = 0.5;
+/// Share of the work that the first try of all grains takes.
+const FIRST_ROUND: f64 = 0.8;
 /// Tries of a grain, by their shares of the tolerance.
 const TRIES: [f64; 3] = [1.0, 0.25, 0.0];
 /// Levels of the blurred share that a surface may have: a plane one moves by 0.7 voxels at most.
@@ -61,16 +64,16 @@ const CLOSE: f64 = 0.002;
 const STEPS: usize = 6;
 
 /// Grains of a volume, and how to make surfaces of them.
-pub struct Surfaces<'a> {
+pub struct GrainSurfaces<'a> {
     parts: &'a LabelledGrains,
     spacing_mm: Vec3,
-    options: SurfaceOptions,
+    options: SmoothOptions,
     lattice: Lattice,
 }
 
-impl<'a> Surfaces<'a> {
+impl<'a> GrainSurfaces<'a> {
     /// Surfaces of `parts`, whose voxels have these edges.
-    pub fn new(parts: &'a LabelledGrains, spacing_mm: [f64; 3], options: SurfaceOptions) -> Self {
+    pub fn new(parts: &'a LabelledGrains, spacing_mm: [f64; 3], options: SmoothOptions) -> Self {
         let lattice = Lattice::new(parts.counts, options.step, options.smoothing);
         Self { parts, spacing_mm: spacing_mm.into(), options, lattice }
     }
@@ -85,8 +88,12 @@ impl<'a> Surfaces<'a> {
         let mut found: Vec<Option<Solid>> = (0..count).map(|_| None).collect();
         let mut due: Vec<usize> = (0..count).collect();
         while !due.is_empty() {
+            let done = AtomicUsize::new(0);
             let made = parallel::map(due.len(), |k| {
-                if watch.stops() { None } else { self.solid(due[k], &mut tries[due[k]].clone()) }
+                let solid = if watch.stops() { None } else { self.solid(due[k], tries[due[k]]) };
+                let done = done.fetch_add(1, Ordering::Relaxed) as f64;
+                watch.stage(Stage::Take, FIRST_ROUND * if due.len() == count { done / count as f64 } else { 1.0 });
+                solid
             });
             if watch.stops() {
                 return Err(SurfacesError::Stopped);
@@ -97,7 +104,6 @@ impl<'a> Surfaces<'a> {
                     found[grain] = Some(solid);
                 }
             }
-            watch.stage(Stage::Take, 0.8);
             due = self.meeting(&found, &mut tries)?;
         }
         Ok(found.into_iter().map(|solid| solid.map(|solid| solid.mesh)).collect())
@@ -120,10 +126,10 @@ impl<'a> Surfaces<'a> {
     }
 
     /// The surface of a grain from its next try on that does not cross itself, and that try.
-    fn solid(&self, grain: usize, first: &mut usize) -> Option<(Solid, usize)> {
+    fn solid(&self, grain: usize, first: usize) -> Option<(Solid, usize)> {
         let field = self.lattice.field(self.parts, grain as u32 + 1);
         let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
-        let solids = (*first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
+        let solids = (first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
         let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
         solids.find(|(solid, number)| *number + 1 == TRIES.len() || !solid.crosses_itself())
     }

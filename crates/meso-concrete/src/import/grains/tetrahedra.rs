@@ -125,3 +125,31 @@ fn pieces(inside: usize) -> Option<([[usize; 2]; 4], bool)> {
     };
     Some((edges, [14, 13, 11, 7, 12, 10, 6].contains(&inside)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aggregate::random::{Draw, Stream};
+    use meso_collision::dents::SelfCrossing;
+    use meso_collision::geometry::Triangles;
+
+    #[test]
+    fn any_values_give_a_closed_surface_that_never_crosses_itself() {
+        for seed in 0..20 {
+            let counts = [7, 6, 5];
+            let mut stream = Stream::new(seed, Draw::Take, 0, 0);
+            let is_outer = |i: usize| {
+                let at = [i % 7, i / 7 % 6, i / 42];
+                (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == counts[axis])
+            };
+            let mut value = |i: usize| if is_outer(i) { -1.0 } else { stream.uniform(-1.0, 1.0) as f32 };
+            let values: Vec<f32> = (0..210).map(&mut value).collect();
+            let mesh = Nodes { counts, values: &values }.surface();
+            mesh.check_closed().unwrap();
+            let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+            assert_eq!((SelfCrossing { mesh: &mesh, facets: &facets }).find(), None);
+            let inside = values.iter().filter(|value| **value > 0.0).count() as f64;
+            assert!(mesh.volume() > 0.2 * inside && mesh.volume() < 2.0 * inside);
+        }
+    }
+}

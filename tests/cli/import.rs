@@ -1,0 +1,62 @@
+//! `mesocrete import`: from a label volume to a test of its specimen.
+
+use crate::command::Folder;
+
+/// Labels of 24 x 24 x 24 voxels as numpy saves them: two balls that touch, and one that a face of the volume cuts.
+fn balls(folder: &Folder, name: &str) {
+    let count = 24;
+    let balls = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 5.5), ([24.0, 5.0, 17.0], 5.0)];
+    let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({count}, {count}, {count}), }}");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{header:117}\n").as_bytes());
+    for voxel in 0..count * count * count {
+        let at = [voxel % count, voxel / count % count, voxel / (count * count)].map(|x| x as f64 + 0.5);
+        let away = |middle: [f64; 3]| (0..3).map(|axis| (at[axis] - middle[axis]).powi(2)).sum::<f64>().sqrt();
+        bytes.push(balls.iter().position(|(middle, radius)| away(*middle) < *radius).map_or(0, |k| k as u8 + 1));
+    }
+    folder.write(name, bytes);
+}
+
+#[test]
+fn a_label_volume_is_imported_checked_meshed_and_crushed() {
+    let folder = Folder::new();
+    balls(&folder, "scan.npy");
+    let run = folder.run(&["import", "scan.npy", "--voxel-size-mm", "0.5", "-o", "model.json", "--threads", "1"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("3 grains of") && run.stderr.ends_with("wrote model.json\n"), "{}", run.stderr);
+    assert!(run.stderr.contains("1 pairs of grains that touch in the labels are apart"), "{}", run.stderr);
+    let again = folder.run(&["import", "scan.npy", "--voxel-size-mm", "0.5", "-qo", "again.json", "--threads", "3"]);
+    assert_eq!((again.code, again.stderr.as_str()), (0, ""));
+    assert!(folder.read("model.json") == folder.read("again.json"));
+    assert_eq!(folder.run(&["check", "model.json"]).code, 0);
+    let flags = ["--method", "lattice", "--element-size-mm", "1", "--itz", "none", "--volumes", "exact", "--strict"];
+    let mesh = [&["mesh", "model.json", "-o", "mesh.vtu", "--summary-json", "mesh.json"][..], &flags].concat();
+    let run = folder.run(&mesh);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let solve = ["solve", "model.json", "-o", "out", "--element-size-mm", "2", "--strain", "0.0005", "--quiet"];
+    let run = folder.run(&solve);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(String::from_utf8(folder.read("out/result.json")).unwrap().contains("\"peak_mpa\""));
+}
+
+#[test]
+fn volumes_without_grains_and_wrong_flags_are_refused() {
+    let folder = Folder::new();
+    balls(&folder, "scan.npy");
+    let model = || folder.run(&["import", "scan.npy", "-o", "x.json", "--quiet"]);
+    assert_eq!(model().stderr, "warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets it\n");
+    for (flags, code, said) in [
+        (&["--mortar", "0,1,2,3"][..], 1, "it has no grain of 64 voxels or more (0 are smaller)"),
+        (&["--mortar", "9"], 1, "mortar names 9, which the volume does not have; its labels are 0, 1, 2, 3"),
+        (&["--mortar", "1,2,3"], 1, "label 0 has one connected grain that takes"),
+        (&["--voxel-size-mm", "0"], 2, "--voxel-size-mm is 0; it must be"),
+        (&["--voxel-size-mm", "1,2"], 2, "--voxel-size-mm takes one length, or three"),
+        (&["--step", "20"], 2, "--step is 20; it must be 1 to 8 voxels"),
+        (&["--aggregate", "1", "--mortar", "0"], 2, "cannot be used with"),
+        (&["-o", "x.inp"], 2, "x.inp: unknown format"),
+    ] {
+        let run = folder.run(&[&["import", "scan.npy", "-fo", "y.json"][..], flags].concat());
+        assert_eq!(run.code, code, "{flags:?}: {}", run.stderr);
+        assert!(run.stderr.contains(said), "{flags:?}: {}", run.stderr);
+    }
+}
