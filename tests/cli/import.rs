@@ -5,7 +5,7 @@ use crate::command::Folder;
 /// Labels of 24 x 24 x 24 voxels as numpy saves them: two balls that touch, and one that a face of the volume cuts.
 fn balls(folder: &Folder, name: &str) {
     let count = 24;
-    let balls = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 5.5), ([24.0, 5.0, 17.0], 5.0)];
+    let balls = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 6.2), ([24.0, 5.0, 17.0], 5.0)];
     let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({count}, {count}, {count}), }}");
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     bytes.extend(format!("{header:117}\n").as_bytes());
