@@ -97,8 +97,9 @@ def test_lines_fit_a_screen(document):
     assert not wide, f"lines wider than {WIDEST_LINE}: {wide}"
 
 
-def test_the_manual_of_meshes_stays_short():
-    manual = (ROOT / "docs" / "meshing.md").read_text(encoding="utf-8").splitlines()
+@pytest.mark.parametrize("name", ["meshing.md", "decks.md"])
+def test_manuals_of_meshes_and_decks_stay_short(name):
+    manual = (ROOT / "docs" / name).read_text(encoding="utf-8").splitlines()
     assert len(manual) <= LONGEST_MANUAL
 
 
