@@ -148,6 +148,8 @@ const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
 /// Hourglass over internal energy that is still small.
 const HOURGLASS: f64 = 0.02;
+/// Difference of a mesh's volume from its specimen's, % of the notches, that is still small.
+const NOTCH: f64 = 10.0;
 /// Difference of work and energies, over the work, that is still rounding and impacts.
 const BALANCE: f64 = 1e-3;
 
@@ -279,6 +281,7 @@ impl Summary {
         self.mesh_warnings = self.warnings.len();
         self.warn_of_the_laws(run);
         self.warn_of_strips(run);
+        self.warn_of_notches(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -346,6 +349,18 @@ impl Summary {
             rounded(width),
             rounded(0.5 * width)
         ));
+    }
+
+    /// Warns of notches that the mesh fills or widens: those narrower than two elements.
+    fn warn_of_notches(&mut self, run: &Run) {
+        let error = 100.0 * run.sample.notch_error();
+        if error.abs() > NOTCH {
+            let does = if error > 0.0 { "fills" } else { "widens" };
+            let error = error.abs();
+            self.warnings.push(format!(
+                "the mesh {does} the notches by {error:.0} % of their volume; take elements of at most half a notch's width"
+            ));
+        }
     }
 
     /// Warns of bands that are too wide for the energy of cracking or crushing.
