@@ -19,7 +19,7 @@ TABLE = RESULTS / "label_volumes.csv"
 HEADER = "work,grains,size_mm,fraction,exact_fraction,triangles_or_cells,wall_s,cpu_s,peak_mb,build,machine,date,commit"
 COUNT = 256
 SIDE_MM = 75.0
-ELEMENT_MM = 1.25
+ELEMENT_MM = 2.5
 SPEC = f"""fraction = 0.45
 specimen = {{ kind = "cube", side_mm = {SIDE_MM} }}
 grading = {{ d_min_mm = 5, d_max_mm = 20 }}

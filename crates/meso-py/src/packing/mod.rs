@@ -3,14 +3,14 @@
 mod aggregates;
 mod by_spec;
 mod effective;
-mod from_labels;
 mod image;
+mod imported;
 mod table;
 
 pub(crate) use aggregates::PyAggregates;
 pub(crate) use by_spec::pack;
 pub(crate) use effective::of_labels;
-pub(crate) use from_labels::from_labels;
+pub(crate) use imported::from_labels;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
