@@ -120,9 +120,9 @@ impl LabelledGrains {
 
 impl LabelledGrain {
     fn take(&mut self, at: [usize; 3]) {
-        for axis in 0..3 {
-            self.from[axis] = self.from[axis].min(at[axis]);
-            self.to[axis] = self.to[axis].max(at[axis] + 1);
+        for (axis, at) in at.into_iter().enumerate() {
+            self.from[axis] = self.from[axis].min(at);
+            self.to[axis] = self.to[axis].max(at + 1);
         }
     }
 }

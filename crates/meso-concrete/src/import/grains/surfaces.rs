@@ -145,9 +145,9 @@ impl<'a> GrainSurfaces<'a> {
             let mesh = self.marched(field, level, margin);
             let excess = mesh.volume() - target;
             if excess > 0.0 {
-                low = level
+                low = level;
             } else {
-                high = level
+                high = level;
             }
             let slope = match last {
                 Some((before, old)) if before != excess => (excess - before) / (level - old),
