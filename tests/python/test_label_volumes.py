@@ -1,0 +1,49 @@
+"""Label volumes become packings: `from_labels` takes arrays and files, and names what is wrong."""
+
+import mesocrete as mc
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope="module")
+def labels():
+    """Two balls, one of them cut by a face of the volume."""
+    z, y, x = np.mgrid[:30, :30, :30] + 0.5
+    labels = np.zeros((30, 30, 30), np.uint16)
+    labels[(x - 9) ** 2 + (y - 12) ** 2 + (z - 14) ** 2 < 49] = 4
+    labels[(x - 22) ** 2 + (y - 18) ** 2 + (z - 30) ** 2 < 64] = 700
+    return labels
+
+
+def test_the_grains_of_an_array_are_a_packing_that_is_sound(labels):
+    packing = mc.from_labels(labels, 0.5)
+    report = packing.report()["labels"]
+    assert report["labels"] == [4, 700] and report["voxel_size_mm"] == [0.5, 0.5, 0.5]
+    for aggregate, label in zip(packing.aggregates, report["labels"]):
+        assert aggregate.volume == pytest.approx((labels == label).sum() * 0.5**3, rel=0.005)
+    assert packing.check()["sound"] is True
+    assert np.unique(packing.voxelize(0.5, what="grain")).tolist() == [-1, 0, 1]
+
+
+def test_a_file_gives_the_packing_of_its_array(labels, tmp_path):
+    np.save(tmp_path / "scan.npy", labels)
+    assert mc.from_labels(tmp_path / "scan.npy", 0.5).fraction == mc.from_labels(labels, 0.5).fraction
+
+
+def test_wrong_labels_and_options_are_named(labels):
+    for arguments, kind, said in [
+        ((labels * 0.5,), TypeError, "labels has dtype float64"),
+        ((labels[0],), ValueError, "30 x 30 x 1 voxels"),
+        ((labels, 0), ValueError, "voxel_size is 0; it must be a positive number"),
+    ]:
+        with pytest.raises(kind, match=said):
+            mc.from_labels(*arguments)
+    for options, said in [
+        ({"mortar": [1]}, "mortar names 1, which the volume does not have"),
+        ({"step": 9}, "step is 9; it must be 1 to 8 voxels"),
+        ({"least_voxels": 10**6}, "no grain of 1000000 voxels"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            mc.from_labels(labels, 0.5, **options)
+    with pytest.raises(OSError):
+        mc.from_labels("missing.npy")
