@@ -59,6 +59,7 @@ impl TetMesh {
     }
 
     /// Volume of a cell, mm3.
+    #[cfg(test)]
     pub(crate) fn volume(&self, cell: u32) -> f64 {
         volume(self.corners(self.cell(cell)))
     }
