@@ -364,3 +364,41 @@ pub(super) fn volume_deficits(mesh: &TetMesh, surfaces: &[Surface]) -> Vec<f64> 
     let deficit = |(surface, volume): (&Surface, f64)| (1.0 - volume / surface.volume) / FULL;
     surfaces.iter().zip(volumes).map(|pair| deficit(pair).clamp(-1.0, 1.0)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_collision::geometry::convex_hull;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+    #[test]
+    fn a_body_measured_by_eights_has_the_points_and_the_edges_that_its_planes_and_edges_have_one_by_one() {
+        let mut random = ChaCha8Rng::seed_from_u64(48);
+        let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
+        let body = convex_hull(&(0..25).map(|_| point() * 10.0).collect::<Vec<_>>()).unwrap();
+        let surface = Surface::new(&body);
+        let (mut on, mut near) = (0, 0);
+        for _ in 0..2000 {
+            // A foot on one of the planes: on the body or beside it.
+            let (x, plane) =
+                (point() * 10.0, surface.planes[(point().x * 0.999 * surface.planes.len() as f64) as usize]);
+            let x = x - plane.normal * plane.height(&x);
+            let holds = surface.planes.iter().all(|p| p.normal.dot(&x) <= p.offset + surface.slack);
+            assert_eq!(surface.has(&x), holds);
+            on += usize::from(holds);
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            surface.edges.near(&x, 4.0, |position| found.push(position));
+            for Edge { start, along } in surface.edges.iter() {
+                let t = (x - start).dot(&(along / along.norm_squared()));
+                let position = start + along * t;
+                if t > 0.0 && t < 1.0 && (position - x).norm_squared() < 4.0 {
+                    expected.push(position);
+                }
+            }
+            assert_eq!(found, expected);
+            near += found.len();
+        }
+        assert!((200..1800).contains(&on) && near > 1000, "{on} {near}");
+    }
+}

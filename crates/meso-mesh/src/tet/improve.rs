@@ -268,3 +268,37 @@ pub(crate) fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     numbers.dedup();
     numbers
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tetrahedra::INVERTED;
+    use super::*;
+    use meso_collision::simd::{Isa, choose};
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+    #[test]
+    fn a_star_measured_by_eights_has_the_bits_of_its_tetrahedra_one_by_one() {
+        let mut random = ChaCha8Rng::seed_from_u64(48);
+        let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
+        let mut turned = 0;
+        for count in 1..30 {
+            let points: Vec<Vec3> = (0..=3 * count).map(|_| point()).collect();
+            let cells: Vec<[u32; 4]> = (0..count).map(|i| [0, 3 * i + 1, 3 * i + 2, 3 * i + 3]).collect();
+            let at = |node: u32| points[node as usize];
+            let one_by_one: Vec<f64> = cells.iter().map(|cell| min_dihedral_cos2(cell.map(at))).collect();
+            let worst = one_by_one.iter().copied().fold(-1.0, f64::max);
+            turned += usize::from(worst == INVERTED);
+            for isa in Isa::ALL {
+                choose(isa);
+                let mut star = Star::of_cells(0, cells.iter().map(|&cell| (cell, 7)), at);
+                assert_eq!(star.worst(&points[0], INVERTED).to_bits(), worst.to_bits(), "{count} {isa:?}");
+                assert_eq!(star.worst_first().to_bits(), worst.to_bits());
+                let [a, b, c] = star.face(0);
+                assert_eq!(min_dihedral_cos2([points[0], a, b, c]), worst, "the worst one comes first");
+            }
+            choose(Isa::best());
+        }
+        assert!((1..29).contains(&turned), "some have a tetrahedron that is turned over: {turned}");
+    }
+}
