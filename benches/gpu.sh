@@ -80,6 +80,14 @@ run cube-cdpm2-cpu 60 cpu "$cube" --element-size-mm 2 --frames 0 --law cdpm2 --t
 run cube-cdpm2-gpu 60 "$device" "$cube" --element-size-mm 2 --frames 0 --law cdpm2 --test tension
 same cube-cdpm2-cpu cube-cdpm2-gpu
 
+# Their paths and supports are the processor's: each step waits for it.
+say "named tests on the cube"
+for test in triaxial biaxial cyclic; do
+    run "$test-cpu" 15 cpu "$cube" --element-size-mm 2 --frames 1 --strain 0.002 --test "$test"
+    run "$test-gpu" 15 "$device" "$cube" --element-size-mm 2 --frames 1 --strain 0.002 --test "$test"
+    same "$test-cpu" "$test-gpu"
+done
+
 say "150 mm at 4 mm: 0.8 million tetrahedra"
 for threads in 128 256 64; do
     run "large4-$threads" 40 "$device:$threads" "$large" --element-size-mm 4 --frames 0

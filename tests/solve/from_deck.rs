@@ -47,6 +47,7 @@ impl Model {
             element_size_mm: 2.0,
             band_factor: band_factor(&self.mesh),
             notches_mm: [0.0; 2],
+            notches_mm3: 0.0,
             exact: None,
         };
         let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);

@@ -280,6 +280,17 @@ fn a_strip_with_fewer_than_three_rows_of_nodes_is_warned_about() {
     assert!(said, "{warnings:?}");
 }
 
+/// The case: the notch of a gallery's beam was one element wide, and a quarter of it was mortar.
+#[test]
+fn a_notch_that_the_mesh_fills_is_warned_about() {
+    let test = Test { kind: TestKind::Bending, law: LawName::Elastic, duration_s: Some(1e-4), ..Test::default() };
+    for (notch_width_mm, fills) in [(3.0, true), (6.0, false)] {
+        let beam = notched([100.0, 9.0, 28.0], [7.0, 0.0, notch_width_mm], 3.0);
+        let warnings = beam.solve(&brittle(), &test).result.warnings;
+        assert_eq!(warnings.iter().any(|warning| warning.contains("fills the notches by")), fills, "{warnings:?}");
+    }
+}
+
 /// A notched beam of mortar, three times and a half as long as deep.
 fn beam(depth_mm: f64, element_size_mm: f64) -> Meshed {
     notched([3.6 * depth_mm, 3.0 * element_size_mm, depth_mm], [0.25 * depth_mm, 0.0, element_size_mm], element_size_mm)

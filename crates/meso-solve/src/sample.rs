@@ -48,6 +48,8 @@ pub struct Sample<'a> {
     pub band_factor: f64,
     /// Depths of the notches in the middle of the lower and of the upper side, mm; 0 without a notch.
     pub notches_mm: [f64; 2],
+    /// Volume of both notches, mm3.
+    pub notches_mm3: f64,
     /// The phases' exact volumes, where known.
     pub exact: Option<PhaseVolumes>,
 }
@@ -62,6 +64,7 @@ impl<'a> Sample<'a> {
             element_size_mm: options.element_size_mm,
             band_factor: band_factor(mesh),
             notches_mm: notches_mm(specimen),
+            notches_mm3: notches_mm3(specimen),
             exact: None,
         }
     }
@@ -93,9 +96,7 @@ impl<'a> Sample<'a> {
 
     /// Compares the whole mesh with the specimen: where it is larger, forces over the gross section are no stresses.
     pub(crate) fn validate_volume(&self) -> Result<(), SolveError> {
-        let PhaseVolumes { mortar, itz, aggregate, fibre } = PhaseVolumes::of_mesh(self.mesh);
-        let meshed = mortar + itz + aggregate + fibre + self.mesh.notes.voids_mm3;
-        let share = meshed / self.volume_mm3;
+        let share = self.meshed_mm3() / self.volume_mm3;
         if (share - 1.0).abs() <= FAR_FROM_SPECIMEN {
             return Ok(());
         }
@@ -105,6 +106,17 @@ impl<'a> Sample<'a> {
              smaller elements, or the method lattice, whose surface follows the specimen"
         )))
     }
+
+    /// Share of the notches' volume by which the mesh differs from the specimen; 0 without notches.
+    pub(crate) fn notch_error(&self) -> f64 {
+        if self.notches_mm3 > 0.0 { (self.meshed_mm3() - self.volume_mm3) / self.notches_mm3 } else { 0.0 }
+    }
+
+    /// Volume of all cells and of the voids, mm3.
+    fn meshed_mm3(&self) -> f64 {
+        let PhaseVolumes { mortar, itz, aggregate, fibre } = PhaseVolumes::of_mesh(self.mesh);
+        mortar + itz + aggregate + fibre + self.mesh.notes.voids_mm3
+    }
 }
 
 /// Section across z that a test's forces are divided by, mm2: that of a sphere is its largest, notches do not count.
@@ -113,6 +125,16 @@ pub fn gross_section_mm2(specimen: &Specimen) -> f64 {
         Specimen::Sphere { diameter_mm } => std::f64::consts::FRAC_PI_4 * diameter_mm * diameter_mm,
         Specimen::NotchedPrism { length_mm, width_mm, .. } => length_mm * width_mm,
         _ => specimen.volume() / specimen.aabb().size().z,
+    }
+}
+
+/// Volume of a specimen's notches, mm3.
+fn notches_mm3(specimen: &Specimen) -> f64 {
+    match specimen {
+        Specimen::NotchedPrism { notch_width_mm, width_mm, .. } => {
+            notches_mm(specimen).iter().sum::<f64>() * notch_width_mm * width_mm
+        }
+        _ => 0.0,
     }
 }
 

@@ -7,10 +7,10 @@ import matplotlib.pyplot as plt
 
 import mesocrete as mc
 
-spec = {"specimen": mc.Specimen.notched_prism(100, 18, 28, notch_width_mm=3, notch_depth_mm=7), "grading": mc.Grading.fuller(8, 14), "fraction": 0.25, "placement": {"min_gap_mm": 1.5}}
+spec = {"specimen": mc.Specimen.notched_prism(100, 18, 28, notch_width_mm=6, notch_depth_mm=7), "grading": mc.Grading.fuller(8, 14), "fraction": 0.25, "placement": {"min_gap_mm": 1.5}}
 packing = mc.pack(spec, seed=1)
 mesh = packing.mesh(for_test=True, element_size=3.0)
-response = mesh.solve(test="bending", control="crack-mouth", strain=0.002, frames=4)
+response = mesh.solve(test="bending", control="crack-mouth", strain=0.0012, frames=4)
 print({key: response.result[key] for key in ("peak_mpa", "peak_strain", "kinetic_over_internal_to_half_peak")})
 print(f"{response.result['seconds']['total']:.0f} s")
 

@@ -1,7 +1,7 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
 //! The defaults are chosen for the paper's concrete of 35 MPa: they are nobody's measured values, and the method paper's own
-//! Table 3 is not available. docs/decks.md has the source of each, docs/validation.md the tests that they meet. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
+//! Table 3 is not available. docs/materials.md has the source of each, docs/validation.md the tests that they meet. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
 mod cdpm2;
@@ -145,7 +145,7 @@ impl Default for Materials {
 }
 
 impl Default for Strength {
-    /// Values of docs/decks.md: the compressive strength gives a cube of 100 mm the 35 MPa of the paper's concrete, the strain
+    /// Values of docs/materials.md: the compressive strength gives a cube of 100 mm the 35 MPa of the paper's concrete, the strain
     /// gives it the 0.0021 of EN 1992-1-1, Table 3.1; the fracture energy lies between CEB-FIP Model Code 1990 (0.066 N/mm)
     /// and fib Model Code 2010 (0.14); the crushing energy gives the specimen's softening a length of 0.3 mm.
     fn default() -> Self {

@@ -1,4 +1,4 @@
-"""Mesoscale concrete: convex aggregates packed without overlap, exact collision, meshes and Abaqus decks.
+"""Mesoscale concrete: aggregates packed without overlap, exact collision, meshes and Abaqus decks.
 
 >>> import mesocrete as mc
 >>> packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 50}}, fraction=0.3)

@@ -344,6 +344,7 @@ def plot_response(response: Any, ax: Any = None, **options: Any) -> Any:
     label = f"peak {result['peak_mpa']:.1f} MPa"
     ax.plot(result["peak_strain"], result["peak_mpa"], "o", color=line.get_color(), label=label)
     ax.set(xlabel="mean axial strain", ylabel="stress, MPa", xlim=(0, None), ylim=(0, None))
+    ax.locator_params(axis="x", nbins=6)
     ax.legend()
     return ax
 
