@@ -216,10 +216,20 @@ fn remeshed(nodes: &Nodes, node: u32, least_deg: f64) -> Option<Remeshed> {
         Some(position) => patch.with(node, position),
         None => patch.contracted(node, others[number - positions.len()]),
     };
-    parallel::find(positions.len() + others.len(), |number| {
+    let attempt = |number: usize| {
         let mut tried = start(number);
         tried.comes_out(nodes, limit).then(|| tried.in_place_of(&patch))
-    })
+    };
+    let (mut tried, all) = (0, positions.len() + others.len());
+    while tried < all {
+        // Few at first: most nodes come out soon, and work beyond the first that does is lost.
+        let more = (3 * tried).clamp(1, all - tried);
+        if let found @ Some(_) = parallel::find(more, |number| attempt(tried + number)) {
+            return found;
+        }
+        tried += more;
+    }
+    None
 }
 
 /// The neighbour on its body that `node` is best contracted onto, if one leaves all angles above `least_deg`.
