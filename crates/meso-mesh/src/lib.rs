@@ -15,7 +15,7 @@
 //! |---|---|---|
 //! | `tet::TetMesh` | positions, cells, owners of a tetrahedral mesh; removed cells keep their numbers until `drop_removed` | drivers only |
 //! | `tet::Topology` | a `TetMesh` with the cells around its nodes | `replace_thicker`, `insert_thicker` |
-//! | `lattice::sweeps` | the nodes that wait for each step; each patch of nodes has its own copy of the nodes that it moves | the driver, colour by colour |
+//! | `lattice::sweeps` | the nodes that wait for each step, and all positions; patches of one colour write no position that another one reads | turns, colour by colour |
 //! | `lattice::repair` | nodes that are off their body, their options, their periodic images | `relabel`, `contract`, `replace` |
 //! | `conforming::Division` | slabs (the part of a specimen that one run of gmsh fills) and gmsh's input for each | never |
 //!

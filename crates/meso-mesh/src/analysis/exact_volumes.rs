@@ -6,11 +6,10 @@
 //! as far, and the next round distributes the rest. Nodes on the specimen's sides, and between more than two materials, stay.
 
 use crate::body_images::BodyImages;
-use crate::cells::{Mesh, NO_BODY, Owners, Phase, Sides, cell_volume, faces};
-use crate::tet::{ascending, dihedral_cosines, stable_length};
+use crate::cells::{Mesh, NO_BODY, Owners, Phase, Sides, faces, owned_volumes};
+use crate::tet::{ascending, cos2_of, dihedral_cosines, min_dihedral_cos2, stable_length};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
-use std::collections::BTreeMap;
 
 /// Times that the missing volumes are shared out.
 const ROUNDS: usize = 6;
@@ -31,7 +30,7 @@ pub(crate) fn restore(mesh: &mut Mesh, bodies: &BodyImages, element_size_mm: f64
     let surface = MovingSurface::of(mesh);
     for _ in 0..ROUNDS {
         let missing = missing(mesh, &exact);
-        if missing.values().map(|volume| volume.abs()).sum::<f64>() < CLOSE * exact.values().sum::<f64>() {
+        if missing.iter().map(|volume| volume.abs()).sum::<f64>() < CLOSE * exact.iter().sum::<f64>() {
             return;
         }
         let mut displacements = surface.displacements(mesh, &missing, STEP * element_size_mm);
@@ -41,18 +40,19 @@ pub(crate) fn restore(mesh: &mut Mesh, bodies: &BodyImages, element_size_mm: f64
 }
 
 /// Volume of every body that is in the specimen, mm3.
-fn exact(bodies: &BodyImages) -> BTreeMap<u32, f64> {
-    let last = |body: u32| Some((body, bodies.images(body).last()?.body.volume()));
-    (0..bodies.id_of.len() as u32).filter_map(last).collect()
+fn exact(bodies: &BodyImages) -> Vec<f64> {
+    let last = |body: u32| bodies.images(body).last().map_or(0.0, |body| body.body.volume());
+    (0..bodies.id_of.len() as u32).map(last).collect()
 }
 
 /// The volume that every aggregate lacks in `mesh`, mm3.
-fn missing(mesh: &Mesh, exact: &BTreeMap<u32, f64>) -> BTreeMap<u32, f64> {
-    let mut missing = exact.clone();
-    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.owner);
-    for ((cell, _), id) in cells.filter(|((_, phase), _)| **phase == Phase::Aggregate) {
-        *missing.get_mut(id).expect("a cell's aggregate is a body") -= cell_volume(mesh.kind, cell, &mesh.points);
-    }
+fn missing(mesh: &Mesh, exact: &[f64]) -> Vec<f64> {
+    let mut missing = exact.to_vec();
+    owned_volumes(mesh.by_owner(), |cell, volume| {
+        if mesh.phase[cell] == Phase::Aggregate {
+            missing[mesh.owner[cell] as usize] -= volume;
+        }
+    });
     missing
 }
 
@@ -82,7 +82,7 @@ impl MovingSurface {
     }
 
     /// The displacement of every node, `most` mm at most.
-    fn displacements(&self, mesh: &Mesh, missing: &BTreeMap<u32, f64>, most: f64) -> Vec<Vec3> {
+    fn displacements(&self, mesh: &Mesh, missing: &[f64], most: f64) -> Vec<Vec3> {
         // The gradient of the aggregate's volume by the node's position: a third of the area vectors around it.
         let mut normals = vec![Vec3::zeros(); mesh.points.len()];
         for (nodes, id) in &self.faces {
@@ -93,11 +93,11 @@ impl MovingSurface {
                 .filter(|node| self.owner[**node as usize] == *id)
                 .for_each(|node| normals[*node as usize] += third);
         }
-        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut areas = vec![0.0; missing.len()];
         for (normal, owner) in normals.iter().zip(&self.owner).filter(|(_, owner)| **owner != NO_BODY) {
-            *areas.entry(*owner).or_default() += normal.norm();
+            areas[*owner as usize] += normal.norm();
         }
-        let distance = |id: u32| (missing[&id] / areas[&id]).clamp(-most, most);
+        let distance = |id: u32| (missing[id as usize] / areas[id as usize]).clamp(-most, most);
         parallel::map_short(normals.len(), |node| match normals[node].norm() {
             0.0 => Vec3::zeros(),
             length => normals[node] * (distance(self.owner[node]) / length),
@@ -107,6 +107,8 @@ impl MovingSurface {
     /// Halves the displacements of the nodes whose cells would get too flat, at last to zero.
     fn shorten(&self, mesh: &Mesh, displacements: &mut [Vec3], short: f64) {
         let mut watched = self.cells.clone();
+        let mut has_changed = vec![false; displacements.len()];
+        let clear = cos2_of(SHARPEST_DEG + CLEARLY_DEG);
         let corners = |cell: u32| mesh.by_owner().cell(cell as usize);
         for halving in 0.. {
             let after = |node: &u32| mesh.points[*node as usize] + displacements[*node as usize];
@@ -114,7 +116,7 @@ impl MovingSurface {
                 let cell = corners(*number);
                 let [before, after] =
                     [[0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]), [0, 1, 2, 3].map(|i| after(&cell[i]))];
-                before != after && flattens(before, after, short)
+                before != after && flattens(before, after, short, clear)
             };
             let flat = parallel::pick(&watched, is_flat);
             if flat.is_empty() {
@@ -123,17 +125,23 @@ impl MovingSurface {
             let nodes = ascending(flat.iter().flat_map(|&cell| corners(cell)).copied());
             let share = if halving < HALVINGS { 0.5 } else { 0.0 };
             nodes.iter().for_each(|&node| displacements[node as usize] *= share);
-            // Elsewhere nothing has changed.
-            let has_shortened = |cell: &u32| corners(*cell).iter().any(|node| nodes.binary_search(node).is_ok());
-            watched = parallel::pick(&self.cells, has_shortened);
+            nodes.iter().for_each(|&node| has_changed[node as usize] = true);
+            watched = parallel::pick(&self.cells, |&cell| corners(cell).iter().any(|&node| has_changed[node as usize]));
+            nodes.iter().for_each(|&node| has_changed[node as usize] = false);
         }
     }
 }
 
-/// Whether a tetrahedron gets worse than it may.
-fn flattens(before: [Vec3; 4], after: [Vec3; 4], short: f64) -> bool {
-    let sharpest = libm::cos(SHARPEST_DEG.to_radians());
-    let ([_, was], [_, is]) = (dihedral_cosines(before), dihedral_cosines(after));
-    let (length, now) = (stable_length(before), stable_length(after));
-    is > sharpest.max(was) || now < short.min(KEPT * length)
+/// Angles this much above [`SHARPEST_DEG`] are above it whatever the rounding, degrees.
+const CLEARLY_DEG: f64 = 1e-3;
+
+/// Whether a tetrahedron gets worse than it may. Below the measure `clear` its angles are clearly not too sharp.
+fn flattens(before: [Vec3; 4], after: [Vec3; 4], short: f64, clear: f64) -> bool {
+    let is_sharp = || {
+        let sharpest = libm::cos(SHARPEST_DEG.to_radians());
+        let ([_, was], [_, is]) = (dihedral_cosines(before), dihedral_cosines(after));
+        is > sharpest.max(was)
+    };
+    let now = stable_length(after);
+    min_dihedral_cos2(after) >= clear && is_sharp() || now < short && now < KEPT * stable_length(before)
 }

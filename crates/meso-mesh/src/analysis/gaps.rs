@@ -6,6 +6,7 @@
 //! them. Edges in faces across which a specimen repeats itself stay, so that opposite faces still match.
 
 use crate::cells::{CellKind, EDGES, Mesh, NO_BODY, Owners, Phase, Sides, repeating};
+use meso_concrete::parallel;
 
 /// Halves the edges of mortar between two bodies; the number of these.
 pub(crate) fn split_narrow(mesh: &mut Mesh) -> usize {
@@ -17,16 +18,20 @@ pub(crate) fn split_narrow(mesh: &mut Mesh) -> usize {
     let middle = |&[a, b]: &[u32; 2]| (mesh.points[a as usize] + mesh.points[b as usize]) / 2.0;
     let middles: Vec<_> = bridges.edges.iter().map(middle).collect();
     mesh.points.extend(middles);
-    let mut cell = 0;
+    let nodes_of = |mesh: &Mesh, cell: usize| std::array::from_fn(|corner| mesh.cells[4 * cell + corner]);
+    let is_crossed =
+        |cell: usize| mesh.phase[cell] == Phase::Mortar && bridges.longest_of(&nodes_of(mesh, cell)).is_some();
+    let mut open = parallel::filter(mesh.cell_count(), is_crossed);
+    let mut next = 0;
     // The half that is cut off goes to the end, and is looked at there.
-    while cell < mesh.phase.len() {
-        let nodes: [u32; 4] = std::array::from_fn(|corner| mesh.cells[4 * cell + corner]);
-        let is_mortar = mesh.phase[cell] == Phase::Mortar;
-        let Some((edge, [i, j])) = is_mortar.then(|| bridges.longest_of(&nodes)).flatten() else {
-            cell += 1;
+    while let Some(&cell) = open.get(next) {
+        let nodes: [u32; 4] = nodes_of(mesh, cell as usize);
+        let Some((edge, [i, j])) = bridges.longest_of(&nodes) else {
+            next += 1;
             continue;
         };
-        mesh.cells[4 * cell + i] = first + edge;
+        open.push(mesh.phase.len() as u32);
+        mesh.cells[4 * cell as usize + i] = first + edge;
         let mut rest = nodes;
         rest[j] = first + edge;
         mesh.cells.extend(rest);
@@ -51,11 +56,15 @@ impl Bridges {
         let mut bridges = Self { edges: Vec::new(), rank: Vec::new(), owners };
         let sides = Sides::of_points(&mesh.points);
         let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeating(mesh.periodic) != 0;
-        let mortar = mesh.cells().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar);
-        let mut edges: Vec<[u32; 2]> = mortar
-            .flat_map(|(cell, _)| EDGES.map(|[i, j]| ordered(cell[i], cell[j])))
-            .filter(|&edge| bridges.parts_two(edge) && !is_fixed(edge))
-            .collect();
+        let is_bridge = |edge: [u32; 2]| bridges.parts_two(edge) && !is_fixed(edge);
+        let bridges_of = |cell: usize| {
+            let edges = EDGES.map(|[i, j]| ordered(mesh.cell(cell)[i], mesh.cell(cell)[j]));
+            edges
+                .map(|edge| (mesh.phase[cell] == Phase::Mortar && is_bridge(edge)).then_some(edge))
+                .into_iter()
+                .flatten()
+        };
+        let mut edges = parallel::flat_map(mesh.cell_count(), bridges_of);
         edges.sort_unstable();
         edges.dedup();
         bridges.rank = ranks(mesh, &edges);

@@ -111,9 +111,9 @@ impl Shared {
         let mut cells: BTreeMap<u32, Vec<(usize, u32, f64)>> = BTreeMap::new();
         let all = mesh.cells().zip(&mesh.owner).enumerate().filter(|(number, _)| is_stiff(*number));
         for (number, (cell, &body)) in all {
-            let weight = if mesh.phase[number] == Phase::Fibre { f64::INFINITY } else { mesh.volume(number) };
+            let weight = || if mesh.phase[number] == Phase::Fibre { f64::INFINITY } else { mesh.volume(number) };
             for &node in cell[..mesh.kind.corners()].iter().filter(|node| owners.are_several(**node)) {
-                cells.entry(node).or_default().push((number, body, weight));
+                cells.entry(node).or_default().push((number, body, weight()));
             }
         }
         Self { cells, gone: vec![false; mesh.cell_count()] }

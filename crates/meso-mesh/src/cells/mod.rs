@@ -18,7 +18,7 @@ pub(crate) use interface::{InterfaceFace, faces};
 pub(crate) use joins::complete;
 pub use joins::owners;
 pub use mesh::{CellKind, Cells, Mesh, Phase};
-pub(crate) use mesh::{DROPPED, NO_BODY, cell_volume, drop_lone_nodes, volume};
+pub(crate) use mesh::{DROPPED, NO_BODY, cell_volume, drop_lone_nodes, owned_volumes, volume};
 pub use notes::Notes;
 pub(crate) use owners::{Owners, pairs};
 pub(crate) use second_order::EDGES;

@@ -55,7 +55,7 @@ impl Nodes<'_> {
     /// The star of a node, with those of its images.
     pub(super) fn star(&self, node: u32) -> Star {
         let star = |node: u32| Star::of(self.mesh, node, self.cells(node));
-        self.pairs.images(node).fold(star(node), |all, (image, shift)| all.with_image(star(image), &shift))
+        self.pairs.images(node).fold(star(node), |all, (image, shift)| all.with_image(&star(image), &shift))
     }
 
     /// The cells around a node and its images.

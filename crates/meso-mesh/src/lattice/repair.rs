@@ -19,7 +19,7 @@ use super::reprojection::{Relabelled, positions_apart, relabelled, reproject};
 use super::smoothing::{GUARD_DEG, smooth};
 use crate::tet::{Improver, Incidence, Star, TetMesh, Topology, ascending, cos2_of, improve, swapped};
 use meso_collision::math::Vec3;
-use meso_concrete::stop;
+use meso_concrete::{parallel, stop};
 
 /// The smallest dihedral angle that contractions may leave, degrees, pass by pass: first those that need nothing else, then those
 /// after which smoothing makes room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
@@ -211,10 +211,25 @@ fn remeshed(nodes: &Nodes, node: u32, least_deg: f64) -> Option<Remeshed> {
     let patch = Patch::around(nodes, node);
     let limit = patch.mesh.worst(patch.mesh.numbers()).max(cos2_of(least_deg));
     let positions = positions_apart(nodes, node, APART * nodes.exact.size, POSITIONS);
-    let moved = positions.iter().map(|position| patch.with(node, position));
-    let contracted = nearest_on_body(nodes, node).into_iter().map(|into| patch.contracted(node, into));
-    let mut tried = moved.chain(contracted);
-    tried.find_map(|mut tried| tried.comes_out(nodes, limit).then(|| tried.in_place_of(&patch)))
+    let others = nearest_on_body(nodes, node);
+    let start = |number: usize| match positions.get(number) {
+        Some(position) => patch.with(node, position),
+        None => patch.contracted(node, others[number - positions.len()]),
+    };
+    let attempt = |number: usize| {
+        let mut tried = start(number);
+        tried.comes_out(nodes, limit).then(|| tried.in_place_of(&patch))
+    };
+    let (mut tried, all) = (0, positions.len() + others.len());
+    while tried < all {
+        // Few at first: most nodes come out soon, and work beyond the first that does is lost.
+        let more = (3 * tried).clamp(1, all - tried);
+        if let found @ Some(_) = parallel::find(more, |number| attempt(tried + number)) {
+            return found;
+        }
+        tried += more;
+    }
+    None
 }
 
 /// The neighbour on its body that `node` is best contracted onto, if one leaves all angles above `least_deg`.

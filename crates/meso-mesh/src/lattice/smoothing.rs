@@ -2,7 +2,7 @@
 
 use super::boundary::BoundaryTrack;
 use super::nodes::{Exact, Nodes, Role, paired_after};
-use super::surface::Surface;
+use super::surface::{Foothold, Surface};
 use crate::cells::NO_BODY;
 use crate::tet::{self, Constraint, Star, best_position, cos2_of, directions};
 use meso_collision::math::Vec3;
@@ -79,8 +79,9 @@ fn gaining(exact: &Exact, surface: &Surface, x: &Vec3, gain: &Vec3, positions: &
 /// Positions on the same faces, in the direction that gains volume.
 fn along_face(exact: &Exact, surface: &Surface, x: &Vec3, gain: &Vec3, positions: &mut Vec<(f64, Vec3)>) {
     let Some(direction) = gain.try_normalize(LEAST * exact.size * exact.size) else { return };
+    let foothold = surface.foothold(x);
     for step in FACE_STEPS {
-        if let Some(position) = surface.along_face(x, &(direction * step * exact.size)) {
+        if let Some(position) = foothold.after(&(direction * step * exact.size)) {
             add_gain(exact, x, gain, position, positions);
         }
     }
@@ -142,36 +143,36 @@ pub(super) fn smoothed(exact: &Exact, star: &Star, role: Role, before: f64, roun
 }
 
 /// Constraint of a node that moves by itself.
-#[derive(Clone, Copy)]
-pub(super) enum Track {
+pub(super) enum Track<'a> {
     /// It stays where it is.
     Still,
-    /// The faces it lies on of this body.
-    Along(u32),
+    /// The faces it lies on of a body.
+    Along(Foothold<'a>),
     /// The specimen's own surface.
     Boundary(BoundaryTrack),
     /// Nothing.
     Anywhere,
 }
 
-impl Track {
+impl<'a> Track<'a> {
     /// The track of a node by its role; those with images have none of their own.
-    pub(super) fn of(exact: &Exact, star: &Star, role: Role) -> Self {
+    pub(super) fn of(exact: &Exact<'a>, star: &Star, role: Role) -> Self {
+        let along = |body: u32| Self::Along(exact.surfaces[body as usize].foothold(&star.centre));
         match role {
             Role::Fixed | Role::Paired(_) => Self::Still,
             Role::Free => Self::Anywhere,
             Role::Boundary(hold) => Self::Boundary(BoundaryTrack::of(star, hold)),
-            Role::Surface(body) if exact.surfaces[body as usize].has(&star.centre) => Self::Along(body),
+            Role::Surface(body) if exact.surfaces[body as usize].has(&star.centre) => along(body),
             Role::Surface(_) => Self::Anywhere,
-            Role::Contact => body_under(exact, star).map_or(Self::Anywhere, Self::Along),
+            Role::Contact => body_under(exact, star).map_or(Self::Anywhere, along),
         }
     }
 
-    /// `x` after the part of `step` that the track allows.
-    pub(super) fn after(self, exact: &Exact, x: &Vec3, step: &Vec3) -> Option<Vec3> {
+    /// The node's own position `x` after the part of `step` that the track allows.
+    pub(super) fn after(&self, exact: &Exact, x: &Vec3, step: &Vec3) -> Option<Vec3> {
         match self {
             Self::Still => None,
-            Self::Along(body) => exact.surfaces[body as usize].along_face(x, step),
+            Self::Along(foothold) => foothold.after(step),
             Self::Boundary(track) => track.after(exact.boundary, x, step, exact.size),
             Self::Anywhere => Some(x + step),
         }
@@ -196,7 +197,7 @@ const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
 /// Constraint of a node of a mesh under repair.
 enum Keeps<'a> {
-    Track(&'a Exact<'a>, Track),
+    Track(&'a Exact<'a>, Track<'a>),
     /// The sides across these axes, together with the images of this node.
     Paired(&'a Nodes<'a>, u32, [bool; 3]),
 }

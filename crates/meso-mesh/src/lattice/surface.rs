@@ -1,9 +1,10 @@
 //! A body's surface as the fit needs it: edges and corners near a point, and steps along a face.
 
-use crate::cells::NO_BODY;
+use crate::cells::owned_volumes;
 use crate::tet::TetMesh;
 use meso_collision::geometry::{Plane, Polyhedron, Round, nearest_on_triangle};
 use meso_collision::math::Vec3;
+use meso_collision::simd::{Wide, widest};
 
 /// Sine of the angle below which planes count as parallel.
 const PARALLEL: f64 = 1e-3;
@@ -11,9 +12,11 @@ const PARALLEL: f64 = 1e-3;
 /// Faces, edges and corners of a body.
 pub(super) struct Surface {
     planes: Vec<Plane>,
+    /// The planes again; the last eight is filled up with a plane that it has already.
+    eights: Vec<EightPlanes>,
     /// The triangle in each plane of a body with dents, beyond which the plane is no part of the surface.
     triangles: Vec<[Vec3; 3]>,
-    edges: Vec<Edge>,
+    edges: Edges,
     corners: Vec<Vec3>,
     /// mm3.
     pub(super) volume: f64,
@@ -23,18 +26,171 @@ pub(super) struct Surface {
     round: Option<Round>,
 }
 
+/// Planes that a point is held against together.
+const LANES: usize = 8;
+
+/// Eight planes of a body.
+struct EightPlanes {
+    normal: [[f64; LANES]; 3],
+    offset: [f64; LANES],
+    /// Offset of the plane above which a point lies outside.
+    bound: [f64; LANES],
+}
+
+impl EightPlanes {
+    fn new(planes: &[Plane], slack: f64) -> Self {
+        let lane = |l: usize| planes[l.min(planes.len() - 1)];
+        Self {
+            normal: [0, 1, 2].map(|axis| std::array::from_fn(|l| lane(l).normal[axis])),
+            offset: std::array::from_fn(|l| lane(l).offset),
+            bound: std::array::from_fn(|l| lane(l).offset + slack),
+        }
+    }
+}
+
+/// The distance of a point to the nearest of some planes, and its height over the bound that it exceeds most, mm.
+struct Against<'a>(&'a [EightPlanes], &'a Vec3);
+
+impl Wide for Against<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn run(self) -> [f64; 2] {
+        let Self(eights, x) = self;
+        let (mut nearest, mut highest) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        for EightPlanes { normal: [nx, ny, nz], offset, bound } in eights {
+            for l in 0..LANES {
+                let along = nx[l] * x.x + ny[l] * x.y + nz[l] * x.z;
+                let (distance, above) = ((along - offset[l]).abs(), along - bound[l]);
+                nearest[l] = if distance < nearest[l] { distance } else { nearest[l] };
+                highest[l] = if above > highest[l] { above } else { highest[l] };
+            }
+        }
+        [nearest.into_iter().fold(f64::INFINITY, f64::min), highest.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+    }
+}
+
+/// A point on a body's surface with the faces there, along which it may move.
+pub(super) struct Foothold<'a> {
+    surface: &'a Surface,
+    x: Vec3,
+    faces: Vec<(usize, &'a Plane)>,
+}
+
+impl Foothold<'_> {
+    /// The point after the part of `step` that lies in all its faces, or `None` where that leaves the faces.
+    pub(super) fn after(&self, step: &Vec3) -> Option<Vec3> {
+        let Self { surface, x, faces } = self;
+        if let Some(round) = &surface.round {
+            let normal = round.normal(x);
+            return surface.has(x).then(|| round.nearest(&(x + step - normal * normal.dot(step))));
+        }
+        let step = match faces[..] {
+            [(_, plane)] => step - plane.normal * plane.normal.dot(step),
+            [(_, first), (_, second)] => {
+                let edge = first.normal.cross(&second.normal).normalize();
+                edge * edge.dot(step)
+            }
+            _ => return None,
+        };
+        self.if_on_faces(x + step)
+    }
+
+    /// A `position` that is still on all the faces.
+    fn if_on_faces(&self, position: Vec3) -> Option<Vec3> {
+        let is_on = |(face, _): &(usize, &Plane)| self.surface.is_on(*face, &position);
+        (self.faces.iter().all(is_on) && self.surface.holds(&position)).then_some(position)
+    }
+}
+
 /// An edge of a body.
+#[derive(Clone, Copy)]
 struct Edge {
     start: Vec3,
     along: Vec3,
-    /// `along` over its squared length.
-    measure: Vec3,
 }
 
-impl Edge {
-    fn new([a, b]: [Vec3; 2]) -> Self {
-        let along = b - a;
-        Self { start: a, along, measure: along / along.norm_squared() }
+/// The edges of a body, by eights; the last one is filled up with an edge that it has already.
+#[derive(Default)]
+struct Edges {
+    count: usize,
+    eights: Vec<EightEdges>,
+}
+
+/// Coordinates of eight edges.
+struct EightEdges {
+    start: [[f64; LANES]; 3],
+    along: [[f64; LANES]; 3],
+    /// `along` over its squared length.
+    measure: [[f64; LANES]; 3],
+}
+
+impl EightEdges {
+    fn new(edges: &[Edge]) -> Self {
+        let rows = |of: fn(&Edge) -> Vec3| {
+            let lanes: [Vec3; LANES] = std::array::from_fn(|l| of(&edges[l.min(edges.len() - 1)]));
+            [0, 1, 2].map(|axis| lanes.map(|lane| lane[axis]))
+        };
+        let measure = |edge: &Edge| edge.along / edge.along.norm_squared();
+        Self { start: rows(|edge| edge.start), along: rows(|edge| edge.along), measure: rows(measure) }
+    }
+}
+
+impl Edges {
+    fn new(edges: &[Edge]) -> Self {
+        Self { count: edges.len(), eights: edges.chunks(LANES).map(EightEdges::new).collect() }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Edge> {
+        (0..self.count).map(|number| self.edge(number))
+    }
+
+    fn edge(&self, number: usize) -> Edge {
+        let EightEdges { start, along, .. } = &self.eights[number / LANES];
+        let [start, along] = [start, along].map(|rows| Vec3::from_fn(|axis, _| rows[axis][number % LANES]));
+        Edge { start, along }
+    }
+
+    /// Calls `visit` with the nearest points of the edges to `x`, where they lie between the ends and nearer than the root of `square`.
+    fn near(&self, x: &Vec3, square: f64, mut visit: impl FnMut(Vec3)) {
+        for (part, eights) in self.eights.chunks(MOST).enumerate() {
+            let near = widest(Near { eights, x, square });
+            for (eight, shares) in (part * MOST..).zip(&near[..eights.len()]) {
+                for (number, t) in (eight * LANES..self.count).zip(shares).filter(|(_, t)| **t > 0.0) {
+                    let Edge { start, along } = self.edge(number);
+                    visit(start + along * *t);
+                }
+            }
+        }
+    }
+}
+
+/// Eights that are held against a point together.
+const MOST: usize = 16;
+
+/// The shares of some edges at which they come nearest to a point; 0 for those that do so at an end, or not near enough.
+struct Near<'a> {
+    eights: &'a [EightEdges],
+    x: &'a Vec3,
+    square: f64,
+}
+
+impl Wide for Near<'_> {
+    type Output = [[f64; LANES]; MOST];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (x, mut all) = (self.x, [[0.0; LANES]; MOST]);
+        for (shares, eight) in all.iter_mut().zip(self.eights) {
+            let EightEdges { start: [sx, sy, sz], along: [ax, ay, az], measure: [mx, my, mz] } = eight;
+            for l in 0..LANES {
+                let t = (x.x - sx[l]) * mx[l] + (x.y - sy[l]) * my[l] + (x.z - sz[l]) * mz[l];
+                let [a, b, c] = [sx[l] + ax[l] * t - x.x, sy[l] + ay[l] * t - x.y, sz[l] + az[l] * t - x.z];
+                let is_near = (t > 0.0) & (t < 1.0) & (a * a + b * b + c * c < self.square);
+                shares[l] = if is_near { t } else { 0.0 };
+            }
+        }
+        all
     }
 }
 
@@ -42,8 +198,9 @@ impl Surface {
     pub(super) fn new(body: &Polyhedron) -> Self {
         let (volume, slack) = (body.volume(), SLACK * body.aabb().size().max());
         if let Some(round) = body.round() {
-            let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            return Self { planes, triangles, edges, corners, volume, slack, round: Some(round) };
+            let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Edges::default(), Vec::new());
+            let (eights, round) = (Vec::new(), Some(round));
+            return Self { planes, eights, triangles, edges, corners, volume, slack, round };
         }
         let at = |i: u32| body.vertices()[i as usize];
         let mut edges = Vec::new();
@@ -52,14 +209,16 @@ impl Surface {
             for i in 0..face.len() {
                 let (a, b) = (face[i], face[(i + 1) % face.len()]);
                 if a < b {
-                    edges.push([a, b]);
+                    edges.push(Edge { start: at(a), along: at(b) - at(a) });
                 }
             }
         }
+        let planes: Vec<Plane> = body.planes().collect();
         Self {
-            planes: body.planes().collect(),
+            eights: planes.chunks(LANES).map(|planes| EightPlanes::new(planes, slack)).collect(),
+            planes,
             triangles: if body.is_convex() { Vec::new() } else { body.triangles().map(|t| t.map(at)).collect() },
-            edges: edges.into_iter().map(|edge| Edge::new(edge.map(at))).collect(),
+            edges: Edges::new(&edges),
             corners: body.vertices().to_vec(),
             volume,
             slack,
@@ -71,34 +230,13 @@ impl Surface {
     pub(super) fn features_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
         let near = |p: &Vec3| (p - x).norm_squared() < reach * reach;
         self.corners.iter().filter(|corner| near(corner)).for_each(|corner| visit(*corner));
-        for edge in &self.edges {
-            let t = (x - edge.start).dot(&edge.measure);
-            if t > 0.0 && t < 1.0 {
-                let position = edge.start + edge.along * t;
-                if near(&position) {
-                    visit(position);
-                }
-            }
-        }
+        self.edges.near(x, reach * reach, visit);
     }
 
-    /// `x` after the part of `step` that lies in all the faces at `x`, or `None` where that leaves the faces.
-    pub(super) fn along_face(&self, x: &Vec3, step: &Vec3) -> Option<Vec3> {
-        if let Some(round) = &self.round {
-            let normal = round.normal(x);
-            return self.has(x).then(|| round.nearest(&(x + step - normal * normal.dot(step))));
-        }
-        let at = self.faces_at(x);
-        let step = match at[..] {
-            [(_, plane)] => step - plane.normal * plane.normal.dot(step),
-            [(_, first), (_, second)] => {
-                let edge = first.normal.cross(&second.normal).normalize();
-                edge * edge.dot(step)
-            }
-            _ => return None,
-        };
-        let position = x + step;
-        (self.holds(&position) && at.iter().all(|(face, _)| self.is_on(*face, &position))).then_some(position)
+    /// The faces at `x`.
+    pub(super) fn foothold(&self, x: &Vec3) -> Foothold<'_> {
+        let faces = self.planes.iter().enumerate().filter(|(face, _)| self.is_on(*face, x)).collect();
+        Foothold { surface: self, x: *x, faces }
     }
 
     /// Projects a point within the planes through `x` across `axes`, too.
@@ -106,13 +244,12 @@ impl Surface {
         if let Some(round) = &self.round {
             return if self.has(x) { nearest_in_planes(round, &(x + step), axes, self.slack) } else { None };
         }
-        let at = self.faces_at(x);
+        let at = self.foothold(x);
         let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();
-        normals.extend(at.iter().map(|(_, plane)| plane.normal));
+        normals.extend(at.faces.iter().map(|(_, plane)| plane.normal));
         let &[first, second] = normals.as_slice() else { return None };
         let edge = first.cross(&second).try_normalize(PARALLEL)?;
-        let position = x + edge * edge.dot(step);
-        (self.holds(&position) && at.iter().all(|(face, _)| self.is_on(*face, &position))).then_some(position)
+        at.if_on_faces(x + edge * edge.dot(step))
     }
 
     /// Calls `visit` with the positions nearest to `x` on the faces, and with the edges, within the planes through `x` across
@@ -132,7 +269,7 @@ impl Surface {
         let Some(axis) = (0..3).find(|i| axes[*i]).filter(|_| axes.iter().filter(|held| **held).count() == 1) else {
             return;
         };
-        for edge in &self.edges {
+        for edge in self.edges.iter() {
             let t = (x[axis] - edge.start[axis]) / edge.along[axis];
             let position = edge.start + edge.along * t;
             if (0.0..=1.0).contains(&t) && (position - x).norm() < reach {
@@ -164,17 +301,16 @@ impl Surface {
         if let Some(round) = &self.round {
             return round.height(x).abs() <= self.slack;
         }
-        (0..self.planes.len()).any(|face| self.is_on(face, x)) && self.holds(x)
+        if !self.triangles.is_empty() {
+            return (0..self.planes.len()).any(|face| self.is_on(face, x));
+        }
+        let [nearest, highest] = widest(Against(&self.eights, x));
+        nearest <= self.slack && highest <= 0.0
     }
 
     /// Whether `x` lies in the closed convex body. The faces of a body with dents bound themselves.
     fn holds(&self, x: &Vec3) -> bool {
-        !self.triangles.is_empty() || self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
-    }
-
-    /// The faces at `x`, by their numbers and planes.
-    fn faces_at(&self, x: &Vec3) -> Vec<(usize, &Plane)> {
-        self.planes.iter().enumerate().filter(|(face, _)| self.is_on(*face, x)).collect()
+        !self.triangles.is_empty() || widest(Against(&self.eights, x))[1] <= 0.0
     }
 
     /// Whether `x` lies on a face, or on its plane where that bounds a convex body.
@@ -224,9 +360,45 @@ const FULL: f64 = 0.02;
 /// How much every body's tetrahedra lack of its volume: 1 for [`FULL`] of it or more, -1 for as much too much.
 pub(super) fn volume_deficits(mesh: &TetMesh, surfaces: &[Surface]) -> Vec<f64> {
     let mut volumes = vec![0.0; surfaces.len()];
-    for cell in mesh.numbers().filter(|&cell| mesh.owner[cell as usize] != NO_BODY) {
-        volumes[mesh.owner[cell as usize] as usize] += mesh.volume(cell);
-    }
+    owned_volumes(mesh.by_body(), |cell, volume| volumes[mesh.owner[cell] as usize] += volume);
     let deficit = |(surface, volume): (&Surface, f64)| (1.0 - volume / surface.volume) / FULL;
     surfaces.iter().zip(volumes).map(|pair| deficit(pair).clamp(-1.0, 1.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_collision::geometry::convex_hull;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+    #[test]
+    fn a_body_measured_by_eights_has_the_points_and_the_edges_that_its_planes_and_edges_have_one_by_one() {
+        let mut random = ChaCha8Rng::seed_from_u64(48);
+        let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
+        let body = convex_hull(&(0..25).map(|_| point() * 10.0).collect::<Vec<_>>()).unwrap();
+        let surface = Surface::new(&body);
+        let (mut on, mut near) = (0, 0);
+        for _ in 0..2000 {
+            // A foot on one of the planes: on the body or beside it.
+            let (x, plane) =
+                (point() * 10.0, surface.planes[(point().x * 0.999 * surface.planes.len() as f64) as usize]);
+            let x = x - plane.normal * plane.height(&x);
+            let holds = surface.planes.iter().all(|p| p.normal.dot(&x) <= p.offset + surface.slack);
+            assert_eq!(surface.has(&x), holds);
+            on += usize::from(holds);
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            surface.edges.near(&x, 4.0, |position| found.push(position));
+            for Edge { start, along } in surface.edges.iter() {
+                let t = (x - start).dot(&(along / along.norm_squared()));
+                let position = start + along * t;
+                if t > 0.0 && t < 1.0 && (position - x).norm_squared() < 4.0 {
+                    expected.push(position);
+                }
+            }
+            assert_eq!(found, expected);
+            near += found.len();
+        }
+        assert!((200..1800).contains(&on) && near > 1000, "{on} {near}");
+    }
 }

@@ -5,8 +5,8 @@
 //! the [`repair`](super::repair).
 //!
 //! Nodes go in patches, eight colours of them, such that patches of one colour share no tetrahedron. The patches of a colour are
-//! worked on at the same time, each with its own copy of the nodes it moves; the driver puts the copies back once all are done. So
-//! the result does not depend on the number of threads.
+//! worked on at the same time: none reads a position that another one writes. So the result does not depend on the number of
+//! threads.
 
 use super::boundary::Boundary;
 use super::nodes::{Exact, PeriodicPairs, Role, near_surface, relabel, release, roles};
@@ -18,6 +18,7 @@ use crate::tet::{Incidence, Star, TetMesh};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::parallel;
 use meso_concrete::stop;
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering::Relaxed};
 
 /// Rounds of sliding and smoothing.
 const ROUNDS: usize = 5;
@@ -46,7 +47,7 @@ pub(super) fn fit(
             relabel(mesh, locator);
             let before = std::mem::replace(&mut roles_now, roles(mesh, domain, boundary));
             let changed = (0..).zip(roles_now.iter().zip(&before)).filter(|(_, (now, before))| now != before);
-            changed.for_each(|(node, _)| sweeps.waiting[node] = ALL);
+            changed.for_each(|(node, _)| *sweeps.waiting[node].get_mut() = ALL);
         }
         let deficits = volume_deficits(mesh, surfaces);
         let state = State { exact: &exact, incidence: &incidence, roles: &roles_now, deficits: &deficits };
@@ -76,65 +77,56 @@ struct State<'a> {
 /// The driver: which nodes are still to be looked at, and by which step.
 struct Sweeps {
     patches: Patches,
-    waiting: Vec<u8>,
+    waiting: Vec<AtomicU8>,
 }
 
 impl Sweeps {
     fn new(patches: Patches, nodes: usize) -> Self {
-        Self { patches, waiting: vec![ALL; nodes] }
+        Self { patches, waiting: (0..nodes).map(|_| AtomicU8::new(ALL)).collect() }
     }
 
     /// Takes one step at every node, colour by colour, and applies the result.
     fn sweep(&mut self, mesh: &mut TetMesh, state: State, step: impl Fn(&mut Turn, u32) + Sync) {
-        for colour in 0..self.patches.colours.len() {
-            let done: Vec<Done> = {
-                let before = &*mesh;
-                let of_patch = |&patch: &u32| {
-                    let mut turn = Turn::new(state, before, &self.patches, patch, &self.waiting);
-                    self.patches.nodes[patch as usize].iter().for_each(|&node| step(&mut turn, node));
-                    turn.done
-                };
-                parallel::map_each(&self.patches.colours[colour], of_patch)
-            };
-            for (&patch, done) in self.patches.colours[colour].iter().zip(done) {
-                for ((&node, point), waiting) in
-                    self.patches.nodes[patch as usize].iter().zip(done.points).zip(done.waiting)
-                {
-                    (mesh.points[node as usize], self.waiting[node as usize]) = (point, waiting);
-                }
-                done.woken.into_iter().for_each(|node| self.waiting[node as usize] = ALL);
-            }
+        let points = parallel::map_each(&mesh.points, Spot::at);
+        for colour in &self.patches.colours {
+            let turn = || Turn { state, mesh, points: &points, waiting: &self.waiting, star: Star::default() };
+            parallel::map_with(colour.len(), turn, |turn, i| {
+                self.patches.nodes[colour[i] as usize].iter().for_each(|&node| step(turn, node));
+            });
         }
+        parallel::each_short_mut(&mut mesh.points, |node, point| *point = points[node].position());
     }
 }
 
-/// The results of a patch's turn.
-struct Done {
-    /// Number of the patch's own nodes.
-    points: Vec<Vec3>,
-    waiting: Vec<u8>,
-    /// Nodes of other patches around which something has changed.
-    woken: Vec<u32>,
+/// A position that threads share: the bits of its coordinates.
+struct Spot([AtomicU64; 3]);
+
+impl Spot {
+    fn at(position: &Vec3) -> Self {
+        Self([0, 1, 2].map(|axis| AtomicU64::new(position[axis].to_bits())))
+    }
+
+    fn position(&self) -> Vec3 {
+        Vec3::from_fn(|axis, _| f64::from_bits(self.0[axis].load(Relaxed)))
+    }
+
+    fn move_to(&self, to: &Vec3) {
+        (0..3).for_each(|axis| self.0[axis].store(to[axis].to_bits(), Relaxed));
+    }
 }
 
-/// One patch while its nodes move, one after the other.
+/// Patches while their nodes move, one after the other.
 struct Turn<'a> {
     state: State<'a>,
-    /// As it was before the turn.
+    /// Cells and owners; positions are those before the sweep.
     mesh: &'a TetMesh,
-    patches: &'a Patches,
-    patch: u32,
-    done: Done,
+    points: &'a [Spot],
+    waiting: &'a [AtomicU8],
+    /// The star of the latest node; its memory serves all nodes.
+    star: Star,
 }
 
-impl<'a> Turn<'a> {
-    fn new(state: State<'a>, mesh: &'a TetMesh, patches: &'a Patches, patch: u32, waiting: &[u8]) -> Self {
-        let nodes = || patches.nodes[patch as usize].iter();
-        let points = nodes().map(|&node| mesh.position(node)).collect();
-        let waiting = nodes().map(|&node| waiting[node as usize]).collect();
-        Self { state, mesh, patches, patch, done: Done { points, waiting, woken: Vec::new() } }
-    }
-
+impl Turn<'_> {
     /// Snaps a node to its body's features, where that gains volume.
     fn slide(&mut self, node: u32) {
         stop::point();
@@ -142,9 +134,9 @@ impl<'a> Turn<'a> {
         if matches!(role, Role::Fixed | Role::Free) || !self.take(node, SLIDE) {
             return;
         }
-        let mut star = self.star(node);
-        if let Some(to) = snapped(self.state.exact, self.state.deficits, &mut star, role) {
-            self.move_to(node, to);
+        self.look_at(node);
+        if let Some(to) = snapped(self.state.exact, self.state.deficits, &mut self.star, role) {
+            self.move_to(node, &to);
         }
     }
 
@@ -155,73 +147,50 @@ impl<'a> Turn<'a> {
         if role == Role::Fixed || !self.take(node, SMOOTH) {
             return;
         }
-        let mut star = self.star(node);
-        let before = star.worst_first();
+        self.look_at(node);
+        let before = self.star.worst_first();
         if !is_poor(role, before) {
             return;
         }
-        match smoothed(self.state.exact, &star, role, before, round) {
-            Some(to) => self.move_to(node, to),
+        match smoothed(self.state.exact, &self.star, role, before, round) {
+            Some(to) => self.move_to(node, &to),
             // The next round tries shorter steps.
-            None => *self.waiting(node) |= SMOOTH,
+            None => self.wakes(node, SMOOTH),
         }
     }
 
     /// Whether anything around the node has changed since this step last looked at it.
-    fn take(&mut self, node: u32, step: u8) -> bool {
-        let waiting = self.waiting(node);
-        let is_waiting = *waiting & step != 0;
-        *waiting &= !step;
-        is_waiting
+    fn take(&self, node: u32, step: u8) -> bool {
+        let waiting = &self.waiting[node as usize];
+        let steps = waiting.load(Relaxed);
+        waiting.store(steps & !step, Relaxed);
+        steps & step != 0
     }
 
-    fn waiting(&mut self, node: u32) -> &mut u8 {
-        &mut self.done.waiting[self.patches.slot[node as usize] as usize]
+    fn wakes(&self, node: u32, steps: u8) {
+        self.waiting[node as usize].fetch_or(steps, Relaxed);
     }
 
-    fn is_own(&self, node: u32) -> bool {
-        self.patches.of[node as usize] == self.patch
-    }
-
-    fn position(&self, node: u32) -> Vec3 {
-        if self.is_own(node) {
-            self.done.points[self.patches.slot[node as usize] as usize]
-        } else {
-            self.mesh.position(node)
-        }
-    }
-
-    fn star(&self, node: u32) -> Star {
-        let cells = self.state.incidence.cells(node).iter();
-        Star::of_cells(node, cells.map(|&cell| self.mesh.owned(cell)), |node| self.position(node))
+    fn look_at(&mut self, node: u32) {
+        let Self { state, mesh, points, star, .. } = self;
+        let cells = state.incidence.cells(node).iter().map(|&cell| mesh.owned(cell));
+        star.refill(node, cells, |node| points[node as usize].position());
     }
 
     /// Moves the node; all around it are to be looked at again.
-    fn move_to(&mut self, node: u32, to: Vec3) {
-        self.done.points[self.patches.slot[node as usize] as usize] = to;
+    fn move_to(&self, node: u32, to: &Vec3) {
+        self.points[node as usize].move_to(to);
         for &cell in self.state.incidence.cells(node) {
-            for near in self.mesh.cell(cell) {
-                if self.is_own(near) {
-                    *self.waiting(near) = ALL;
-                } else {
-                    self.done.woken.push(near);
-                }
-            }
+            self.mesh.cell(cell).into_iter().for_each(|near| self.waiting[near as usize].store(ALL, Relaxed));
         }
     }
 }
-
-/// The patch of a node that does not move.
-const NO_PATCH: u32 = u32::MAX;
 
 /// The nodes that move, by patch.
 struct Patches {
     /// Ascending.
     nodes: Vec<Vec<u32>>,
     colours: [Vec<u32>; 8],
-    /// The patch of every node, and its number there.
-    of: Vec<u32>,
-    slot: Vec<u32>,
 }
 
 impl Patches {
@@ -229,21 +198,18 @@ impl Patches {
     fn new(mesh: &TetMesh, active: &[bool], domain: &Aabb, edge: f64) -> Self {
         let counts = [0, 1, 2].map(|i| (domain.size()[i] / edge).floor().max(1.0) as usize);
         let mut nodes = vec![Vec::new(); counts.iter().product()];
-        let (mut of, mut slot) = (vec![NO_PATCH; active.len()], vec![0; active.len()]);
         for (node, point) in (0..).zip(&mesh.points).filter(|(node, _)| active[*node as usize]) {
             let [i, j, k] = [0, 1, 2].map(|a| {
                 let share = (point[a] - domain.min[a]) / domain.size()[a];
                 ((share * counts[a] as f64) as usize).min(counts[a] - 1)
             });
-            let patch = (k * counts[1] + j) * counts[0] + i;
-            (of[node as usize], slot[node as usize]) = (patch as u32, nodes[patch].len() as u32);
-            nodes[patch].push(node);
+            nodes[(k * counts[1] + j) * counts[0] + i].push(node);
         }
         let mut colours: [Vec<u32>; 8] = Default::default();
         for patch in (0..nodes.len()).filter(|&patch| !nodes[patch].is_empty()) {
             let [i, j, k] = [patch % counts[0], patch / counts[0] % counts[1], patch / (counts[0] * counts[1])];
             colours[i % 2 + 2 * (j % 2) + 4 * (k % 2)].push(patch as u32);
         }
-        Self { nodes, colours, of, slot }
+        Self { nodes, colours }
     }
 }

@@ -1,16 +1,93 @@
 //! The star of a node, its constraints, the best position that they allow, and the driver of all improvement: it starts from
 //! the poor cells, goes round by round, and ends within a budget.
 
-use super::tetrahedra::{TetMesh, min_dihedral_cos2};
+use super::tetrahedra::{TetMesh, lane_cos2, min_dihedral_cos2};
 use meso_collision::math::Vec3;
+use meso_collision::simd::{Wide, widest};
 use meso_concrete::parallel;
 use meso_concrete::stop;
 use rayon::prelude::*;
 
 /// The tetrahedra around one node as the opposite faces (a, b, c), with positive volume over the node, and their owners.
+#[derive(Default)]
 pub(crate) struct Star {
     pub(crate) centre: Vec3,
-    faces: Vec<([Vec3; 3], u32)>,
+    /// The last eight is filled up with faces that it has already.
+    eights: Vec<Eight>,
+    owners: Vec<u32>,
+}
+
+/// Faces that are measured together.
+const LANES: usize = 8;
+
+/// Eight faces: the x, y and z of their corners a, then of b and c.
+#[derive(Clone, Copy)]
+struct Eight([[f64; LANES]; 9]);
+
+impl Eight {
+    fn face(&self, lane: usize) -> [Vec3; 3] {
+        [0, 3, 6].map(|at| Vec3::new(self.0[at][lane], self.0[at + 1][lane], self.0[at + 2][lane]))
+    }
+
+    fn set(&mut self, lane: usize, [a, b, c]: [Vec3; 3]) {
+        let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+        self.0.iter_mut().zip(all).for_each(|(row, value)| row[lane] = value);
+    }
+
+    /// [`min_dihedral_cos2`] of every face with `x`.
+    #[inline(always)]
+    fn cos2(&self, x: &Vec3) -> [f64; LANES] {
+        let Self([ax, ay, az, bx, by, bz, cx, cy, cz]) = self;
+        let mut all = [0.0; LANES];
+        for l in 0..LANES {
+            let [a, b, c] = [[ax[l], ay[l], az[l]], [bx[l], by[l], bz[l]], [cx[l], cy[l], cz[l]]].map(Vec3::from);
+            all[l] = lane_cos2([*x, a, b, c]);
+        }
+        all
+    }
+}
+
+/// The worst tetrahedron of some faces with a node at `x`; the search ends at the first eight with one above `limit`.
+struct Worst<'a> {
+    eights: &'a [Eight],
+    x: &'a Vec3,
+    limit: f64,
+}
+
+impl Wide for Worst<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let mut worst: f64 = -1.0;
+        for eight in self.eights {
+            worst = eight.cos2(self.x).into_iter().fold(worst, f64::max);
+            if worst > self.limit {
+                break;
+            }
+        }
+        worst
+    }
+}
+
+/// The first of the worst tetrahedra of some faces with a node at `x`, and its measure.
+struct First<'a>(&'a [Eight], &'a Vec3);
+
+impl Wide for First<'_> {
+    type Output = (f64, usize);
+
+    #[inline(always)]
+    fn run(self) -> (f64, usize) {
+        let mut first = (-1.0, 0);
+        for (number, eight) in self.0.iter().enumerate() {
+            for (lane, cos2) in eight.cos2(self.1).into_iter().enumerate() {
+                if cos2 > first.0 {
+                    first = (cos2, number * LANES + lane);
+                }
+            }
+        }
+        first
+    }
 }
 
 impl Star {
@@ -25,63 +102,94 @@ impl Star {
         cells: impl Iterator<Item = ([u32; 4], u32)>,
         position: impl Fn(u32) -> Vec3,
     ) -> Self {
-        let face = |(nodes, owner): ([u32; 4], u32)| {
-            let at = nodes.iter().position(|&n| n == node).expect("a star's cells hold its node");
+        let mut star = Self::default();
+        star.refill(node, cells, position);
+        star
+    }
+
+    /// Turns this star into that of another node; see [`of_cells`](Self::of_cells).
+    pub(crate) fn refill(
+        &mut self,
+        node: u32,
+        cells: impl Iterator<Item = ([u32; 4], u32)>,
+        position: impl Fn(u32) -> Vec3,
+    ) {
+        self.centre = position(node);
+        self.eights.clear();
+        self.owners.clear();
+        for (nodes, owner) in cells {
+            debug_assert!(nodes.contains(&node), "a star's cells hold its node");
+            // Without branches: nobody predicts the corner that a node is.
+            let at: usize = (1..4).map(|corner| corner * usize::from(nodes[corner] == node)).sum();
             // Even permutations that bring the node to the front.
             let [i, j, k] = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][at];
-            ([position(nodes[i]), position(nodes[j]), position(nodes[k])], owner)
-        };
-        Self { centre: position(node), faces: cells.map(face).collect() }
+            self.push([position(nodes[i]), position(nodes[j]), position(nodes[k])], owner);
+        }
+    }
+
+    fn push(&mut self, face: [Vec3; 3], owner: u32) {
+        let lane = self.owners.len() % LANES;
+        if lane == 0 {
+            let [a, b, c] = face;
+            let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+            self.eights.push(Eight(all.map(|value| [value; LANES])));
+        } else if let Some(eight) = self.eights.last_mut() {
+            eight.set(lane, face);
+        }
+        self.owners.push(owner);
+    }
+
+    fn face(&self, number: usize) -> [Vec3; 3] {
+        self.eights[number / LANES].face(number % LANES)
+    }
+
+    fn faces(&self) -> impl Iterator<Item = ([Vec3; 3], u32)> + '_ {
+        self.owners.iter().enumerate().map(|(number, owner)| (self.face(number), *owner))
     }
 
     /// With the cells of a periodic image of the node, `shift` mm away.
-    pub(crate) fn with_image(mut self, image: Self, shift: &Vec3) -> Self {
-        self.faces.extend(image.faces.into_iter().map(|(face, owner)| (face.map(|p| p - shift), owner)));
+    pub(crate) fn with_image(mut self, image: &Self, shift: &Vec3) -> Self {
+        image.faces().for_each(|(face, owner)| self.push(face.map(|p| p - shift), owner));
         self
     }
 
-    /// [`min_dihedral_cos2`] of the worst tetrahedron with the node at `x`. The search ends at the first above `limit`.
+    /// [`min_dihedral_cos2`] of the worst tetrahedron with the node at `x`; of any above `limit` where there is one.
     pub(crate) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
-        let mut worst: f64 = -1.0;
-        for ([a, b, c], _) in &self.faces {
-            worst = worst.max(min_dihedral_cos2([*x, *a, *b, *c]));
-            if worst > limit {
-                break;
-            }
-        }
-        worst
+        let Some(eight) = self.eights.first() else { return -1.0 };
+        // Most positions that are refused are refused by the face that was the worst before.
+        let [a, b, c] = eight.face(0);
+        let first = min_dihedral_cos2([*x, a, b, c]);
+        if first > limit { first } else { widest(Worst { eights: &self.eights, x, limit }) }
     }
 
     /// [`worst`](Self::worst) of the node's own position; the worst tetrahedron comes first from now on, where searches
     /// with a limit end soonest.
     pub(crate) fn worst_first(&mut self) -> f64 {
-        let x = self.centre;
-        let (mut worst, mut at) = (-1.0, 0);
-        for (i, ([a, b, c], _)) in self.faces.iter().enumerate() {
-            let cos2 = min_dihedral_cos2([x, *a, *b, *c]);
-            if cos2 > worst {
-                (worst, at) = (cos2, i);
-            }
+        let (worst, at) = widest(First(&self.eights, &self.centre));
+        if at > 0 {
+            let [first, other] = [self.face(0), self.face(at)];
+            self.eights[0].set(0, other);
+            self.eights[at / LANES].set(at % LANES, first);
+            self.owners.swap(0, at);
         }
-        self.faces.swap(0, at);
         worst
     }
 
     /// The gain of six times the volume of the star's tetrahedra by a unit move of the node, each tetrahedron counted as
     /// often as `weight` of its owner says: volumes are linear in the node's position.
     pub(crate) fn gain(&self, weight: impl Fn(u32) -> f64) -> Vec3 {
-        -self.faces.iter().map(|([a, b, c], owner)| (b - a).cross(&(c - a)) * weight(*owner)).sum::<Vec3>()
+        -self.faces().map(|([a, b, c], owner)| (b - a).cross(&(c - a)) * weight(owner)).sum::<Vec3>()
     }
 
     /// The owners of the star's tetrahedra; each as often as it occurs.
     pub(crate) fn owners(&self) -> impl Iterator<Item = u32> + '_ {
-        self.faces.iter().map(|(_, owner)| *owner)
+        self.owners.iter().copied()
     }
 
     /// Mean of the surrounding nodes, each as often as it occurs.
     pub(crate) fn mean(&self) -> Vec3 {
-        let sum: Vec3 = self.faces.iter().flat_map(|(face, _)| face).sum();
-        sum / (3 * self.faces.len()) as f64
+        let sum: Vec3 = self.faces().flat_map(|(face, _)| face).sum();
+        sum / (3 * self.owners.len()) as f64
     }
 }
 
@@ -159,4 +267,38 @@ pub(crate) fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     numbers.par_sort_unstable();
     numbers.dedup();
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tetrahedra::INVERTED;
+    use super::*;
+    use meso_collision::simd::{Isa, choose};
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+    #[test]
+    fn a_star_measured_by_eights_has_the_bits_of_its_tetrahedra_one_by_one() {
+        let mut random = ChaCha8Rng::seed_from_u64(48);
+        let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
+        let mut turned = 0;
+        for count in 1..30 {
+            let points: Vec<Vec3> = (0..=3 * count).map(|_| point()).collect();
+            let cells: Vec<[u32; 4]> = (0..count).map(|i| [0, 3 * i + 1, 3 * i + 2, 3 * i + 3]).collect();
+            let at = |node: u32| points[node as usize];
+            let one_by_one: Vec<f64> = cells.iter().map(|cell| min_dihedral_cos2(cell.map(at))).collect();
+            let worst = one_by_one.iter().copied().fold(-1.0, f64::max);
+            turned += usize::from(worst == INVERTED);
+            for isa in Isa::ALL {
+                choose(isa);
+                let mut star = Star::of_cells(0, cells.iter().map(|&cell| (cell, 7)), at);
+                assert_eq!(star.worst(&points[0], INVERTED).to_bits(), worst.to_bits(), "{count} {isa:?}");
+                assert_eq!(star.worst_first().to_bits(), worst.to_bits());
+                let [a, b, c] = star.face(0);
+                assert_eq!(min_dihedral_cos2([points[0], a, b, c]), worst, "the worst one comes first");
+            }
+            choose(Isa::best());
+        }
+        assert!((1..29).contains(&turned), "some have a tetrahedron that is turned over: {turned}");
+    }
 }

@@ -59,6 +59,7 @@ impl TetMesh {
     }
 
     /// Volume of a cell, mm3.
+    #[cfg(test)]
     pub(crate) fn volume(&self, cell: u32) -> f64 {
         volume(self.corners(self.cell(cell)))
     }
@@ -128,12 +129,15 @@ pub(crate) const INVERTED: f64 = 2.0;
 
 /// Signed square of the cosine of the smallest dihedral angle, cos |cos|, so that no root is needed: -1 to 1, larger for
 /// smaller angles, [`INVERTED`] where the tetrahedron has no positive volume.
-pub(crate) fn min_dihedral_cos2([a, b, c, d]: [Vec3; 4]) -> f64 {
+pub(crate) fn min_dihedral_cos2(corners: [Vec3; 4]) -> f64 {
+    lane_cos2(corners)
+}
+
+/// [`min_dihedral_cos2`] as one lane of a loop over several tetrahedra, hence without branches.
+#[inline(always)]
+pub(crate) fn lane_cos2([a, b, c, d]: [Vec3; 4]) -> f64 {
     let (u, v, w) = (b - a, c - a, d - a);
     let (vw, wu, uv) = (v.cross(&w), w.cross(&u), u.cross(&v));
-    if vw.dot(&u) <= 0.0 {
-        return INVERTED;
-    }
     // Face vectors; over a closed surface they sum to nothing.
     let faces = [-vw, -wu, -uv, vw + wu + uv];
     let mut inverse = [0.0; 4];
@@ -147,7 +151,7 @@ pub(crate) fn min_dihedral_cos2([a, b, c, d]: [Vec3; 4]) -> f64 {
             worst = worst.max(product * product.abs() * (inverse[i] * inverse[j]));
         }
     }
-    worst
+    if vw.dot(&u) <= 0.0 { INVERTED } else { worst }
 }
 
 /// The [`min_dihedral_cos2`] of an angle, degrees.

@@ -135,7 +135,7 @@ impl Patches {
 
     /// The shape of a patch.
     pub(crate) fn patch(&self, mesh: &Mesh, patch: u32) -> Patch {
-        let (cells, mut found) = (self.cells(patch), Patch::default());
+        let (cells, mut found) = (self.cells(patch), Patch::with_room());
         cells
             .iter()
             .for_each(|&cell| found.add(mesh.cell(cell as usize), &Shape::of(&corners(mesh, cell)), self.part(cell)));
@@ -256,6 +256,12 @@ impl Lists {
 }
 
 impl Patch {
+    /// A patch of nothing, with room for all nodes that one may have.
+    fn with_room() -> Self {
+        let (nodes, shares) = (Vec::with_capacity(MOST_NODES), Vec::with_capacity(MOST_NODES));
+        Self { nodes, gradients: Vec::with_capacity(MOST_NODES), shares, ..Self::default() }
+    }
+
     /// Adds a `part` of a cell; gradients and shares are still times the volume, and the cells' mean is still a sum.
     fn add(&mut self, nodes: &[u32], shape: &Shape, part: f64) {
         let volume = part * shape.volume;

@@ -65,7 +65,8 @@ impl Weight {
 
     fn add_patches(&mut self, parts: &Parts, patches: &Patches) -> Result<(), SolveError> {
         let mesh = parts.sample.mesh;
-        (0..mesh.cell_count() as u32).try_for_each(|cell| tetrahedron(mesh, cell).map(drop))?;
+        let cells = (0..mesh.cell_count() as u32).into_par_iter();
+        cells.find_map_first(|cell| tetrahedron(mesh, cell).err()).map_or(Ok(()), Err)?;
         let need = |number: u32| {
             let patch = patches.patch(mesh, number);
             let matter = &parts.common.matter[patches.phase[number as usize] as usize];
