@@ -27,6 +27,7 @@ SOURCES = {
     "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-pack/src/check/mod.rs": ["Check"],
     "meso-effective/src/bounds.rs": ["PropertyBounds"],
+    "meso-effective/src/resolution.rs": ["Resolution"],
     "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
     "meso-effective/src/elastic/task.rs": ["ElasticShare", "ElasticBounds", "Isotropic", "Stiffness"],
     "meso-solve/src/march/curve.rs": ["Figures"],
@@ -40,6 +41,8 @@ CHANGED = {
     "Work": ("Work", set(), []),
     "Check": ("CheckResult", set(), [("sound", "bool", "True where nothing was found.")]),
     "Figures": ("CurveFigures", set(), []),
+    "Effective": ("Effective", {"resolution"}, []),
+    "Stiffness": ("Stiffness", {"resolution"}, []),
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
@@ -55,7 +58,11 @@ CHANGED = {
     ),
 }
 # A dict that has the keys of another, too.
-BASES = {"Summary": "CurveFigures, BeyondPeak, Lateral"}
+BASES = {
+    "Summary": "CurveFigures, BeyondPeak, Lateral",
+    "Effective": "Resolution",
+    "Stiffness": "Resolution",
+}
 PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",
     "String": "str", "&'static str": "str",

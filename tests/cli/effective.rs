@@ -68,6 +68,23 @@ fn phases_come_from_a_file_and_all_properties_into_one_list() {
 }
 
 #[test]
+fn tetrahedra_are_written_as_figures_page_and_grids() {
+    let folder = Folder::with_model();
+    let flags = ["--what", "all", "--method", "lattice", "--element-size-mm", "5", "--axes", "x"];
+    let run = folder.run(&[&["effective", "small.json", "-o", "out"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
+    assert!(found[0]["elements"].as_u64().unwrap() > 5000 && found[0]["voxels"].is_null());
+    assert_eq!(found[2]["element_size_mm"], serde_json::json!(5.0));
+    let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
+    assert_eq!(page.matches("<img").count(), 8);
+    assert!(page.contains("tetrahedra of 5 mm; ends of x, y, z"), "{page}");
+    for field in ["diffusivity_x", "conductivity_x", "stiffness_xy"] {
+        assert!(folder.read(&format!("out/{field}.vtu")).starts_with(b"<?xml"));
+    }
+}
+
+#[test]
 fn stiffness_and_expansion_are_written_with_their_bounds() {
     let folder = Folder::with_model();
     folder.write("phases.toml", "[stiffness.aggregate]\nyoungs_modulus_mpa = 40000\n");
@@ -156,6 +173,10 @@ fn refusals_name_the_flag_and_the_range() {
     for (flags, said) in [
         (&["--voxel-size-mm", "0"][..], "--voxel-size-mm is 0; it must be a positive number"),
         (&["--voxel-size-mm", "30"], "--voxel-size-mm is 30; it must be at most 10 mm"),
+        (&["--method", "conforming"], "--method is conforming; it must be voxel or lattice"),
+        (&["--method", "lattice", "--voxel-size-mm", "2"], "--method lattice takes --element-size-mm"),
+        (&["--element-size-mm", "2"], "--element-size-mm needs --method lattice"),
+        (&["--method", "lattice", "--element-size-mm", "30"], "--element-size-mm is 30; it must be 0.04 to 10 mm"),
         (&["--what", "strength"], "it must be diffusivity, conductivity, stiffness or all"),
         (&["--what", "stiffness", "--axes", "x"], "--axes needs --what diffusivity, conductivity or all"),
         (&["--eigenstrain", "mortar=-4e-4"], "--eigenstrain needs --what stiffness or all"),

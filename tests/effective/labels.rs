@@ -46,7 +46,7 @@ fn walls_have_their_values_at_the_faces_of_the_voxels() {
     let found = solve(&row, &phases(&values));
     let resistance: f64 = values.iter().map(|(_, value)| 0.25 / value).sum();
     assert!((found.fine[0][0].unwrap() * resistance - 1.0).abs() < 1e-6);
-    assert_eq!(found.boundary, ["fixed"; 3]);
+    assert_eq!(found.resolution.boundary, ["fixed"; 3]);
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_period_joins_the_ends_of_a_volume() {
     let off = |found: &Effective| found.fine[0][1].unwrap();
     assert!((off(&periodic) - periodic.fine[1][0].unwrap()).abs() < 1e-5 && off(&periodic).abs() > 1.0);
     assert!(walls.fine[0][0].unwrap() < periodic.fine[0][0].unwrap());
-    assert_eq!(periodic.boundary, ["periodic"; 3]);
+    assert_eq!(periodic.resolution.boundary, ["periodic"; 3]);
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! Effective properties against closed forms.
 
+#![allow(clippy::print_stderr, reason = "a test that skips says why")]
+
 mod bodies;
 mod labels;
 mod laminates;
 mod packings;
 mod spheres;
 mod stiffness;
+mod tetrahedra;

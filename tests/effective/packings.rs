@@ -4,7 +4,7 @@ use crate::bodies::{entry, phases};
 use meso_core::{Model, Silent, Spec, pack};
 use meso_effective::{Effective, EffectiveError, EffectiveOptions, FluxField, Property, effective};
 
-fn packing(fraction: f64, side: f64, rest: &str) -> Model {
+pub(crate) fn packing(fraction: f64, side: f64, rest: &str) -> Model {
     let text = format!(
         "fraction = {fraction}\nseed = 1\nspecimen = {{ kind = \"cube\", side_mm = {side}{rest} }}\ngrading = {{ d_min_mm = 5, d_max_mm = 12 }}"
     );
@@ -40,7 +40,7 @@ fn the_tensor_of_a_periodic_packing_is_symmetric() {
 fn walls_have_their_values_at_the_faces() {
     let model = packing(0.35, 25.0, "");
     let (found, _) = solve(&model, 1.0, [true; 3], 1.0);
-    assert_eq!(found.boundary, ["fixed"; 3]);
+    assert_eq!(found.resolution.boundary, ["fixed"; 3]);
     for axis in 0..3 {
         let (value, bounds) = (entry(&found, axis, axis), &found.bounds);
         assert!(value > bounds.reuss && value < bounds.voigt, "{value} {bounds:?}");

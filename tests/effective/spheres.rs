@@ -17,7 +17,7 @@ fn array(radius: f64, value: f64, h: f64) -> Effective {
 
 /// Value of a simple cubic array of spheres (McPhedran and McKenzie, Proc. R. Soc. A 359, 1978, 45, equation 28): multipoles of
 /// orders 1, 3 and 5, within 1e-4 up to a fraction of 0.4.
-fn cubic_array(fraction: f64, value: f64) -> f64 {
+pub(crate) fn cubic_array(fraction: f64, value: f64) -> f64 {
     let l = |order: f64| (1.0 - value) / (value + (order + 1.0) / order);
     let f = |power: f64| libm::pow(fraction, power);
     let (l1, l3, l5) = (l(1.0), l(3.0), l(5.0));
@@ -42,7 +42,7 @@ fn few_impermeable_spheres_take_one_and_a_half_of_their_volume() {
 }
 
 /// A coated sphere conducts like a homogeneous one of this value: exact (Hashin's coated sphere).
-fn coated(core: f64, shell: f64, ratio: f64) -> f64 {
+pub(crate) fn coated(core: f64, shell: f64, ratio: f64) -> f64 {
     let c = ratio * ratio * ratio;
     let (sum, difference) = (core + 2.0 * shell, core - shell);
     shell * (sum + 2.0 * c * difference) / (sum - c * difference)

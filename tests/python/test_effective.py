@@ -1,5 +1,7 @@
 """Effective properties of a packing."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,9 @@ import mesocrete as mc
 from mesocrete import _results
 
 SPEC = {"fraction": 0.3, "seed": 1, "specimen": {"kind": "cube", "side_mm": 30, "periodic": ["x", "y", "z"]}, "grading": {"d_min_mm": 5, "d_max_mm": 10}}
+
+# Keys that only one of the divisions has.
+OF_TETRAHEDRA, OF_VOXELS = {"elements", "element_size_mm"}, {"voxels", "voxel_size_mm"}
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +21,7 @@ def cube():
 
 def test_a_tensor_lies_between_its_bounds(cube):
     found = cube.effective(voxel_size=1.5, phases={"itz": 0})
-    assert set(found) == set(_results.Effective.__annotations__)
+    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA
     for axis in range(3):
         assert 0.4 < found["tensor"][axis][axis] < found["bounds"]["hashin_shtrikman_upper"]
     assert found["boundary"] == ["periodic"] * 3
@@ -24,10 +29,34 @@ def test_a_tensor_lies_between_its_bounds(cube):
 
 def test_stiffness_lies_between_its_bounds_and_shrinks(cube):
     found = cube.effective("stiffness", voxel_size=3, phases={"itz": {"youngs_modulus_mpa": 20000}}, eigenstrain={"mortar": -4e-4})
-    assert set(found) == set(_results.Stiffness.__annotations__)
+    assert set(found) == set(_results.Stiffness.__annotations__) - OF_TETRAHEDRA
     bulk, bounds = found["isotropic"]["bulk_modulus_mpa"], found["bounds"]["bulk_modulus_mpa"]
     assert bounds["reuss"] < bulk < bounds["voigt"]
     assert -4e-4 < found["expansion"][0] < 0
+
+
+def test_tetrahedra_have_the_values_of_voxels(cube):
+    found = cube.effective(method="lattice", element_size=1.5, axes="x")
+    assert set(found) == set(_results.Effective.__annotations__) - OF_VOXELS
+    assert found["tensor"][0][0] == pytest.approx(cube.effective(voxel_size=0.75, axes="x")["tensor"][0][0], rel=0.02)
+    stiff = cube.effective("stiffness", method="lattice", element_size=5, phases={"itz": {"youngs_modulus_mpa": 20000}})
+    assert set(stiff) == set(_results.Stiffness.__annotations__) - OF_VOXELS
+    bulk, bounds = stiff["isotropic"]["bulk_modulus_mpa"], stiff["bounds"]["bulk_modulus_mpa"]
+    assert bounds["reuss"] < bulk < bounds["voigt"]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"method": "conforming"}, 'method is "conforming"; it must be one of "voxel", "lattice"'),
+        ({"element_size": 1}, 'element_size needs method="lattice"'),
+        ({"method": "lattice", "voxel_size": 1}, 'method="lattice" takes element_size'),
+        ({"method": "lattice", "element_size": 20}, "element_size is 20; it must be 0.03 to 7.5 mm"),
+    ],
+)
+def test_a_division_that_cannot_be_is_refused(cube, options, said):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        cube.effective(**options)
 
 
 def test_only_the_asked_axes_have_columns(cube):
@@ -39,7 +68,7 @@ def test_a_label_array_has_values_by_label():
     labels = np.zeros((8, 4, 6), dtype=np.uint16)
     labels[:4] = 7
     found = mc.effective(labels, phases={0: 1, 7: 3}, voxel_size=(0.5, 0.5, 1), periodic="xy")
-    assert set(found) == set(_results.Effective.__annotations__)
+    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA
     assert [found["tensor"][axis][axis] for axis in range(3)] == pytest.approx([2, 2, 1.5], rel=1e-6)
     assert found["boundary"] == ["periodic", "periodic", "fixed"]
     assert found["voxel_size_mm"] == [0.5, 0.5, 1]

@@ -58,7 +58,7 @@ const ROUNDING: f64 = 1e-6;
 
 impl PropertyBounds {
     /// A sentence on a value that lies beyond a bound of Hashin and Shtrikman, or whose error reaches beyond it.
-    pub(crate) fn remark(&self, name: &str, value: f64, error: f64) -> Option<String> {
+    pub(crate) fn remark(&self, name: &str, value: f64, error: f64, remedy: &str) -> Option<String> {
         let (low, high) = (self.hashin_shtrikman_lower, self.hashin_shtrikman_upper);
         // The nearer bound, and the distance from it into the bounds' interval.
         let (side, bound, inside) =
@@ -69,14 +69,13 @@ impl PropertyBounds {
         }
         let percent = |part: f64| format!("{:.2} %", 100.0 * part / scale);
         let (distance, error_share) = (percent(inside.abs()), percent(error));
-        let fix = "halve the voxel size";
         Some(if inside >= 0.0 {
             format!(
-                "the {side} Hashin-Shtrikman bound, {distance} from the {name}, is within its error of {error_share}; {fix}"
+                "the {side} Hashin-Shtrikman bound, {distance} from the {name}, is within its error of {error_share}; {remedy}"
             )
         } else if -inside <= error {
             format!(
-                "the {name} is {distance} beyond the {side} Hashin-Shtrikman bound, within its error of {error_share}; {fix}"
+                "the {name} is {distance} beyond the {side} Hashin-Shtrikman bound, within its error of {error_share}; {remedy}"
             )
         } else {
             let holds = "the bound holds for isotropic specimens, and the error is an estimate";
@@ -108,7 +107,8 @@ mod tests {
     fn a_value_whose_error_crosses_a_bound_is_remarked_on() {
         let bounds = PropertyBounds::of(&[(1.0, 0.5), (10.0, 0.5)]);
         let (low, high) = (bounds.hashin_shtrikman_lower, bounds.hashin_shtrikman_upper);
-        let remark = |value: f64, error: f64| bounds.remark("value", value, error).unwrap_or_default();
+        let remark =
+            |value: f64, error: f64| bounds.remark("value", value, error, "halve the voxel size").unwrap_or_default();
         assert_eq!(remark((low + high) / 2.0, 0.1), "");
         assert!(
             remark(low * 1.01, low * 0.02).contains("lower Hashin-Shtrikman bound, 0.99 % from the value, is within")
@@ -119,7 +119,7 @@ mod tests {
                 .contains("beyond the upper Hashin-Shtrikman bound, and its error is 0.10 %")
         );
         let equal = PropertyBounds::of(&[(2.0, 0.5), (2.0, 0.5)]);
-        assert_eq!(equal.remark("value", 2.0 + 1e-9, 0.0), None);
+        assert_eq!(equal.remark("value", 2.0 + 1e-9, 0.0, ""), None);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::field::{Flow, FluxField};
 use crate::grid::{self, End, Grid, Space};
 use crate::links::{Layer, Links};
 use crate::phases::{PhaseValues, Phases, Property};
+use crate::resolution::Resolution;
 use crate::surfaces::Phase;
 use crate::{shares, solver};
 use meso_concrete::aggregate::Aggregate;
@@ -58,6 +59,11 @@ impl EffectiveOptions {
     pub fn default_voxel_size(d_min_mm: f64) -> f64 {
         d_min_mm / 8.0
     }
+
+    /// Size of tetrahedra for a grading from `d_min_mm` up: a quarter, since a cube of them has twelve and two nodes.
+    pub fn default_element_size(d_min_mm: f64) -> f64 {
+        d_min_mm / 4.0
+    }
 }
 
 /// Bytes a voxel without fields, by count 60.
@@ -79,28 +85,21 @@ pub struct PhaseShare {
 pub struct Effective {
     /// Property.
     pub what: Property,
-    /// The tensor, extrapolated from the two sizes of voxels.
+    /// The tensor, extrapolated from two sizes of voxels or tetrahedra.
     pub tensor: FluxTensor,
     /// Estimated error of each entry: the step of the extrapolation, and the error of the equations.
     pub error: FluxTensor,
-    /// The tensor on the voxels.
+    /// The tensor on the voxels or tetrahedra.
     pub fine: FluxTensor,
-    /// The tensor on voxels of twice the size.
+    /// The tensor on those of twice the size.
     pub coarse: FluxTensor,
     /// Bounds on an isotropic mixture of the phases.
     pub bounds: PropertyBounds,
     /// Phases with their volumes.
     pub phases: Vec<PhaseShare>,
-    /// Conditions at the ends of x, y, z: `periodic`, or `fixed` along the gradient and insulated across it.
-    pub boundary: [&'static str; 3],
-    /// Voxels along x, y, z.
-    pub voxels: [usize; 3],
-    /// Edges of a voxel, mm.
-    pub voxel_size_mm: [f64; 3],
-    /// Iterations of each solution on the fine voxels.
-    pub iterations: Vec<usize>,
-    /// Largest error of the equations, over the result.
-    pub solver_error: f64,
+    /// The division, and the solutions on it.
+    #[serde(flatten)]
+    pub resolution: Resolution,
     /// What a reader should know.
     pub warnings: Vec<String>,
 }
@@ -137,7 +136,9 @@ pub(crate) fn of_medium(
     let coarse = Task { options: &coarse, stages: 0, ..task }.columns(counts.map(|count| count.div_ceil(2)))?;
     let mut fine = task.columns(counts)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
-    Ok((task.result(counts, &coarse, &fine), fields))
+    let space = task.space;
+    let resolution = Resolution::of_voxels(space.boundary("fixed"), counts, space.spacing(counts));
+    Ok((Effective::new(options.what, [&fine, &coarse], medium.phases(), medium.rest(), resolution), fields))
 }
 
 /// Geometry and values of phases that conduct.
@@ -171,16 +172,23 @@ impl Medium for Packing<'_> {
     }
 
     fn phases(&self) -> Vec<PhaseShare> {
-        let fractions = shares::volume_fractions(self.bodies, self.specimen);
-        let share = |phase: Phase| {
-            let (value, volume_fraction) = (self.values.of(phase), fractions[phase as usize]);
-            PhaseShare { name: phase.name().to_owned(), value, volume_fraction }
-        };
-        Phase::ALL.map(share).to_vec()
+        self.values.shares(self.bodies, self.specimen)
     }
 
     fn rest(&self) -> f64 {
         REST
+    }
+}
+
+impl PhaseValues {
+    /// The phases with their exact volumes.
+    pub(crate) fn shares(&self, bodies: &[Aggregate], specimen: &Specimen) -> Vec<PhaseShare> {
+        let fractions = shares::volume_fractions(bodies, specimen);
+        let share = |phase: Phase| {
+            let (value, volume_fraction) = (self.of(phase), fractions[phase as usize]);
+            PhaseShare { name: phase.name().to_owned(), value, volume_fraction }
+        };
+        Phase::ALL.map(share).to_vec()
     }
 }
 
@@ -195,17 +203,17 @@ struct Task<'a> {
 }
 
 /// The solution for a gradient along an axis.
-struct Column {
-    axis: usize,
-    flux: [f64; 3],
-    iterations: usize,
-    error: f64,
-    field: Option<FluxField>,
+pub(crate) struct Column<F> {
+    pub(crate) axis: usize,
+    pub(crate) flux: [f64; 3],
+    pub(crate) iterations: usize,
+    pub(crate) error: f64,
+    pub(crate) field: Option<F>,
 }
 
 impl Task<'_> {
     /// The solutions along the axes asked for. Periodic axes share one grid; a walled one is turned to the third place.
-    fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column>, EffectiveError> {
+    fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column<FluxField>>, EffectiveError> {
         let asked = |periodic: bool| {
             let is = move |axis: usize| self.space.periodic[axis] == periodic;
             (0..3).filter(move |axis| self.options.axes[*axis] && is(*axis))
@@ -239,7 +247,7 @@ impl Task<'_> {
         axis: usize,
         last: usize,
         done: usize,
-    ) -> Result<Column, EffectiveError> {
+    ) -> Result<Column<FluxField>, EffectiveError> {
         let nothing = vec![0.0; links.counts.iter().product()];
         let given = Flow { grid, links, axis, potential: &nothing };
         let (energy, rhs) = (given.mean()[axis] * grid.volume(), given.sources());
@@ -260,36 +268,32 @@ impl Task<'_> {
         let field = self.options.fields.then(|| flow.field(last));
         Ok(Column { axis: place(axis), flux, iterations: found.iterations, error: found.error, field })
     }
+}
 
-    fn result(&self, counts: [usize; 3], coarse: &[Column], fine: &[Column]) -> Effective {
-        let (fine_tensor, coarse) = (tensor(fine), tensor(coarse));
+impl Effective {
+    /// The result of the solutions on fine and coarse cells; the coarse ones' difference times `share` is the fine ones' error.
+    pub(crate) fn new<F>(
+        what: Property,
+        [fine, coarse]: [&[Column<F>]; 2],
+        phases: Vec<PhaseShare>,
+        share: f64,
+        resolution: Resolution,
+    ) -> Self {
         let solver_error = fine.iter().map(|column| column.error).fold(0.0, f64::max);
-        let phases = self.medium.phases();
+        let iterations = fine.iter().map(|column| column.iterations).collect();
+        let (fine, coarse) = (tensor(fine), tensor(coarse));
         let shares: Vec<(f64, f64)> = phases.iter().map(|phase| (phase.value, phase.volume_fraction)).collect();
-        let share = self.medium.rest();
-        let tensor = combined(&fine_tensor, &coarse, |fine, coarse, _| fine + share * (fine - coarse));
+        let tensor = combined(&fine, &coarse, |fine, coarse, _| fine + share * (fine - coarse));
         let rest = |fine: f64, coarse: f64, whole: f64| share * (fine - coarse).abs() + solver_error * whole;
-        let error = combined(&fine_tensor, &coarse, rest);
+        let error = combined(&fine, &coarse, rest);
         let bounds = PropertyBounds::of(&shares);
-        Effective {
-            what: self.options.what,
-            warnings: warnings(self.options.what, &bounds, &tensor, &error),
-            bounds,
-            error,
-            tensor,
-            fine: fine_tensor,
-            coarse,
-            phases,
-            boundary: self.space.boundary("fixed"),
-            voxels: counts,
-            voxel_size_mm: self.space.spacing(counts),
-            iterations: fine.iter().map(|column| column.iterations).collect(),
-            solver_error,
-        }
+        let warnings = warnings(what, &bounds, [&tensor, &error], resolution.remedy());
+        let resolution = Resolution { iterations, solver_error, ..resolution };
+        Self { what, tensor, error, fine, coarse, bounds, phases, resolution, warnings }
     }
 }
 
-fn tensor(columns: &[Column]) -> FluxTensor {
+fn tensor<F>(columns: &[Column<F>]) -> FluxTensor {
     let mut tensor = [[None; 3]; 3];
     for column in columns {
         (0..3).for_each(|row| tensor[row][column.axis] = Some(column.flux[row]));
@@ -297,8 +301,8 @@ fn tensor(columns: &[Column]) -> FluxTensor {
     tensor
 }
 
-/// Share of the change from voxels of twice the size by which the fine result is still off (Richardson): the error falls with
-/// the power 1.5 of the size in packings, whose gaps close at every size; with 2 about single spheres.
+/// Share of the change from voxels or tetrahedra of twice the size by which the fine result is still off (Richardson): the error
+/// falls with the power 1.5 of the size in packings, whose gaps close at every size; with 2 about single spheres.
 pub(crate) const REST: f64 = 0.55;
 /// An error above this share of an entry on the diagonal is worth a warning.
 const LARGE: f64 = 0.02;
@@ -309,15 +313,15 @@ fn combined(fine: &FluxTensor, coarse: &FluxTensor, of: impl Fn(f64, f64, f64) -
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| of(row, column)))
 }
 
-fn warnings(what: Property, bounds: &PropertyBounds, tensor: &FluxTensor, error: &FluxTensor) -> Vec<String> {
+fn warnings(what: Property, bounds: &PropertyBounds, [tensor, error]: [&FluxTensor; 2], remedy: &str) -> Vec<String> {
     let found = |axis: usize| Some((["x", "y", "z"][axis], tensor[axis][axis]?, error[axis][axis]?));
     let found: Vec<(&str, f64, f64)> = (0..3).filter_map(found).collect();
     let large = found.iter().filter(|(_, value, error)| *error > LARGE * value);
     let axes: Vec<&str> = large.map(|(axis, ..)| *axis).collect();
     let along = axes.join(", ");
-    let large = format!("the error along {along} is above {} %; halve the voxel size", 100.0 * LARGE);
+    let large = format!("the error along {along} is above {} %; {remedy}", 100.0 * LARGE);
     let remark = |(axis, value, error): &(&str, f64, f64)| {
-        bounds.remark(&format!("{} along {axis}", what.name()), *value, *error)
+        bounds.remark(&format!("{} along {axis}", what.name()), *value, *error, remedy)
     };
     (!axes.is_empty()).then_some(large).into_iter().chain(found.iter().filter_map(remark)).collect()
 }

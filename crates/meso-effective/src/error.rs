@@ -2,6 +2,7 @@
 
 use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
+use meso_mesh::MeshError;
 use std::borrow::Cow;
 
 /// An error of the options, the values or the specimen.
@@ -13,6 +14,12 @@ pub enum EffectiveError {
     /// A specimen that is no box.
     #[error("specimen.kind is {0}; effective properties need a cube, a box or a prism")]
     Specimen(&'static str),
+    /// An axis of a cylinder without flat ends.
+    #[error("specimen.kind is cylinder; its flat ends lie along z alone, so the axes must be z")]
+    Ends,
+    /// The specimen cannot be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// A body whose layers no planes bound.
     #[error(
         "aggregate {0} has dents; effective properties need convex aggregates: shape.hull = true packs their hulls"

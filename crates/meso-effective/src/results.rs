@@ -2,9 +2,12 @@
 
 use crate::bounds::PropertyBounds;
 use crate::effective::Effective;
-use crate::elastic::{COMPONENTS, ElasticShare, Stiffness, StressField};
+use crate::elastic::{COMPONENTS, ElasticShare, Stiffness, StressField, von_mises};
 use crate::field::FluxField;
 use crate::phases::Property;
+use crate::resolution::Resolution;
+use crate::tetrahedra::MeshField;
+use meso_collision::math::{Aabb, Vec3};
 use meso_view::embedded::base64;
 use png::{BitDepth, ColorType, Encoder};
 use serde::Serialize;
@@ -15,14 +18,19 @@ pub const FIGURES: &str = "effective.json";
 /// Name of the page.
 pub const PAGE: &str = "effective.html";
 
+/// Ending of the fields' files: image data of voxels, or grids of tetrahedra.
+pub fn field_ending(in_tetrahedra: bool) -> &'static str {
+    if in_tetrahedra { "vtu" } else { "vti" }
+}
+
 /// Name of the file of a property's field for a gradient along `axis`: `diffusivity_x.vti`.
-pub fn field_file(what: Property, axis: usize) -> String {
-    format!("{}_{}.vti", what.name(), ["x", "y", "z"][axis])
+pub fn field_file(what: Property, axis: usize, ending: &str) -> String {
+    format!("{}_{}.{ending}", what.name(), ["x", "y", "z"][axis])
 }
 
 /// Name of the file of the stresses for the strain `component`, 0 to 5: `stiffness_xx.vti`.
-pub fn stress_file(component: usize) -> String {
-    format!("stiffness_{}.vti", COMPONENTS[component])
+pub fn stress_file(component: usize, ending: &str) -> String {
+    format!("stiffness_{}.{ending}", COMPONENTS[component])
 }
 
 /// A field of a computed property.
@@ -31,25 +39,32 @@ pub enum PropertyField {
     Flux(Property, FluxField),
     /// Stresses.
     Stress(StressField),
+    /// Potential and flux in tetrahedra.
+    MeshFlux(Property, MeshField),
+    /// Stresses in tetrahedra.
+    MeshStress(MeshField),
 }
 
 impl PropertyField {
     /// Name of its file.
     pub fn file(&self) -> String {
         match self {
-            Self::Flux(what, field) => field_file(*what, field.axis),
-            Self::Stress(field) => stress_file(field.strain),
+            Self::Flux(what, field) => field_file(*what, field.axis, field_ending(false)),
+            Self::Stress(field) => stress_file(field.strain, field_ending(false)),
+            Self::MeshFlux(what, field) => field_file(*what, field.component, field_ending(true)),
+            Self::MeshStress(field) => stress_file(field.component, field_ending(true)),
         }
     }
 
-    /// Writes VTK image data.
+    /// Writes VTK image data, or a grid of tetrahedra.
     ///
     /// # Errors
     /// Fails with the errors of `out`.
-    pub fn write_vti(&self, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
         match self {
             Self::Flux(_, field) => field.write_vti(out),
             Self::Stress(field) => field.write_vti(out),
+            Self::MeshFlux(_, field) | Self::MeshStress(field) => field.write_vtu(out),
         }
     }
 }
@@ -122,15 +137,26 @@ fn write_flux(of: &Effective, fields: &[PropertyField], out: &mut dyn Write) -> 
     write_tensor(of, out)?;
     write_bounds(&[("", &of.bounds)], out)?;
     write_phases(of, out)?;
-    write_voxels(of.voxels, of.boundary, out)?;
+    write_resolution(&of.resolution, out)?;
     fields.iter().try_for_each(|field| match field {
-        PropertyField::Flux(what, field) if *what == of.what => write_flux_section(field, of, out),
+        PropertyField::Flux(what, field) if *what == of.what => write_flux_section(&Raster::of_flux(field), of, out),
+        PropertyField::MeshFlux(what, field) if *what == of.what => {
+            write_flux_section(&Raster::of_mesh(field, vector_norm), of, out)
+        }
         _ => Ok(()),
     })
 }
 
-fn write_voxels([x, y, z]: [usize; 3], [ends_x, ends_y, ends_z]: [&str; 3], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "<p>{x} x {y} x {z} voxels; ends of x, y, z: {ends_x}, {ends_y}, {ends_z}.</p>")
+fn write_resolution(of: &Resolution, out: &mut dyn Write) -> io::Result<()> {
+    write!(out, "<p>")?;
+    if let Some([x, y, z]) = of.voxels {
+        write!(out, "{x} x {y} x {z} voxels")?;
+    }
+    if let (Some(count), Some(size)) = (of.elements, of.element_size_mm) {
+        write!(out, "{count} tetrahedra of {size} mm")?;
+    }
+    let [x, y, z] = of.boundary;
+    writeln!(out, "; ends of x, y, z: {x}, {y}, {z}.</p>")
 }
 
 fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
@@ -171,10 +197,11 @@ fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write
         let [x, y, z, ..] = of.expansion;
         writeln!(out, "<p>Strain of the free specimen along x, y, z: {x:.4e}, {y:.4e}, {z:.4e}</p>")?;
     }
-    write_voxels(of.voxels, of.boundary, out)?;
+    write_resolution(&of.resolution, out)?;
     fields.iter().try_for_each(|field| match field {
-        PropertyField::Stress(field) => write_stress_section(field, out),
-        PropertyField::Flux(..) => Ok(()),
+        PropertyField::Stress(field) => write_stress_section(&Raster::of_stress(field), out),
+        PropertyField::MeshStress(field) => write_stress_section(&Raster::of_mesh(field, von_mises), out),
+        _ => Ok(()),
     })
 }
 
@@ -220,60 +247,130 @@ fn write_phases(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
 /// Flux, over the mean one, with the last of the colours.
 const BRIGHTEST: f32 = 3.0;
 
+/// Amounts on the middle section of a field: the horizontal axis is x or y, the vertical one z.
+struct Raster {
+    component: usize,
+    size: [usize; 2],
+    /// By rows from the lowest.
+    amounts: Vec<f32>,
+    /// Mean over the whole field.
+    mean: f64,
+}
+
+/// Pixels along the longer side of a section through tetrahedra.
+const PIXELS: f64 = 240.0;
+
+fn vector_norm(v: &[f32]) -> f32 {
+    v.iter().map(|x| x * x).sum::<f32>().sqrt()
+}
+
+/// Axis of a section that holds the gradient or the strain.
+fn across(component: usize, is_stress: bool) -> usize {
+    usize::from(component == 1 || (is_stress && component == 3))
+}
+
+impl Raster {
+    fn of_flux(field: &FluxField) -> Self {
+        let amount = |voxel: usize| vector_norm(&field.flux[voxel]);
+        Self::of_voxels(field.axis, across(field.axis, false), field.counts, amount)
+    }
+
+    fn of_stress(field: &StressField) -> Self {
+        let amount = |voxel: usize| von_mises(&field.stress[voxel]);
+        Self::of_voxels(field.strain, across(field.strain, true), field.counts, amount)
+    }
+
+    fn of_voxels(component: usize, across: usize, counts: [usize; 3], amount: impl Fn(usize) -> f32) -> Self {
+        let [nx, ny, nz] = counts;
+        let size = [counts[across], nz];
+        let pixel = |number: usize| {
+            let mut at = [0; 3];
+            (at[across], at[2], at[1 - across]) = (number % size[0], number / size[0], counts[1 - across] / 2);
+            amount((at[2] * ny + at[1]) * nx + at[0])
+        };
+        let count = nx * ny * nz;
+        let mean = (0..count).map(|voxel| f64::from(amount(voxel))).sum::<f64>() / count as f64;
+        Self { component, size, amounts: (0..size[0] * size[1]).map(pixel).collect(), mean }
+    }
+
+    /// Pixels of the cells that cross the plane in the middle.
+    fn of_mesh(field: &MeshField, amount: fn(&[f32]) -> f32) -> Self {
+        let (mesh, components) = (&field.mesh, field.components());
+        let across = across(field.component, components == 6);
+        let aabb = Aabb::around(&mesh.points);
+        let (length, plane) = (aabb.size(), (aabb.min + aabb.max)[1 - across] / 2.0);
+        let edge = length[across].max(length[2]) / PIXELS;
+        let axes = [across, 2];
+        let size = axes.map(|axis| ((length[axis] / edge + 0.5) as usize).max(1));
+        let mut raster = Self { component: field.component, size, amounts: vec![0.0; size[0] * size[1]], mean: 0.0 };
+        let mut volumes = 0.0;
+        for (cell, value) in mesh.cells().zip(field.values.chunks(components)) {
+            let corners = [0, 1, 2, 3].map(|corner| mesh.points[cell[corner] as usize]);
+            let (amount, around) = (amount(value), Aabb::around(&corners));
+            let whole = determinant(&corners);
+            raster.mean += whole * f64::from(amount);
+            volumes += whole;
+            if around.min[1 - across] > plane || around.max[1 - across] < plane {
+                continue;
+            }
+            let range = |i: usize| {
+                let at = |x: f64| ((x - aabb.min[axes[i]]) / edge - 0.5).max(0.0);
+                at(around.min[axes[i]]) as usize..size[i].min(at(around.max[axes[i]]) as usize + 2)
+            };
+            for (row, column) in range(1).flat_map(|row| range(0).map(move |column| (row, column))) {
+                let mut point = Vec3::repeat(plane);
+                point[across] = aabb.min[across] + (column as f64 + 0.5) * edge;
+                point[2] = aabb.min[2] + (row as f64 + 0.5) * edge;
+                let beside = |corner: usize| {
+                    let mut others = corners;
+                    others[corner] = point;
+                    determinant(&others) >= 0.0
+                };
+                if (0..4).all(beside) {
+                    raster.amounts[row * size[0] + column] = amount;
+                }
+            }
+        }
+        raster.mean /= volumes;
+        raster
+    }
+
+    /// A picture of the amounts over the one that is white.
+    fn write(&self, white: f32, (name, caption): (&str, &str), out: &mut dyn Write) -> io::Result<()> {
+        let [width, height] = self.size;
+        let rows = self.amounts.chunks(width).rev().flatten();
+        let pixels: Vec<u8> = rows.map(|amount| (255.0 * (amount / white).min(1.0)) as u8).collect();
+        let picture = base64(&png(width, height, &pixels)?);
+        writeln!(
+            out,
+            "<figure><img alt=\"{name}\" src=\"data:image/png;base64,{picture}\"><figcaption>{caption}</figcaption></figure>"
+        )
+    }
+}
+
+/// Six times the volume of a tetrahedron.
+fn determinant([a, b, c, d]: &[Vec3; 4]) -> f64 {
+    (b - a).cross(&(c - a)).dot(&(d - a))
+}
+
 /// The middle section that holds the gradient: amount of the flux over the mean flux.
-fn write_flux_section(field: &FluxField, of: &Effective, out: &mut dyn Write) -> io::Result<()> {
-    let along = field.axis;
+fn write_flux_section(raster: &Raster, of: &Effective, out: &mut dyn Write) -> io::Result<()> {
+    let along = raster.component;
     let mean = of.tensor[along][along].unwrap_or(1.0).abs().max(f64::MIN_POSITIVE) as f32;
-    let amount = |voxel: usize| {
-        let [x, y, z] = field.flux[voxel];
-        (x * x + y * y + z * z).sqrt() / (mean * BRIGHTEST)
-    };
     let name = ["x", "y", "z"][along];
     let caption = format!(
         "Amount of the flux for a gradient along {name}, on the middle section; white is {BRIGHTEST} times the mean."
     );
-    write_section(field.counts, if along == 2 { 0 } else { along }, amount, ("flux", &caption), out)
+    raster.write(mean * BRIGHTEST, ("flux", &caption), out)
 }
 
 /// The middle section that holds the strain: von Mises' stress over twice its mean.
-fn write_stress_section(field: &StressField, out: &mut dyn Write) -> io::Result<()> {
-    let count = field.stress.len();
-    let mean = (0..count).map(|voxel| f64::from(field.von_mises(voxel))).sum::<f64>() / count as f64;
-    let amount = |voxel: usize| field.von_mises(voxel) / (2.0 * mean.max(f64::MIN_POSITIVE)) as f32;
-    let name = COMPONENTS[field.strain];
+fn write_stress_section(raster: &Raster, out: &mut dyn Write) -> io::Result<()> {
+    let (mean, name) = (raster.mean, COMPONENTS[raster.component]);
     let caption = format!(
         "Von Mises' stress for a strain {name}, on the middle section; white is twice the mean, {mean:.0} MPa."
     );
-    write_section(
-        field.counts,
-        if field.strain == 1 || field.strain == 3 { 1 } else { 0 },
-        amount,
-        ("stress", &caption),
-        out,
-    )
-}
-
-/// The middle section of the axis `across` and z: an amount from 0, black, to 1, white.
-fn write_section(
-    counts: [usize; 3],
-    across: usize,
-    amount: impl Fn(usize) -> f32,
-    (name, caption): (&str, &str),
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let (normal, [nx, ny, _]) = (1 - across, counts);
-    let (width, height) = (counts[across], counts[2]);
-    let pixel = |number: usize| {
-        let mut at = [0; 3];
-        (at[across], at[2], at[normal]) = (number % width, height - 1 - number / width, counts[normal] / 2);
-        (255.0 * amount((at[2] * ny + at[1]) * nx + at[0]).min(1.0)) as u8
-    };
-    let pixels: Vec<u8> = (0..width * height).map(pixel).collect();
-    let picture = base64(&png(width, height, &pixels)?);
-    writeln!(
-        out,
-        "<figure><img alt=\"{name}\" src=\"data:image/png;base64,{picture}\"><figcaption>{caption}</figcaption></figure>"
-    )
+    raster.write((2.0 * mean.max(f64::MIN_POSITIVE)) as f32, ("stress", &caption), out)
 }
 
 fn png(width: usize, height: usize, pixels: &[u8]) -> io::Result<Vec<u8>> {

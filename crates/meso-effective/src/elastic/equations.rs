@@ -34,7 +34,7 @@ const RIGID: f32 = 100.0;
 pub(super) struct Elastic<'a> {
     pub(super) grid: &'a Grid,
     pub(super) voxels: &'a Voxels,
-    networks: [(Links, Multigrid); 3],
+    networks: [(Links, Multigrid<Links>); 3],
     /// Nodes without displacement.
     clamped: Vec<u32>,
     correction: Vec<f32>,
@@ -62,7 +62,7 @@ impl<'a> Elastic<'a> {
     }
 
     /// Forces of the stress that displacements `u` and the strain `mean` cause.
-    pub(super) fn forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
+    pub(super) fn nodal_forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
         let [nx, ny, nz] = self.grid.counts;
         let (layer, nodes) = (nx * ny, self.nodes());
         let slabs = parallel::map(nz.div_ceil(SLAB), |slab| self.slab(slab, u, mean));
@@ -171,7 +171,7 @@ impl Equations for Elastic<'_> {
     }
 
     fn apply(&self, u: &[f64], out: &mut [f64]) -> f64 {
-        self.forces(u, &[0.0; 6], out);
+        self.nodal_forces(u, &[0.0; 6], out);
         dot(u, out, self.layer_len())
     }
 

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// Names of strains and stresses in the order of this crate.
 pub(crate) const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "yz", "zx", "xy"];
 /// Components in VTK's order of a symmetric tensor: xx, yy, zz, xy, yz, xz.
-const OF_VTK: [usize; 6] = [0, 1, 2, 5, 3, 4];
+pub(crate) const OF_VTK: [usize; 6] = [0, 1, 2, 5, 3, 4];
 
 /// Mean stress of every voxel for a unit of mean strain, MPa.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,12 +49,12 @@ impl StressField {
         let place = Place { counts: *counts, origin_mm: *origin_mm, spacing_mm: *spacing_mm };
         place.write_vti("Tensors=\"stress\"", &[("stress", 6, stress.as_flattened())], out)
     }
+}
 
-    /// Von Mises' stress of a voxel, MPa.
-    pub(crate) fn von_mises(&self, voxel: usize) -> f32 {
-        let [xx, yy, zz, xy, yz, xz] = self.stress[voxel];
-        let square = |a: f32| a * a;
-        let normal = square(xx - yy) + square(yy - zz) + square(zz - xx);
-        (normal / 2.0 + 3.0 * (square(xy) + square(yz) + square(xz))).sqrt()
-    }
+/// Von Mises' stress of stresses xx, yy, zz, xy, yz, xz.
+pub(crate) fn von_mises(stress: &[f32]) -> f32 {
+    let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(|i| stress[i]);
+    let square = |a: f32| a * a;
+    let normal = square(xx - yy) + square(yy - zz) + square(zz - xx);
+    (normal / 2.0 + 3.0 * (square(xy) + square(yz) + square(xz))).sqrt()
 }

@@ -6,8 +6,8 @@ mod laminate;
 mod task;
 mod voxels;
 
-pub(crate) use field::COMPONENTS;
 pub use field::StressField;
+pub(crate) use field::{COMPONENTS, OF_VTK, von_mises};
 pub use task::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
-pub(crate) use task::{ElasticMedium, of_medium};
+pub(crate) use task::{ElasticMedium, Solved, Strained, Sums, of_medium, shares};
 pub(crate) use voxels::Voxels;

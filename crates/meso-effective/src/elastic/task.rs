@@ -8,8 +8,9 @@ use crate::effective::REST;
 use crate::error::{self, EffectiveError};
 use crate::grid::{self, Grid, Space};
 use crate::moduli::{Moduli, PhaseModuli, Table};
-use crate::shares;
-use crate::solver::solve_equations;
+use crate::resolution::Resolution;
+use crate::shares::volume_fractions;
+use crate::solver::{Equations, solve_equations};
 use crate::surfaces::{Phase, Surface};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
@@ -99,13 +100,13 @@ pub struct Isotropic {
 pub struct Stiffness {
     /// Property: `stiffness`.
     pub what: &'static str,
-    /// The tensor, extrapolated from the two sizes of voxels.
+    /// The tensor, extrapolated from two sizes of voxels or tetrahedra.
     pub tensor: StiffnessTensor,
     /// Estimated error of each entry: the step of the extrapolation, and the error of the equations.
     pub error: StiffnessTensor,
-    /// The tensor on the voxels.
+    /// The tensor on the voxels or tetrahedra.
     pub fine: StiffnessTensor,
-    /// The tensor on voxels of twice the size.
+    /// The tensor on those of twice the size.
     pub coarse: StiffnessTensor,
     /// Constants of the nearest isotropic material.
     pub isotropic: Isotropic,
@@ -119,16 +120,9 @@ pub struct Stiffness {
     pub bounds: ElasticBounds,
     /// Phases with their volumes.
     pub phases: Vec<ElasticShare>,
-    /// Conditions at the ends of x, y, z: `periodic`, or `uniform-strain` at walls.
-    pub boundary: [&'static str; 3],
-    /// Voxels along x, y, z.
-    pub voxels: [usize; 3],
-    /// Edges of a voxel, mm.
-    pub voxel_size_mm: [f64; 3],
-    /// Iterations of each solution on the fine voxels.
-    pub iterations: Vec<usize>,
-    /// Largest error of the equations, over the result.
-    pub solver_error: f64,
+    /// The division, and the solutions on it.
+    #[serde(flatten)]
+    pub resolution: Resolution,
     /// What a reader should know.
     pub warnings: Vec<String>,
 }
@@ -157,12 +151,17 @@ pub(crate) fn of_medium(
     options: &StiffnessOptions,
     watch: &dyn Watch,
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
-    let task = Task { medium, space: medium.space(), options: *options };
-    let coarse_options = StiffnessOptions { fields: false, ..*options };
-    let coarse = Task { options: coarse_options, ..task }.solve(counts.map(|count| count.div_ceil(2)), |_| ())?;
-    let mut fine = task.solve(counts, |share| watch.stage(Stage::Solve, share))?;
+    let space = medium.space();
+    let on = |counts: [usize; 3], fields: bool, report: &dyn Fn(f64)| {
+        let grid = Grid::new(&space, counts, 2, false);
+        let voxels = medium.voxels(&grid);
+        Solved::of(&mut Elastic::new(&grid, &voxels), options.accuracy, fields, report)
+    };
+    let coarse = on(counts.map(|count| count.div_ceil(2)), false, &|_| ())?;
+    let mut fine = on(counts, options.fields, &|share| watch.stage(Stage::Solve, share))?;
     let fields = std::mem::take(&mut fine.fields);
-    Ok((task.result(counts, &fine, &coarse), fields))
+    let resolution = Resolution::of_voxels(space.boundary("uniform-strain"), counts, space.spacing(counts));
+    Ok((Stiffness::new([&fine, &coarse], medium.phases(), medium.rest(), resolution), fields))
 }
 
 /// Geometry and constants of elastic phases.
@@ -197,17 +196,22 @@ impl ElasticMedium for Packing<'_> {
     }
 
     fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
-        let fractions = shares::volume_fractions(self.bodies, self.specimen);
-        let share = |phase: Phase| {
-            let moduli = self.table[phase as usize];
-            (moduli, ElasticShare::new(phase.name().to_owned(), &moduli, fractions[phase as usize]))
-        };
-        Phase::ALL.map(share).to_vec()
+        shares(&self.table, self.bodies, self.specimen)
     }
 
     fn rest(&self) -> f64 {
         REST
     }
+}
+
+/// The phases with their exact volumes.
+pub(crate) fn shares(table: &Table, bodies: &[Aggregate], specimen: &Specimen) -> Vec<(Moduli, ElasticShare)> {
+    let fractions = volume_fractions(bodies, specimen);
+    let share = |phase: Phase| {
+        let moduli = table[phase as usize];
+        (moduli, ElasticShare::new(phase.name().to_owned(), &moduli, fractions[phase as usize]))
+    };
+    Phase::ALL.map(share).to_vec()
 }
 
 impl ElasticShare {
@@ -217,32 +221,44 @@ impl ElasticShare {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Task<'a> {
-    medium: &'a dyn ElasticMedium,
-    space: Space,
-    options: StiffnessOptions,
-}
-
-/// Solutions on one grid.
-struct Solved {
+/// Solutions on one division of a specimen.
+pub(crate) struct Solved<F> {
     tensor: StiffnessTensor,
     /// Mean stress of the specimen without strain.
     eigenstress: [f64; 6],
     iterations: Vec<usize>,
     error: f64,
-    fields: Vec<StressField>,
+    pub(crate) fields: Vec<F>,
+}
+
+/// Elastic equations of a specimen with a mean strain.
+pub(crate) trait Strained: Equations {
+    /// A component of the field for viewers.
+    type Field;
+    /// Volume of the specimen, mm3.
+    fn volume(&self) -> f64;
+    /// Number of unknowns.
+    fn len(&self) -> usize;
+    /// Forces of the stress that displacements and a mean strain cause.
+    fn forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]);
+    /// Sums over the specimen.
+    fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums;
+    /// The stresses, for the strain `component`.
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> Self::Field;
 }
 
 /// Iterations of a usual solution.
 const USUAL: f64 = 40.0;
 
-impl Task<'_> {
-    fn solve(&self, counts: [usize; 3], report: impl Fn(f64)) -> Result<Solved, EffectiveError> {
-        let grid = Grid::new(&self.space, counts, 2, false);
-        let voxels = self.medium.voxels(&grid);
-        let mut elastic = Elastic::new(&grid, &voxels);
-        let mut solved = Solved {
+impl<F> Solved<F> {
+    /// The solutions for six unit strains; `report` receives the share of them that is done.
+    pub(crate) fn of(
+        strained: &mut impl Strained<Field = F>,
+        accuracy: f64,
+        fields: bool,
+        report: &dyn Fn(f64),
+    ) -> Result<Self, EffectiveError> {
+        let mut solved = Self {
             tensor: [[0.0; 6]; 6],
             eigenstress: [0.0; 6],
             iterations: Vec::new(),
@@ -251,7 +267,7 @@ impl Task<'_> {
         };
         for column in 0..6 {
             let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
-            self.column(&mut elastic, column, &mut solved, &|iteration, _| report(share(iteration)))?;
+            solved.add(strained, column, (accuracy, fields), &|iteration, _| report(share(iteration)))?;
         }
         let mean = |i: usize, j: usize| (solved.tensor[i][j] + solved.tensor[j][i]) / 2.0;
         solved.tensor = [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|j| mean(i, j)));
@@ -259,37 +275,44 @@ impl Task<'_> {
     }
 
     /// Solves for a unit strain, and adds its column.
-    fn column(
-        &self,
-        elastic: &mut Elastic<'_>,
+    fn add(
+        &mut self,
+        strained: &mut impl Strained<Field = F>,
         column: usize,
-        solved: &mut Solved,
+        (accuracy, fields): (f64, bool),
         report: &dyn Fn(usize, f64),
     ) -> Result<(), EffectiveError> {
         let mut mean = [0.0; 6];
         mean[column] = 1.0;
-        let nothing = vec![0.0; 3 * elastic.voxels.of.len()];
-        let energy = elastic.sums(&nothing, &mean).energy;
+        let nothing = vec![0.0; strained.len()];
+        let energy = strained.sums(&nothing, &mean).energy;
         let mut rhs = nothing.clone();
-        elastic.forces(&nothing, &mean, &mut rhs);
+        strained.forces(&nothing, &mean, &mut rhs);
         rhs.iter_mut().for_each(|force| *force = -*force);
         drop(nothing);
-        let found = solve_equations(elastic, rhs, energy, self.options.accuracy, report)?;
-        let sums = elastic.sums(&found.potential, &mean);
-        let volume = elastic.grid.volume();
-        (0..6).for_each(|row| solved.tensor[row][column] = sums.stress[row] / volume);
-        solved.tensor[column][column] = sums.energy / volume;
-        solved.eigenstress[column] = sums.eigen / volume;
-        if self.options.fields {
-            solved.fields.push(StressField::new(elastic, &found.potential, &mean, column));
+        let found = solve_equations(strained, rhs, energy, accuracy, report)?;
+        let sums = strained.sums(&found.potential, &mean);
+        let volume = strained.volume();
+        (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);
+        self.tensor[column][column] = sums.energy / volume;
+        self.eigenstress[column] = sums.eigen / volume;
+        if fields {
+            self.fields.push(strained.field(&found.potential, &mean, column));
         }
-        solved.iterations.push(found.iterations);
-        solved.error = solved.error.max(found.error);
+        self.iterations.push(found.iterations);
+        self.error = self.error.max(found.error);
         Ok(())
     }
+}
 
-    fn result(&self, counts: [usize; 3], fine: &Solved, coarse: &Solved) -> Stiffness {
-        let share = self.medium.rest();
+impl Stiffness {
+    /// The result of the solutions on fine and coarse cells; the coarse ones' difference times `share` is the fine ones' error.
+    pub(crate) fn new<F>(
+        [fine, coarse]: [&Solved<F>; 2],
+        phases: Vec<(Moduli, ElasticShare)>,
+        share: f64,
+        resolution: Resolution,
+    ) -> Self {
         let rest = |fine: f64, coarse: f64| fine + share * (fine - coarse);
         let each = |of: &dyn Fn(usize, usize) -> f64| {
             let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| of(i, j));
@@ -305,11 +328,10 @@ impl Task<'_> {
         let strain = |i: usize| rest(by_fine[i], by_coarse[i]);
         let strain_error = |i: usize| share * (by_fine[i] - by_coarse[i]).abs();
         let isotropic_error = isotropic.distance(&on_fine);
-        let phases = self.medium.phases();
         let bounds = ElasticBounds::of(&phases);
-        Stiffness {
+        Self {
             what: "stiffness",
-            warnings: warnings(&isotropic, &isotropic_error, &bounds),
+            warnings: warnings(&isotropic, &isotropic_error, &bounds, resolution.remedy()),
             tensor,
             error,
             fine: fine.tensor,
@@ -320,11 +342,7 @@ impl Task<'_> {
             expansion_error: [0, 1, 2, 3, 4, 5].map(strain_error),
             bounds,
             phases: phases.into_iter().map(|(_, share)| share).collect(),
-            boundary: self.space.boundary("uniform-strain"),
-            voxels: counts,
-            voxel_size_mm: self.space.spacing(counts),
-            iterations: fine.iterations.clone(),
-            solver_error,
+            resolution: Resolution { iterations: fine.iterations.clone(), solver_error, ..resolution },
         }
     }
 }
@@ -341,14 +359,14 @@ impl ElasticBounds {
 /// An error above this share of a modulus is worth a warning.
 const LARGE: f64 = 0.02;
 
-fn warnings(found: &Isotropic, error: &Isotropic, bounds: &ElasticBounds) -> Vec<String> {
+fn warnings(found: &Isotropic, error: &Isotropic, bounds: &ElasticBounds, remedy: &str) -> Vec<String> {
     let large = error.bulk_modulus_mpa > LARGE * found.bulk_modulus_mpa
         || error.shear_modulus_mpa > LARGE * found.shear_modulus_mpa;
-    let text = format!("the error of the moduli is above {} %; halve the voxel size", 100.0 * LARGE);
+    let text = format!("the error of the moduli is above {} %; {remedy}", 100.0 * LARGE);
     let ElasticBounds { bulk_modulus_mpa: bulk, shear_modulus_mpa: shear } = bounds;
     let remarks = [
-        bulk.remark("bulk modulus", found.bulk_modulus_mpa, error.bulk_modulus_mpa),
-        shear.remark("shear modulus", found.shear_modulus_mpa, error.shear_modulus_mpa),
+        bulk.remark("bulk modulus", found.bulk_modulus_mpa, error.bulk_modulus_mpa, remedy),
+        shear.remark("shear modulus", found.shear_modulus_mpa, error.shear_modulus_mpa, remedy),
     ];
     large.then_some(text).into_iter().chain(remarks.into_iter().flatten()).collect()
 }
@@ -378,7 +396,7 @@ impl Isotropic {
     }
 }
 
-impl Solved {
+impl<F> Solved<F> {
     /// Strain of the free specimen, `C^-1` times the mean eigenstress.
     fn expansion(&self) -> [f64; 6] {
         let (mut c, mut strain) = (self.tensor, self.eigenstress);
@@ -399,15 +417,33 @@ impl Solved {
     }
 }
 
-/// Sums over a grid.
-struct Sums {
-    stress: [f64; 6],
-    energy: f64,
+/// Sums over a specimen, times its volume.
+pub(crate) struct Sums {
+    pub(crate) stress: [f64; 6],
+    pub(crate) energy: f64,
     /// Eigenstress times strain: by reciprocity the mean eigenstress of the specimen (Levin, 1967).
-    eigen: f64,
+    pub(crate) eigen: f64,
 }
 
-impl Elastic<'_> {
+impl Strained for Elastic<'_> {
+    type Field = StressField;
+
+    fn volume(&self) -> f64 {
+        self.grid.volume()
+    }
+
+    fn len(&self) -> usize {
+        3 * self.voxels.of.len()
+    }
+
+    fn forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
+        self.nodal_forces(u, mean, out);
+    }
+
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> StressField {
+        StressField::new(self, u, mean, component)
+    }
+
     fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums {
         let [nx, ny, nz] = self.grid.counts;
         let volume = self.grid.volume() / (nx * ny * nz) as f64;

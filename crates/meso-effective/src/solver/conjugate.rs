@@ -1,9 +1,9 @@
 //! Conjugate gradients, ended by the error of the energy.
 
 use super::multigrid::Multigrid;
+use super::network::Network;
 use super::stencil::{add, dot, layers_mut};
 use crate::error::EffectiveError;
-use crate::links::Links;
 
 /// Potentials of a network, and the way to them.
 pub(crate) struct Solution {
@@ -28,13 +28,13 @@ pub(crate) trait Equations {
     fn correction(&mut self, r: &[f64]) -> (&[f32], f64);
 }
 
-/// Potentials of a network of links.
-struct Network<'a> {
-    links: &'a Links,
-    multigrid: Multigrid,
+/// Potentials of a network.
+struct Potentials<'a, N> {
+    links: &'a N,
+    multigrid: Multigrid<N>,
 }
 
-impl Equations for Network<'_> {
+impl<N: Network> Equations for Potentials<'_, N> {
     fn layer_len(&self) -> usize {
         self.links.layer_len()
     }
@@ -48,18 +48,18 @@ impl Equations for Network<'_> {
     }
 }
 
-/// The potentials where every voxel gives off as much as it receives from `rhs`.
+/// The potentials where every unknown gives off as much as it receives from `rhs`.
 ///
 /// # Errors
 /// Too many iterations.
 pub(crate) fn solve(
-    links: &Links,
+    links: &impl Network,
     rhs: Vec<f64>,
     energy: f64,
     accuracy: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
-    solve_equations(&mut Network { links, multigrid: Multigrid::new(links) }, rhs, energy, accuracy, report)
+    solve_equations(&mut Potentials { links, multigrid: Multigrid::new(links) }, rhs, energy, accuracy, report)
 }
 
 /// The solution of `A u = rhs`.
@@ -86,7 +86,7 @@ pub(crate) fn solve_equations(
     while rz > accuracy * left.max(BLOCKED * energy) {
         report(iterations, rz / left);
         if iterations == MOST {
-            let fix = "raise the voxel size or lower the contrast";
+            let fix = "raise the size of voxels or elements, or lower the contrast";
             return Err(EffectiveError::Diverged { iterations, reached: rz / left, fix });
         }
         let curvature = equations.apply(&p, &mut product);

@@ -1,11 +1,15 @@
-//! Potentials of a network of links: conjugate gradients with a multigrid cycle.
+//! Potentials of a network: conjugate gradients with a multigrid cycle.
 //!
 //! Sums are added up in the order of layers, and layers in the order of voxels, so the number of threads changes no bit.
 
+mod blocks;
 mod conjugate;
+mod graph;
 mod multigrid;
+mod network;
 mod stencil;
 
 pub(crate) use conjugate::{Equations, solve, solve_equations};
+pub(crate) use graph::{Graph, Rows};
 pub(crate) use multigrid::Multigrid;
-pub(crate) use stencil::dot;
+pub(crate) use stencil::{dot, layers_mut};

@@ -13,7 +13,7 @@ impl Real for f32 {}
 impl Real for f64 {}
 
 /// The potentials and links around a row of voxels.
-struct Row<'a, T> {
+pub(super) struct Row<'a, T> {
     own: &'a [T],
     sides: [&'a [T]; 4],
     x: &'a [f32],
@@ -21,17 +21,7 @@ struct Row<'a, T> {
 }
 
 impl Links {
-    /// Number of voxels.
-    pub(crate) fn len(&self) -> usize {
-        self.counts.iter().product()
-    }
-
-    /// Number of voxels of a layer.
-    pub(crate) fn layer_len(&self) -> usize {
-        self.counts[0] * self.counts[1]
-    }
-
-    fn row<'a, T>(&'a self, u: &'a [T], outside: &'a [T], j: usize, k: usize) -> Row<'a, T> {
+    pub(super) fn row<'a, T>(&'a self, u: &'a [T], outside: &'a [T], j: usize, k: usize) -> Row<'a, T> {
         let [nx, ny, nz] = self.counts;
         let [x, y, z] = &self.across;
         let at = |j: usize, k: usize| (k * ny + j) * nx;
@@ -48,28 +38,11 @@ impl Links {
             links: [link(y, at(j, k)), link(y, at(next(j, ny), k)), link(z, at(j, k)), link(z, at(j, k + 1))],
         }
     }
-
-    /// Calls `visit` with every voxel of layer `k`: its number in the layer, the flux out of it, and the sum of its links.
-    #[inline]
-    pub(super) fn fluxes<T: Real>(&self, u: &[T], k: usize, mut visit: impl FnMut(usize, T, f32)) {
-        let [nx, ny, _] = self.counts;
-        let outside = vec![T::default(); nx];
-        for j in 0..ny {
-            self.row(u, &outside, j, k).fluxes(|i, flux, links| visit(j * nx + i, flux, links));
-        }
-    }
-
-    /// `out = A u`; returns `u . A u`.
-    pub(super) fn apply<T: Real>(&self, u: &[T], out: &mut [T]) -> f64 {
-        let len = self.layer_len();
-        layers_mut(out, len, |k, out| self.fluxes(u, k, |at, flux, _| out[at] = flux));
-        dot(u, out, len)
-    }
 }
 
 impl<T: Real> Row<'_, T> {
     #[inline]
-    fn fluxes(&self, mut visit: impl FnMut(usize, T, f32)) {
+    pub(super) fn fluxes(&self, mut visit: impl FnMut(usize, T, f32)) {
         let nx = self.own.len();
         let [a, b, c, d] = self.sides.map(|side| &side[..nx]);
         let [ka, kb, kc, kd] = self.links.map(|links| &links[..nx]);
@@ -113,7 +86,7 @@ pub(crate) fn dot<S: Real, T: Real>(a: &[S], b: &[T], len: usize) -> f64 {
 const FEW: usize = 1 << 15;
 
 /// Calls `of` for every layer of `len` values, and its number.
-pub(super) fn layers_mut<T: Send>(values: &mut [T], len: usize, of: impl Fn(usize, &mut [T]) + Sync) {
+pub(crate) fn layers_mut<T: Send>(values: &mut [T], len: usize, of: impl Fn(usize, &mut [T]) + Sync) {
     if values.len() < FEW {
         values.chunks_mut(len).enumerate().for_each(|(k, layer)| of(k, layer));
     } else {

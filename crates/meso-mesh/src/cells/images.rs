@@ -123,7 +123,7 @@ pub struct NodeImages {
 
 impl NodeImages {
     /// Finds the images of `points` on `sides` of a box across which it is `periodic`.
-    pub(crate) fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
+    pub fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
         let images = images(points, periodic, sides, &vec![NO_BODY; points.len()]);
         let mut members: Vec<(u32, u32)> = images.iter().map(|image| (image.class, image.node)).collect();
         members.sort_unstable();
@@ -131,7 +131,7 @@ impl NodeImages {
     }
 
     /// The image class of a node, and the upper faces that it lies on, a bit per axis; `None` for nodes without an image.
-    pub(crate) fn class(&self, node: u32) -> Option<(u32, u8)> {
+    pub fn class(&self, node: u32) -> Option<(u32, u8)> {
         self.classes.get(node as usize).copied().flatten()
     }
 

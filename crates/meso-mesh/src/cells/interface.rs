@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 /// A face of a cell in a body, with another owner behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct InterfaceFace {
-    /// The face's nodes, counter-clockwise seen from outside the body; the fourth is [`NO_NODE`] for triangles.
-    pub(crate) nodes: [u32; 4],
+pub struct InterfaceFace {
+    /// The face's nodes, counter-clockwise seen from outside the body; the fourth is `u32::MAX` for triangles.
+    pub nodes: [u32; 4],
     /// The cell on the body's side.
-    pub(crate) cell: u32,
+    pub cell: u32,
     /// The cell behind the face.
-    pub(crate) behind: u32,
+    pub behind: u32,
 }
 
 /// The fourth node of a triangle.
@@ -26,7 +26,7 @@ impl InterfaceFace {
 }
 
 /// All interface faces; where two bodies touch, the face is there once for each of them. By cell, then by face.
-pub(crate) fn faces(mesh: Cells) -> Vec<InterfaceFace> {
+pub fn faces(mesh: Cells) -> Vec<InterfaceFace> {
     let owners = Owners::of(mesh);
     let mut sides = by_nodes(mesh, |node| owners.are_several(node));
     sides.par_sort_unstable();

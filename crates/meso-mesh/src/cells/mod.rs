@@ -14,7 +14,7 @@ mod sides;
 
 pub(crate) use copies::{Copies, copies};
 pub use images::{NodeImages, Spots, upper};
-pub(crate) use interface::{InterfaceFace, faces};
+pub use interface::{InterfaceFace, faces};
 pub(crate) use joins::complete;
 pub use joins::owners;
 pub use mesh::{CellKind, Cells, Mesh, Phase};

@@ -372,12 +372,14 @@ class Packing:
         what: Literal["diffusivity", "conductivity"] = "diffusivity",
         *,
         voxel_size: float | None = None,
+        method: Literal["voxel", "lattice"] = "voxel",
+        element_size: float | None = None,
         phases: Mapping[str, float] | None = None,
         eigenstrain: None = None,
         axes: str = "xyz",
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Effective:
-        """Effective diffusivity, conductivity or stiffness, with its error, on voxels that know the exact geometry.
+        """Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
 
         Parameters
         ----------
@@ -385,6 +387,10 @@ class Packing:
             The property.
         voxel_size : float, optional
             Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
+        method : {"voxel", "lattice"}
+            Division into voxels, or into tetrahedra whose faces follow the aggregates.
+        element_size : float, optional
+            Edge of the tetrahedra, mm; a quarter of the smallest grain if omitted.
         phases : mapping, optional
             Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
             the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
@@ -400,14 +406,15 @@ class Packing:
         -------
         dict
             The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
-            gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels`, `voxel_size_mm`, `iterations`,
-            `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz, yz, zx, xy, and `isotropic`,
-            `isotropic_error`, `expansion`, `expansion_error`.
+            gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels` and `voxel_size_mm` or `elements` and
+            `element_size_mm`, `iterations`, `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz,
+            yz, zx, xy, and `isotropic`, `isotropic_error`, `expansion`, `expansion_error`.
 
         Raises
         ------
         ValueError, TypeError
-            Names the option, its value and the accepted range; a specimen that is no box.
+            Names the option, its value and the accepted range; a specimen that is no box; tetrahedra
+            also take a cylinder along z.
         RuntimeError
             Where the equations do not converge.
         """
@@ -418,6 +425,8 @@ class Packing:
         what: Literal["stiffness"],
         *,
         voxel_size: float | None = None,
+        method: Literal["voxel", "lattice"] = "voxel",
+        element_size: float | None = None,
         phases: Mapping[str, Mapping[str, float]] | None = None,
         eigenstrain: Mapping[str, float] | None = None,
         axes: Literal["xyz"] = "xyz",

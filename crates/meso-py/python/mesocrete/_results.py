@@ -416,6 +416,25 @@ class PropertyBounds(TypedDict):
     """Phases in parallel."""
 
 
+class Resolution(TypedDict):
+    """The division of a specimen into voxels or tetrahedra, and the solutions on it."""
+
+    boundary: list[str]
+    """Conditions at the ends of x, y, z: `periodic`; at walls `fixed` along the gradient and insulated across it, or for stiffness `uniform-strain`."""
+    voxels: NotRequired[list[int] | None]
+    """Voxels along x, y, z."""
+    voxel_size_mm: NotRequired[list[float] | None]
+    """Edges of a voxel, mm."""
+    elements: NotRequired[int | None]
+    """Number of tetrahedra."""
+    element_size_mm: NotRequired[float | None]
+    """Edge of the tetrahedra, mm."""
+    iterations: list[int]
+    """Iterations of each solution on the fine voxels or tetrahedra."""
+    solver_error: float
+    """Largest error of the equations, over the result."""
+
+
 class PhaseShare(TypedDict):
     """A phase in the result."""
 
@@ -427,33 +446,23 @@ class PhaseShare(TypedDict):
     """Its exact volume over the specimen's."""
 
 
-class Effective(TypedDict):
+class Effective(Resolution):
     """An effective property."""
 
     what: str
     """Property."""
     tensor: list[list[float | None]]
-    """The tensor, extrapolated from the two sizes of voxels."""
+    """The tensor, extrapolated from two sizes of voxels or tetrahedra."""
     error: list[list[float | None]]
     """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
     fine: list[list[float | None]]
-    """The tensor on the voxels."""
+    """The tensor on the voxels or tetrahedra."""
     coarse: list[list[float | None]]
-    """The tensor on voxels of twice the size."""
+    """The tensor on those of twice the size."""
     bounds: PropertyBounds
     """Bounds on an isotropic mixture of the phases."""
     phases: list[PhaseShare]
     """Phases with their volumes."""
-    boundary: list[str]
-    """Conditions at the ends of x, y, z: `periodic`, or `fixed` along the gradient and insulated across it."""
-    voxels: list[int]
-    """Voxels along x, y, z."""
-    voxel_size_mm: list[float]
-    """Edges of a voxel, mm."""
-    iterations: list[int]
-    """Iterations of each solution on the fine voxels."""
-    solver_error: float
-    """Largest error of the equations, over the result."""
     warnings: list[str]
     """What a reader should know."""
 
@@ -495,19 +504,19 @@ class Isotropic(TypedDict):
     """Poisson's ratio."""
 
 
-class Stiffness(TypedDict):
+class Stiffness(Resolution):
     """Stiffness and expansion of a packing."""
 
     what: str
     """Property: `stiffness`."""
     tensor: list[list[float]]
-    """The tensor, extrapolated from the two sizes of voxels."""
+    """The tensor, extrapolated from two sizes of voxels or tetrahedra."""
     error: list[list[float]]
     """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
     fine: list[list[float]]
-    """The tensor on the voxels."""
+    """The tensor on the voxels or tetrahedra."""
     coarse: list[list[float]]
-    """The tensor on voxels of twice the size."""
+    """The tensor on those of twice the size."""
     isotropic: Isotropic
     """Constants of the nearest isotropic material."""
     isotropic_error: Isotropic
@@ -520,16 +529,6 @@ class Stiffness(TypedDict):
     """Bounds on an isotropic mixture of the phases."""
     phases: list[ElasticShare]
     """Phases with their volumes."""
-    boundary: list[str]
-    """Conditions at the ends of x, y, z: `periodic`, or `uniform-strain` at walls."""
-    voxels: list[int]
-    """Voxels along x, y, z."""
-    voxel_size_mm: list[float]
-    """Edges of a voxel, mm."""
-    iterations: list[int]
-    """Iterations of each solution on the fine voxels."""
-    solver_error: float
-    """Largest error of the equations, over the result."""
     warnings: list[str]
     """What a reader should know."""
 

@@ -10,7 +10,7 @@ use meso_core::watch::Stage;
 use meso_core::{Model, spec};
 use meso_effective::{
     EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, PhaseModuli, Phases, Property, StiffnessOptions,
-    effective, effective_of_labels, stiffness, stiffness_of_labels,
+    effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
@@ -25,6 +25,8 @@ use std::sync::Arc;
 pub(super) struct Asked<'a> {
     pub(super) what: &'a str,
     pub(super) voxel_size: Option<f64>,
+    pub(super) method: &'a str,
+    pub(super) element_size: Option<f64>,
     pub(super) phases: Option<&'a Bound<'a, PyAny>>,
     pub(super) eigenstrain: Option<&'a Bound<'a, PyAny>>,
     pub(super) axes: &'a str,
@@ -51,8 +53,24 @@ impl Asked<'_> {
         Ok(property)
     }
 
+    /// Whether the specimen is divided into tetrahedra.
+    fn in_tetrahedra(&self) -> PyResult<bool> {
+        let wrong = match self.method {
+            "voxel" if self.element_size.is_some() => "element_size needs method=\"lattice\"".to_owned(),
+            "lattice" if self.voxel_size.is_some() => "method=\"lattice\" takes element_size".to_owned(),
+            "voxel" => return Ok(false),
+            "lattice" => return Ok(true),
+            other => format!("method is {other:?}; it must be one of \"voxel\", \"lattice\""),
+        };
+        Err(wrong_value(wrong))
+    }
+
     fn size(&self, model: &Model) -> f64 {
-        self.voxel_size.unwrap_or_else(|| EffectiveOptions::default_voxel_size(model.spec.grading.d_min_mm))
+        let smallest = model.spec.grading.d_min_mm;
+        if self.method == "lattice" {
+            return self.element_size.unwrap_or_else(|| EffectiveOptions::default_element_size(smallest));
+        }
+        self.voxel_size.unwrap_or_else(|| EffectiveOptions::default_voxel_size(smallest))
     }
 
     fn options(&self, what: Property, voxel_size_mm: f64) -> PyResult<EffectiveOptions> {
@@ -117,6 +135,24 @@ pub(super) fn compute<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     guard(|| match asked.property()? {
+        Some(what) if asked.in_tetrahedra()? => {
+            let (size, phases) = (asked.size(model), asked.phases(what)?);
+            let options = asked.options(what, size)?;
+            let bytes = options.bytes_in_tetrahedra(&model.spec.specimen, size);
+            let model = Arc::clone(model);
+            solve(py, bytes, progress, move |watch| {
+                effective_in_tetrahedra(&*model, &phases, &options, size, watch).map(|(found, _)| found)
+            })
+        }
+        None if asked.in_tetrahedra()? => {
+            let (size, moduli) = (asked.size(model), asked.moduli()?);
+            let options = StiffnessOptions::new(size);
+            let bytes = options.bytes_in_tetrahedra(&model.spec.specimen, size);
+            let model = Arc::clone(model);
+            solve(py, bytes, progress, move |watch| {
+                stiffness_in_tetrahedra(&*model, &moduli, &options, size, watch).map(|(found, _)| found)
+            })
+        }
         Some(what) => {
             let (options, phases) = (asked.options(what, asked.size(model))?, asked.phases(what)?);
             let bytes = options.bytes(&model.spec.specimen);
@@ -186,7 +222,7 @@ pub(crate) fn of_labels<'py>(
     periodic: &str,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let asked = Asked { what, voxel_size: None, phases, eigenstrain, axes };
+    let asked = Asked { what, voxel_size: None, method: "voxel", element_size: None, phases, eigenstrain, axes };
     guard(|| {
         let property = asked.property()?;
         let phases = asked.label_phases(property)?;
@@ -283,6 +319,12 @@ fn solve<'py, T: Serialize + Send + 'static>(
 fn raised(error: &EffectiveError) -> PyErr {
     match error {
         EffectiveError::Diverged { .. } => PyRuntimeError::new_err(error.to_string()),
-        _ => wrong_value(error.to_string().replace("effective.voxel_size_mm", "voxel_size")),
+        _ => {
+            let text = error.to_string();
+            wrong_value(
+                text.replace("effective.voxel_size_mm", "voxel_size")
+                    .replace("effective.element_size_mm", "element_size"),
+            )
+        }
     }
 }

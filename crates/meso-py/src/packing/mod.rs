@@ -270,7 +270,7 @@ impl PyPacking {
         })
     }
 
-    /// Effective diffusivity, conductivity or stiffness, with its error, on voxels that know the exact geometry.
+    /// Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
     ///
     /// Parameters
     /// ----------
@@ -278,6 +278,10 @@ impl PyPacking {
     ///     The property.
     /// voxel_size : float, optional
     ///     Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
+    /// method : {"voxel", "lattice"}
+    ///     Division into voxels, or into tetrahedra whose faces follow the aggregates.
+    /// element_size : float, optional
+    ///     Edge of the tetrahedra, mm; a quarter of the smallest grain if omitted.
     /// phases : mapping, optional
     ///     Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
     ///     the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
@@ -293,29 +297,32 @@ impl PyPacking {
     /// -------
     /// dict
     ///     The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
-    ///     gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels`, `voxel_size_mm`, `iterations`,
-    ///     `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz, yz, zx, xy, and `isotropic`,
-    ///     `isotropic_error`, `expansion`, `expansion_error`.
+    ///     gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels` and `voxel_size_mm` or `elements` and
+    ///     `element_size_mm`, `iterations`, `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz,
+    ///     yz, zx, xy, and `isotropic`, `isotropic_error`, `expansion`, `expansion_error`.
     ///
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and the accepted range; a specimen that is no box.
+    ///     Names the option, its value and the accepted range; a specimen that is no box; tetrahedra
+    ///     also take a cylinder along z.
     /// RuntimeError
     ///     Where the equations do not converge.
-    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", progress=None))]
+    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, method="voxel", element_size=None, phases=None, eigenstrain=None, axes="xyz", progress=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn effective<'py>(
         &self,
         py: Python<'py>,
         what: &str,
         voxel_size: Option<f64>,
+        method: &str,
+        element_size: Option<f64>,
         phases: Option<&Bound<'py, PyAny>>,
         eigenstrain: Option<&Bound<'py, PyAny>>,
         axes: &str,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let asked = effective::Asked { what, voxel_size, phases, eigenstrain, axes };
+        let asked = effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes };
         effective::compute(py, &self.0, &asked, progress)
     }
 

@@ -1,14 +1,16 @@
 //! Flags of `mesocrete effective`.
 
 use crate::commands::shared::{Threads, Writing};
-use crate::commands::values;
+use crate::commands::{names, values};
+use meso_core::mesh::MethodName;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// A saved model (.json or .json.gz), `-` for standard input; or a label volume (.tif, .npy, .vti)
     pub(super) model: PathBuf,
-    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti, stiffness_xx.vti and so on
+    /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti, stiffness_xx.vti and so on;
+    /// .vtu of tetrahedra
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
     /// Property: diffusivity, conductivity, stiffness, or all
@@ -25,6 +27,14 @@ pub(crate) struct Args {
     #[arg(long, value_name = "H", value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     pub(super) voxel_size_mm: Option<f64>,
+    /// Division of a model: voxel, or lattice, tetrahedra whose faces follow the aggregates
+    #[arg(long, value_name = "METHOD", default_value = "voxel", value_parser = names::parser::<MethodName>())]
+    pub(super) method: MethodName,
+    /// Edge length of the tetrahedra, mm; the error follows from elements of twice the size [default: a quarter of the
+    /// smallest grain]
+    #[arg(long, value_name = "H", value_parser = values::number)]
+    #[arg(allow_negative_numbers = true, aliases = ["element-size", "mesh-size"])]
+    pub(super) element_size_mm: Option<f64>,
     /// Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4
     #[arg(long, value_name = "PHASE=STRAIN", value_delimiter = ',', value_parser = eigenstrain)]
     pub(super) eigenstrain: Vec<(String, f64)>,

@@ -11,8 +11,8 @@ use meso_core::Model;
 use meso_core::watch::Stage;
 use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, write_figures, write_page};
 use meso_effective::{
-    Effective, FluxField, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, StressField, effective,
-    effective_of_labels, stiffness, stiffness_of_labels,
+    Effective, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, effective, effective_in_tetrahedra,
+    effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use std::time::Instant;
 
@@ -34,17 +34,17 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for property in args.properties() {
         let (result, theirs) = subject.solve(args, property, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(|field| PropertyField::Flux(property, field)));
+        fields.extend(theirs);
     }
     if args.what.stiffness {
         let (result, theirs) = subject.solve_stiffness(args, &watch)?;
         found.push(result);
-        fields.extend(theirs.into_iter().map(PropertyField::Stress));
+        fields.extend(theirs);
     }
     watch.finish();
     let mut unit = Unit::default();
     for field in &fields {
-        unit.fill(&target(&field.file())?, force, |out| field.write_vti(out))?;
+        unit.fill(&target(&field.file())?, force, |out| field.write(out))?;
     }
     unit.fill(&target(FIGURES)?, force, |out| write_figures(&found, out))?;
     unit.fill(&target(PAGE)?, force, |out| write_page(&found, &fields, out))?;
@@ -82,19 +82,31 @@ impl Subject {
         let options = args.options(what, self.size(args));
         let begun = Instant::now();
         let found = match self {
-            Self::Packing(model, phases) => effective(&**model, phases, &options, watch),
-            Self::Labels(specimen, phases) => effective_of_labels(specimen, phases, &options, watch),
+            Self::Packing(model, phases) if args.in_tetrahedra() => {
+                effective_in_tetrahedra(&**model, phases, &options, self.size(args), watch)
+                    .map(|(found, fields)| (found, all(fields, |field| PropertyField::MeshFlux(what, field))))
+            }
+            Self::Packing(model, phases) => effective(&**model, phases, &options, watch)
+                .map(|(found, fields)| (found, all(fields, |field| PropertyField::Flux(what, field)))),
+            Self::Labels(specimen, phases) => effective_of_labels(specimen, phases, &options, watch)
+                .map(|(found, fields)| (found, all(fields, |field| PropertyField::Flux(what, field)))),
         };
         let (found, fields) = found.map_err(|error| wrong(&error))?;
         Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
     }
 
-    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<((Found, f64), Vec<StressField>), Failure> {
+    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<Solved, Failure> {
         let options = args.stiffness_options(self.size(args));
         let begun = Instant::now();
         let found = match self {
-            Self::Packing(model, phases) => stiffness(&**model, &phases.stiffness, &options, watch),
-            Self::Labels(specimen, phases) => stiffness_of_labels(specimen, phases, &options, watch),
+            Self::Packing(model, phases) if args.in_tetrahedra() => {
+                stiffness_in_tetrahedra(&**model, &phases.stiffness, &options, self.size(args), watch)
+                    .map(|(found, fields)| (found, all(fields, PropertyField::MeshStress)))
+            }
+            Self::Packing(model, phases) => stiffness(&**model, &phases.stiffness, &options, watch)
+                .map(|(found, fields)| (found, all(fields, PropertyField::Stress))),
+            Self::Labels(specimen, phases) => stiffness_of_labels(specimen, phases, &options, watch)
+                .map(|(found, fields)| (found, all(fields, PropertyField::Stress))),
         };
         let (found, fields) = found.map_err(|error| wrong(&error))?;
         Ok(((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
@@ -108,13 +120,12 @@ impl Subject {
             let name = property.map_or("stiffness", Property::name);
             match self {
                 Self::Packing(model, _) => {
-                    let specimen = &model.spec.specimen;
-                    let bytes = property.map_or_else(
-                        || args.stiffness_options(size).bytes(specimen),
-                        |property| args.options(property, size).bytes(specimen),
-                    );
-                    let work = format!("the {name} of voxels of {size} mm");
-                    room::accept_in_memory(&work, bytes.map_err(|error| wrong(&error))?, ("--voxel-size-mm", size))?;
+                    let (cells, flag) = match args.in_tetrahedra() {
+                        true => ("tetrahedra", "--element-size-mm"),
+                        false => ("voxels", "--voxel-size-mm"),
+                    };
+                    let work = format!("the {name} of {cells} of {size} mm");
+                    room::accept_in_memory(&work, args.bytes(&model.spec, property)?, (flag, size))?;
                 }
                 Self::Labels(specimen, phases) => {
                     let counts = specimen.volume.counts;
@@ -135,7 +146,12 @@ impl Subject {
     }
 }
 
-type Solved = ((Found, f64), Vec<FluxField>);
+/// A result, its seconds, and its fields.
+type Solved = ((Found, f64), Vec<PropertyField>);
+
+fn all<T>(fields: Vec<T>, of: impl Fn(T) -> PropertyField) -> Vec<PropertyField> {
+    fields.into_iter().map(of).collect()
+}
 
 /// Prints the result with its errors, then warnings.
 fn tell(found: &Found, quiet: bool) {

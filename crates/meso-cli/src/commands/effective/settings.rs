@@ -4,8 +4,9 @@ use super::flags::Args;
 use crate::failure::Failure;
 use crate::inputs;
 use meso_core::import::{ending, volume};
+use meso_core::mesh::MethodName;
 use meso_core::{Spec, spec};
-use meso_effective::results::{FIGURES, PAGE, field_file, stress_file};
+use meso_effective::results::{FIGURES, PAGE, field_ending, field_file, stress_file};
 use meso_effective::{
     EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
 };
@@ -34,12 +35,32 @@ impl Args {
         if self.properties().is_empty() && self.axes.0 != [true; 3] {
             return Err(Failure::Usage("--axes needs --what diffusivity, conductivity or all".to_owned()));
         }
+        self.suit_method()?;
         if self.periodic.is_some() && !self.is_volume() {
             return Err(Failure::Usage(
                 "--periodic is for label volumes; a model's specimen says it itself".to_owned(),
             ));
         }
         Ok(())
+    }
+
+    /// Refuses a method that a file or a size does not go with.
+    fn suit_method(&self) -> Result<(), Failure> {
+        let wrong = match self.method {
+            MethodName::Conforming => "--method is conforming; it must be voxel or lattice",
+            MethodName::Lattice if self.is_volume() => {
+                "--method lattice is for models; a label volume is its own voxels"
+            }
+            MethodName::Lattice if self.voxel_size_mm.is_some() => "--method lattice takes --element-size-mm",
+            MethodName::Voxel if self.element_size_mm.is_some() => "--element-size-mm needs --method lattice",
+            _ => return Ok(()),
+        };
+        Err(Failure::Usage(wrong.to_owned()))
+    }
+
+    /// Whether a model is divided into tetrahedra.
+    pub(super) fn in_tetrahedra(&self) -> bool {
+        self.method == MethodName::Lattice
     }
 
     /// Refuses flags that are wrong with any file.
@@ -50,8 +71,9 @@ impl Args {
     /// Refuses flags that a packing of `spec` has no property for.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         self.values()?;
-        let bytes = EffectiveOptions::new(Property::default(), self.size(spec)).bytes(&spec.specimen);
-        bytes.map(drop).map_err(|error| wrong(&error))
+        let stiffness = self.what.stiffness.then_some(None);
+        let mut properties = self.properties().into_iter().map(Some).chain(stiffness);
+        properties.try_for_each(|property| self.bytes(spec, property).map(drop))
     }
 
     /// Whether the input is a label volume, by its ending.
@@ -108,8 +130,10 @@ impl Args {
     /// Names of the files that a run writes.
     pub(crate) fn files(&self) -> Vec<String> {
         let axes = || (0..3).filter(|axis| self.axes.0[*axis] && !self.no_fields);
-        let fields = self.properties().into_iter().flat_map(|what| axes().map(move |axis| field_file(what, axis)));
-        let stresses = (0..6).filter(|_| self.what.stiffness && !self.no_fields).map(stress_file);
+        let ending = field_ending(self.in_tetrahedra());
+        let of = |what| axes().map(move |axis| field_file(what, axis, ending));
+        let fields = self.properties().into_iter().flat_map(of);
+        let stresses = (0..6).filter(|_| self.what.stiffness && !self.no_fields).map(|row| stress_file(row, ending));
         [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).chain(stresses).collect()
     }
 
@@ -121,9 +145,25 @@ impl Args {
         StiffnessOptions { fields: !self.no_fields, ..StiffnessOptions::new(voxel_size_mm) }
     }
 
-    /// Edge of a voxel, mm.
+    /// Memory that a property, or else the stiffness, of a packing of `spec` takes at most, bytes.
+    pub(super) fn bytes(&self, spec: &Spec, property: Option<Property>) -> Result<f64, Failure> {
+        let (size, specimen) = (self.size(spec), &spec.specimen);
+        let bytes = match property {
+            Some(property) if self.in_tetrahedra() => self.options(property, size).bytes_in_tetrahedra(specimen, size),
+            None if self.in_tetrahedra() => self.stiffness_options(size).bytes_in_tetrahedra(specimen, size),
+            Some(property) => self.options(property, size).bytes(specimen),
+            None => self.stiffness_options(size).bytes(specimen),
+        };
+        bytes.map_err(|error| wrong(&error))
+    }
+
+    /// Edge of a voxel or a tetrahedron, mm.
     pub(super) fn size(&self, spec: &Spec) -> f64 {
-        self.voxel_size_mm.unwrap_or_else(|| EffectiveOptions::default_voxel_size(spec.grading.d_min_mm))
+        let smallest = spec.grading.d_min_mm;
+        if self.in_tetrahedra() {
+            return self.element_size_mm.unwrap_or_else(|| EffectiveOptions::default_element_size(smallest));
+        }
+        self.voxel_size_mm.unwrap_or_else(|| EffectiveOptions::default_voxel_size(smallest))
     }
 }
 

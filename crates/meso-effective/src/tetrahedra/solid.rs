@@ -1,0 +1,261 @@
+//! Stiffness on tetrahedra.
+
+use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
+use super::field::{CellValues, MeshField};
+use super::meshed::{Bodies, Itz, cubes};
+use crate::effective::REST;
+use crate::elastic::{Solved, Stiffness, StiffnessOptions, Strained, Sums, shares};
+use crate::error::{self, EffectiveError};
+use crate::grid::Space;
+use crate::moduli::{Moduli, PhaseModuli, Table};
+use crate::resolution::Resolution;
+use crate::solver::{Equations, Graph, Multigrid, Rows, dot, layers_mut};
+use crate::surfaces::Phase;
+use meso_collision::math::{Mat3, Vec3};
+use meso_concrete::specimen::Specimen;
+use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::{Parts, parallel};
+
+/// The stiffness of `parts` on tetrahedra with edges of `element_size_mm`, and the stresses if asked for. The size of voxels
+/// in `options` does not matter.
+///
+/// # Errors
+/// Values out of range, a body with dents, a specimen that is no box, a mesh that cannot be made, and equations that do not
+/// converge.
+pub fn stiffness_in_tetrahedra<'a>(
+    parts: impl Into<Parts<'a>>,
+    moduli: &PhaseModuli,
+    options: &StiffnessOptions,
+    element_size_mm: f64,
+    watch: &dyn Watch,
+) -> Result<(Stiffness, Vec<MeshField>), EffectiveError> {
+    let Parts { bodies, specimen } = parts.into();
+    let table = moduli.table()?;
+    options.bytes_in_tetrahedra(specimen, element_size_mm)?;
+    let bodies = error::accepted(bodies)?;
+    let of = |phase: Phase| table[phase as usize];
+    let itz = match of(Phase::Itz) {
+        itz if itz == of(Phase::Mortar) => Itz::Mortar,
+        itz if itz == of(Phase::Aggregate) => Itz::Aggregate,
+        _ => Itz::Layer,
+    };
+    let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
+    let on = |size: f64, fields: bool, report: &dyn Fn(f64)| {
+        let domain = meshed.mesh(size, watch)?;
+        let solved = Solved::of(&mut Solid::new(&domain, &meshed, &table), options.accuracy, fields, report)?;
+        Ok::<_, EffectiveError>((solved, domain))
+    };
+    let (coarse, _) = on(2.0 * element_size_mm, false, &|_| ())?;
+    let (mut fine, domain) = on(element_size_mm, options.fields, &|share| watch.stage(Stage::Solve, share))?;
+    let fields = std::mem::take(&mut fine.fields);
+    let boundary = Space::of(specimen).boundary("uniform-strain");
+    let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
+    let result = Stiffness::new([&fine, &coarse], shares(&table, &bodies, specimen), REST, resolution);
+    Ok((result, MeshField::all(domain.mesh, fields)))
+}
+
+/// Bytes a cube of the element size, without fields, by count.
+const BYTES: f64 = 9000.0;
+
+impl StiffnessOptions {
+    /// Memory that tetrahedra take in a specimen at most, bytes.
+    ///
+    /// # Errors
+    /// An element size out of its range, and a specimen that is no box.
+    pub fn bytes_in_tetrahedra(&self, specimen: &Specimen, element_size_mm: f64) -> Result<f64, EffectiveError> {
+        if !specimen.container().is_box() {
+            return Err(EffectiveError::Specimen(specimen.kind()));
+        }
+        Ok(BYTES * cubes(specimen, element_size_mm)?)
+    }
+}
+
+/// Forces between two nodes by their relative displacement, row by row. In single precision forces would not balance.
+type Block = [f64; 9];
+/// Unknown displacements that are added up in one sum.
+const LAYER: usize = 3 << 12;
+
+/// Equations of a mesh; displacements are in threes, one for each unknown node.
+struct Solid<'a> {
+    domain: &'a Domain,
+    unknowns: Unknowns,
+    /// Constants of every cell.
+    of: Vec<u8>,
+    phases: [Elasticity; Phase::ALL.len()],
+    rows: Rows<Block>,
+    /// Links to nodes without displacement.
+    ground: Vec<Block>,
+    /// Each component alone, for the preconditioner.
+    networks: [(Graph, Multigrid<Graph>); 3],
+    correction: Vec<f32>,
+}
+
+/// Lame's constants and the eigenstress, MPa.
+#[derive(Clone, Copy)]
+struct Elasticity {
+    lame: f64,
+    shear: f64,
+    eigenstress: f64,
+}
+
+impl Elasticity {
+    fn of(moduli: &Moduli) -> Self {
+        let (bulk, shear) = (moduli.bulk(), moduli.shear());
+        Self { lame: bulk - 2.0 / 3.0 * shear, shear, eigenstress: 3.0 * bulk * moduli.eigenstrain }
+    }
+
+    /// Forces between two nodes of a cell, from the gradients of their shape functions, times `factor`.
+    fn block(&self, factor: f64, a: &Vec3, b: &Vec3) -> Block {
+        let all =
+            Mat3::identity() * (self.shear * a.dot(b)) + a * b.transpose() * self.lame + b * a.transpose() * self.shear;
+        std::array::from_fn(|entry| factor * all[(entry / 3, entry % 3)])
+    }
+
+    /// Stresses xx, yy, zz, yz, zx, xy from engineering strains.
+    fn stress(&self, strain: &[f64; 6]) -> [f64; 6] {
+        let volume = self.lame * (strain[0] + strain[1] + strain[2]);
+        let normal = |i: usize| volume + 2.0 * self.shear * strain[i];
+        [normal(0), normal(1), normal(2), self.shear * strain[3], self.shear * strain[4], self.shear * strain[5]]
+    }
+}
+
+impl<'a> Solid<'a> {
+    fn new(domain: &'a Domain, bodies: &Bodies<'_>, table: &Table) -> Self {
+        let mesh = &domain.mesh;
+        let of = parallel::map_short(mesh.cell_count(), |cell| bodies.phase(mesh, cell) as u8);
+        let is_stiff = |cell: usize| table[usize::from(of[cell])].youngs_modulus_mpa > 0.0;
+        let walls = (0..3).filter(|axis| !mesh.periodic[*axis]).fold(0, |bits, axis| bits | 3 << (2 * axis));
+        let unknowns = domain.unknowns(walls, is_stiff);
+        let phases = table.map(|moduli| Elasticity::of(&moduli));
+        let block = |cell: usize, at: usize, other: usize| {
+            let Tetrahedron { volume, gradients } = domain.cell(cell);
+            let of_cell = &phases[usize::from(of[cell])];
+            is_stiff(cell).then(|| of_cell.block(-volume, &gradients[at], &gradients[other]))
+        };
+        let links = |unknown: usize| domain.links(&unknowns, unknown, block);
+        let row = |unknown: usize, row: &mut Vec<(u32, Block)>| {
+            row.extend(links(unknown).into_iter().filter(|(to, _)| *to != GIVEN));
+        };
+        let count = unknowns.nodes.len();
+        let rows = Rows::new(count, row, add);
+        let ground = parallel::map_short(count, |unknown| {
+            let mut sum = [0.0; 9];
+            links(unknown).into_iter().filter(|(to, _)| *to == GIVEN).for_each(|(_, block)| add(&mut sum, block));
+            sum
+        });
+        let networks = [0, 1, 2].map(|component| network(&rows, &ground, component));
+        Self { domain, of, phases, rows, ground, networks, correction: vec![0.0; 3 * count], unknowns }
+    }
+
+    fn strain(&self, cell: usize, u: &[f64], mean: &[f64; 6]) -> [f64; 6] {
+        let mut h = Mat3::zeros();
+        for (node, gradient) in self.domain.nodes(cell).into_iter().zip(self.domain.cell(cell).gradients) {
+            let unknown = self.unknowns.of[node];
+            if unknown != GIVEN {
+                h += Vec3::from_column_slice(&u[3 * unknown as usize..][..3]) * gradient.transpose();
+            }
+        }
+        let shear = |a: usize, b: usize| h[(a, b)] + h[(b, a)];
+        let strain = [h[(0, 0)], h[(1, 1)], h[(2, 2)], shear(1, 2), shear(2, 0), shear(0, 1)];
+        std::array::from_fn(|i| mean[i] + strain[i])
+    }
+
+    fn stress(&self, cell: usize, u: &[f64], mean: &[f64; 6]) -> [f64; 6] {
+        self.phases[usize::from(self.of[cell])].stress(&self.strain(cell, u, mean))
+    }
+}
+
+fn add(to: &mut Block, from: Block) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+}
+
+/// The network of a component alone.
+fn network(rows: &Rows<Block>, ground: &[Block], component: usize) -> (Graph, Multigrid<Graph>) {
+    let entry = |block: &Block| block[4 * component] as f32;
+    let graph = Graph::new(rows.map(entry), ground.iter().map(entry).collect());
+    let multigrid = Multigrid::new(&graph);
+    (graph, multigrid)
+}
+
+/// A block times a displacement, added to a force.
+#[inline]
+fn add_product(force: &mut [f64; 3], block: &Block, u: [f64; 3]) {
+    for (force, row) in force.iter_mut().zip(block.as_chunks::<3>().0) {
+        *force += row.iter().zip(u).map(|(k, u)| k * u).sum::<f64>();
+    }
+}
+
+impl Equations for Solid<'_> {
+    fn layer_len(&self) -> usize {
+        LAYER
+    }
+
+    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64 {
+        let displacements = u.as_chunks::<3>().0;
+        layers_mut(out, LAYER, |layer, out| {
+            for (number, out) in out.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let unknown = layer * (LAYER / 3) + number;
+                let own = displacements[unknown];
+                *out = [0.0; 3];
+                add_product(out, &self.ground[unknown], own);
+                let (columns, blocks) = self.rows.row(unknown);
+                for (column, block) in columns.iter().zip(blocks) {
+                    let other = displacements[*column as usize];
+                    add_product(out, block, [0, 1, 2].map(|i| own[i] - other[i]));
+                }
+            }
+        });
+        dot(u, out, LAYER)
+    }
+
+    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
+        for (component, (graph, multigrid)) in self.networks.iter_mut().enumerate() {
+            let own: Vec<f64> = r.iter().skip(component).step_by(3).copied().collect();
+            let (found, _) = multigrid.cycle(graph, &own);
+            let to = self.correction.iter_mut().skip(component).step_by(3);
+            to.zip(found).for_each(|(to, found)| *to = *found);
+        }
+        (&self.correction, dot(r, &self.correction, LAYER))
+    }
+}
+
+impl Strained for Solid<'_> {
+    type Field = CellValues;
+
+    fn volume(&self) -> f64 {
+        self.domain.volume
+    }
+
+    fn len(&self) -> usize {
+        3 * self.unknowns.nodes.len()
+    }
+
+    fn forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
+        let force = |unknown: usize| {
+            let mut force = Vec3::zeros();
+            for (cell, at) in self.domain.corners(self.unknowns.nodes[unknown]) {
+                let [xx, yy, zz, yz, zx, xy] = self.stress(cell, u, mean);
+                let Tetrahedron { volume, gradients } = self.domain.cell(cell);
+                force += Mat3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * gradients[at] * volume;
+            }
+            [force.x, force.y, force.z]
+        };
+        out.copy_from_slice(parallel::map_short(self.unknowns.nodes.len(), force).as_flattened());
+    }
+
+    fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums {
+        let sums = self.domain.sums::<8>(|cell| {
+            let (strain, stress) = (self.strain(cell, u, mean), self.stress(cell, u, mean));
+            let energy: f64 = (0..6).map(|i| strain[i] * stress[i]).sum();
+            let eigen = self.phases[usize::from(self.of[cell])].eigenstress * (strain[0] + strain[1] + strain[2]);
+            let volume = self.domain.cell(cell).volume;
+            [stress[0], stress[1], stress[2], stress[3], stress[4], stress[5], energy, eigen].map(|sum| sum * volume)
+        });
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], eigen: sums[7] }
+    }
+
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> CellValues {
+        let stress = |cell: usize| self.stress(cell, u, mean).map(|stress| stress as f32);
+        CellValues::of_stress(component, parallel::map_short(self.of.len(), stress))
+    }
+}
