@@ -48,7 +48,7 @@ Stage = tuple[str, list[str]]
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
-PYTHON_BENCHES = ["dataset.py", "effective.py", "images.py", "long_run.py", "memory.py", "mesh_write.py", "overheads.py", "solvers.py", "stopping.py"]
+PYTHON_BENCHES = ["dataset.py", "effective.py", "images.py", "label_volumes.py", "long_run.py", "memory.py", "mesh_write.py", "overheads.py", "solvers.py", "stopping.py"]
 
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [

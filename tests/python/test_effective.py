@@ -39,10 +39,12 @@ def test_tetrahedra_have_the_values_of_voxels(cube):
     found = cube.effective(method="lattice", element_size=1.5, axes="x")
     assert set(found) == set(_results.Effective.__annotations__) - OF_VOXELS
     assert found["tensor"][0][0] == pytest.approx(cube.effective(voxel_size=0.75, axes="x")["tensor"][0][0], rel=0.02)
-    stiff = cube.effective("stiffness", method="lattice", element_size=5, phases={"itz": {"youngs_modulus_mpa": 20000}})
+    stiff = cube.effective("stiffness", method="lattice", element_size=2, phases={"itz": {"youngs_modulus_mpa": 20000}})
     assert set(stiff) == set(_results.Stiffness.__annotations__) - OF_VOXELS
     bulk, bounds = stiff["isotropic"]["bulk_modulus_mpa"], stiff["bounds"]["bulk_modulus_mpa"]
     assert bounds["reuss"] < bulk < bounds["voigt"]
+    with pytest.raises(ValueError, match="aggregates takes .* in the mesh"):
+        cube.effective("stiffness", method="lattice", element_size=5)
 
 
 @pytest.mark.parametrize(

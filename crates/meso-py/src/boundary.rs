@@ -1,6 +1,6 @@
 //! The boundary of Rust and Python: only exceptions that `except Exception` catches cross it.
 
-use meso_concrete::printable;
+use meso_concrete::{OutOfRange, printable};
 use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -69,6 +69,11 @@ pub(crate) fn keyword(key: &str) -> String {
         "voxel_size_mm" => "h".to_owned(),
         key => key.to_owned(),
     }
+}
+
+/// The fault of an option by Python's name, in which lengths have no unit.
+pub(crate) fn without_unit(wrong: &OutOfRange) -> PyErr {
+    wrong_value(format!("{} {}", wrong.key.trim_end_matches("_mm"), wrong.fault()))
 }
 
 /// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.

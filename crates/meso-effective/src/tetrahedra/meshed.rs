@@ -16,7 +16,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::Watch;
 use meso_concrete::{Parts, Ranges};
 use meso_mesh::cells::faces;
-use meso_mesh::{ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Tools, Volumes, build};
+use meso_mesh::{ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, PhaseOff, Tools, Volumes, build};
 use std::borrow::Cow;
 
 /// Most cubes of the element size along an axis: node numbers fit 32 bits.
@@ -104,11 +104,11 @@ impl<'a> Bodies<'a> {
         self.films.push(film);
     }
 
-    /// The mesh of elements of a size.
+    /// The mesh of elements of a size, of which every phase has its volume but for this share.
     ///
     /// # Errors
-    /// Bodies and options that cannot be meshed.
-    pub(super) fn mesh(&self, element_size_mm: f64, watch: &dyn Watch) -> Result<Domain, EffectiveError> {
+    /// Bodies and options that cannot be meshed, and elements too large for a phase.
+    pub(super) fn mesh(&self, element_size_mm: f64, off: f64, watch: &dyn Watch) -> Result<Domain, EffectiveError> {
         let is_layer = self.itz == Itz::Layer;
         let options = MeshOptions {
             method: Method::FITTED,
@@ -119,7 +119,9 @@ impl<'a> Bodies<'a> {
             narrow_gaps: NarrowGaps::Keep,
         };
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
-        Ok(Domain::new(build(parts, &options, &Tools { watch, ..Tools::default() })?))
+        let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
+        PhaseOff::accept(&mesh, parts, &options, off)?;
+        Ok(Domain::new(mesh))
     }
 
     /// Phase of a cell of their mesh.

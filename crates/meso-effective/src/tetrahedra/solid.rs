@@ -15,6 +15,7 @@ use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, parallel};
+use meso_mesh::PhaseOff;
 
 /// The stiffness of `parts` on tetrahedra with edges of `element_size_mm`, and the stresses if asked for. The size of voxels
 /// in `options` does not matter.
@@ -40,13 +41,14 @@ pub fn stiffness_in_tetrahedra<'a>(
         _ => Itz::Layer,
     };
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
-    let on = |size: f64, fields: bool, report: &dyn Fn(f64)| {
-        let domain = meshed.mesh(size, watch)?;
+    let on = |size: f64, off: f64, fields: bool, report: &dyn Fn(f64)| {
+        let domain = meshed.mesh(size, off, watch)?;
         let solved = Solved::of(&mut Solid::new(&domain, &meshed, &table), options.accuracy, fields, report)?;
         Ok::<_, EffectiveError>((solved, domain))
     };
-    let (coarse, _) = on(2.0 * element_size_mm, false, &|_| ())?;
-    let (mut fine, domain) = on(element_size_mm, options.fields, &|share| watch.stage(Stage::Solve, share))?;
+    let (coarse, _) = on(2.0 * element_size_mm, f64::INFINITY, false, &|_| ())?;
+    let (mut fine, domain) =
+        on(element_size_mm, PhaseOff::ACCEPTED, options.fields, &|share| watch.stage(Stage::Solve, share))?;
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);

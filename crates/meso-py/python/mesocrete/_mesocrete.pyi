@@ -1175,7 +1175,7 @@ def from_labels(
     labels: ArrayLike | _Path,
     voxel_size: float | Sequence[float] | None = None,
     *,
-    mortar: Sequence[int] = (0,),
+    mortar: Sequence[int] | None = None,
     aggregate: Sequence[int] = (),
     least_voxels: int = 64,
     itz_thickness: float = 0.0,
@@ -1195,8 +1195,8 @@ def from_labels(
         One integer a grain or a phase; or a file (.tif, .npy, .vti).
     voxel_size : float or sequence of three float, optional
         Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
-    mortar : sequence of int
-        Labels of the mortar. Ids of `Packing.voxelize` take (-1,).
+    mortar : sequence of int, optional
+        Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
     aggregate : sequence of int
         Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
     least_voxels : int

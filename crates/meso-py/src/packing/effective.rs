@@ -1,6 +1,6 @@
 //! Effective properties of a packing or a label volume, as dicts.
 
-use crate::boundary::{accept_in_memory, guard, wrong_type, wrong_value};
+use crate::boundary::{accept_in_memory, guard, keyword, without_unit, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
@@ -319,12 +319,8 @@ fn solve<'py, T: Serialize + Send + 'static>(
 fn raised(error: &EffectiveError) -> PyErr {
     match error {
         EffectiveError::Diverged { .. } => PyRuntimeError::new_err(error.to_string()),
-        _ => {
-            let text = error.to_string();
-            wrong_value(
-                text.replace("effective.voxel_size_mm", "voxel_size")
-                    .replace("effective.element_size_mm", "element_size"),
-            )
-        }
+        EffectiveError::Value(wrong) if wrong.table == "effective" => without_unit(wrong),
+        EffectiveError::Mesh(error) => wrong_value(error.message(keyword)),
+        _ => wrong_value(error.to_string()),
     }
 }

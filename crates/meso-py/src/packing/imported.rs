@@ -2,7 +2,7 @@
 
 use super::PyPacking;
 use super::effective::{spacing, volume};
-use crate::boundary::{accept_in_memory, guard, wrong_value};
+use crate::boundary::{accept_in_memory, guard, without_unit, wrong_value};
 use crate::files;
 use crate::run::{Plan, in_stages, listener};
 use meso_core::import::grains::{Roles, SmoothOptions};
@@ -23,8 +23,8 @@ use std::sync::Arc;
 ///     One integer a grain or a phase; or a file (.tif, .npy, .vti).
 /// voxel_size : float or sequence of three float, optional
 ///     Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
-/// mortar : sequence of int
-///     Labels of the mortar. Ids of `Packing.voxelize` take (-1,).
+/// mortar : sequence of int, optional
+///     Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
 /// aggregate : sequence of int
 ///     Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
 /// least_voxels : int
@@ -52,17 +52,17 @@ use std::sync::Arc;
 /// OSError
 ///     Where the file cannot be read.
 #[pyfunction]
-#[pyo3(signature = (labels, voxel_size=None, *, mortar=vec![0], aggregate=vec![], least_voxels=64, itz_thickness=0.0,
+#[pyo3(signature = (labels, voxel_size=None, *, mortar=None, aggregate=vec![], least_voxels=64, itz_thickness=0.0,
     tolerance=0.2, smoothing=1.0, step=2.0, progress=None))]
 #[pyo3(
-    text_signature = "(labels, voxel_size=None, *, mortar=(0,), aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
+    text_signature = "(labels, voxel_size=None, *, mortar=None, aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn from_labels(
     py: Python<'_>,
     labels: &Bound<'_, PyAny>,
     voxel_size: Option<&Bound<'_, PyAny>>,
-    mortar: Vec<i64>,
+    mortar: Option<Vec<i64>>,
     aggregate: Vec<i64>,
     least_voxels: usize,
     itz_thickness: f64,
@@ -74,7 +74,7 @@ pub(crate) fn from_labels(
     guard(|| {
         let options = LabelOptions {
             voxel_size_mm: voxel_size.map(|size| spacing(Some(size))).transpose()?,
-            roles: Roles { mortar, aggregate },
+            roles: Roles { mortar: mortar.unwrap_or_else(|| vec![0]), aggregate },
             least_voxels,
             itz_thickness_mm: itz_thickness,
             surfaces: SmoothOptions { step, smoothing, tolerance },
@@ -95,8 +95,9 @@ pub(crate) fn from_labels(
     })
 }
 
-/// An error by the names of Python's options.
 fn raised(error: &LabelsError) -> PyErr {
-    let text = error.to_string().replace("voxel_size_mm", "voxel_size").replace("itz_thickness_mm", "itz_thickness");
-    wrong_value(text.strip_prefix("labels.").unwrap_or(&text).to_owned())
+    match error {
+        LabelsError::Option(wrong) => without_unit(wrong),
+        _ => wrong_value(error.to_string()),
+    }
 }
