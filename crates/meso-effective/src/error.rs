@@ -20,6 +20,19 @@ pub enum EffectiveError {
     /// The specimen cannot be meshed.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Elements too large for a phase.
+    #[error(
+        "the phase {phase} takes {meshed:.4} of the specimen in the tetrahedra and {exact:.4} in the packing; take smaller elements, or the \
+         method voxel"
+    )]
+    Coarse {
+        /// Its name.
+        phase: &'static str,
+        /// Its volume in the mesh over the specimen's.
+        meshed: f64,
+        /// Its volume in the packing over the specimen's.
+        exact: f64,
+    },
     /// A body whose layers no planes bound.
     #[error(
         "aggregate {0} has dents; effective properties need convex aggregates: shape.hull = true packs their hulls"

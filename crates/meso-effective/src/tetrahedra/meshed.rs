@@ -120,7 +120,10 @@ impl<'a> Bodies<'a> {
         };
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
-        PhaseOff::accept(&mesh, parts, &options, off)?;
+        let found = PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)?;
+        if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.error().abs() > off) {
+            return Err(EffectiveError::Coarse { phase: phase.name(), meshed, exact });
+        }
         Ok(Domain::new(mesh))
     }
 
