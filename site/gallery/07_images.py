@@ -2,6 +2,8 @@
 
 A label image, and a grey one with blur and noise, as tomography would give it: the truth for testing a segmentation.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy import ndimage
@@ -22,7 +24,8 @@ print(f"right voxels: {(found == (grain >= 0)).mean():.4f}")
 
 figure, axes = plt.subplots(1, 3, figsize=(10, 3.6))
 ids = np.ma.masked_less(grain, 0)
-for axis, image, title in zip(axes, (label, ids, grey), ("phases", "grains", "scan"), strict=True):
+images: tuple[Any, ...] = (label, ids, grey)
+for axis, image, title in zip(axes, images, ("phases", "grains", "scan"), strict=True):
     axis.imshow(image[len(image) // 2], origin="lower", cmap="tab20" if title == "grains" else "gray", interpolation="nearest")
     axis.set(title=title, xticks=[], yticks=[])
 figure.savefig("picture.png", dpi=120)

@@ -4,6 +4,8 @@ A segmented scan is a specimen like any other: its grains get smooth surfaces an
 apart, and the test crushes them. Here the scan is one of our own packings, so the true grains are known; a file of yours
 (`.tif`, `.npy`, `.vti`) takes the array's place. [Label volumes](../packing.md#label-volumes) has the options.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy import ndimage
@@ -25,7 +27,7 @@ print({key: response.result[key] for key in ("elements", "peak_mpa", "peak_strai
 print(f"{response.result['seconds']['total']:.0f} s")
 
 grid = response.to_pyvista()
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_scalar_bar": False, "cpos": "xz", "clim": (0.0, 0.03)}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_scalar_bar": False, "cpos": "xz", "clim": (0.0, 0.03)}
 body = grid.slice("y").plot(scalars="crack_opening_mm", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, axes = plt.subplots(1, 3, figsize=(12, 3.8))
 middle = grey.shape[1] // 2

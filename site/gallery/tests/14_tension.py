@@ -3,6 +3,8 @@
 Plates are glued on and pull along z, until one crack goes through the specimen.
 [Tests](../tests.md) compares it with the engine's weak bands, whose energy is within 10 % of the fracture energy.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -17,7 +19,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its cracks from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 100.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"clim": (0.0, 0.02)}
 body = grid.plot(scalars="crack_opening_mm", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))

@@ -4,6 +4,8 @@ Strips press a cylinder on its mantle (EN 12390-6): it splits in tension. Elemen
 nodes under it. [Tests](../tests.md) compares an elastic disc with its closed form within 1 %, and the strength with that in
 tension.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -18,7 +20,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its cracks from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 10.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"cpos": "xy", "clim": (0.0, 0.02)}
 body = grid.plot(scalars="crack_opening_mm", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))

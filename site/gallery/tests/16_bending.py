@@ -3,6 +3,8 @@
 Two rollers carry a notched beam, and a third one presses its middle; the crack mouth controls the speed (EN 14651).
 [Tests](../tests.md) compares the work over the ligament with the fracture energy, and the elastic beam with CalculiX.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -17,7 +19,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its cracks from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 20.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"cpos": "xz", "clim": (0.0, 0.05)}
 body = grid.plot(scalars="crack_opening_mm", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))

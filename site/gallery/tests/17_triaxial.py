@@ -4,6 +4,8 @@ Pressure grows on all sides, and then plates press along z: the specimen becomes
 carries it beyond its peak.
 [Tests](../tests.md) compares a cylinder of mortar with its law at one point within 2 %, and an elastic one with CalculiX.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -18,7 +20,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its damage from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 10.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"clim": (0.0, 1.0)}
 body = grid.plot(scalars="damage", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))

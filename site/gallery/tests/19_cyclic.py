@@ -3,6 +3,8 @@
 Plates press, turn back when hardly a stress is left, and press again: unloading shows the stiffness that the damage has left.
 [Tests](../tests.md) compares the unloading of crushed mortar with (1 - d) E within 0.5 %.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -17,7 +19,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its damage from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 10.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"clim": (0.0, 1.0)}
 body = grid.plot(scalars="damage", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))

@@ -4,6 +4,8 @@ Plates are glued to the upper side left of two notches and to the lower side rig
 and shear the plane between the notches' tips (Reinhardt and Xu 2000). [Tests](../tests.md) compares the elastic specimen with
 CalculiX.
 """
+from typing import Any
+
 import matplotlib.pyplot as plt
 
 import mesocrete as mc
@@ -18,7 +20,7 @@ print(f"{response.result['seconds']['total']:.0f} s")
 # The body at the end, its cracks from white to red, beside the curve.
 grid = response.to_pyvista()
 grid.points += 20.0 * grid.point_data["displacement_mm"]
-look: dict[str, object] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
+look: dict[str, Any] = {"cmap": "Reds", "lighting": False, "show_edges": True, "edge_color": "lightgray", "show_scalar_bar": False}
 look |= {"cpos": "xz", "clim": (0.0, 0.05)}
 body = grid.plot(scalars="crack_opening_mm", **look, off_screen=True, return_img=True, screenshot="body.png")
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4))
