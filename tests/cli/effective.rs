@@ -70,19 +70,19 @@ fn phases_come_from_a_file_and_all_properties_into_one_list() {
 #[test]
 fn tetrahedra_are_written_as_figures_page_and_grids() {
     let folder = Folder::with_model();
-    let flags = ["--what", "all", "--method", "lattice", "--element-size-mm", "2", "--axes", "x"];
+    let flags = ["--what", "all", "--method", "lattice", "--element-size-mm", "3", "--axes", "x"];
     let run = folder.run(&[&["effective", "small.json", "-o", "out"][..], &flags].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     let found: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
     assert!(found[0]["elements"].as_u64().unwrap() > 5000 && found[0]["voxels"].is_null());
-    assert_eq!(found[2]["element_size_mm"], serde_json::json!(2.0));
+    assert_eq!(found[2]["element_size_mm"], serde_json::json!(3.0));
     let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
     assert_eq!(page.matches("<img").count(), 8);
-    assert!(page.contains("tetrahedra of 2 mm; ends of x, y, z"), "{page}");
+    assert!(page.contains("tetrahedra of 3 mm; ends of x, y, z"), "{page}");
     for field in ["diffusivity_x", "conductivity_x", "stiffness_xy"] {
         assert!(folder.read(&format!("out/{field}.vtu")).starts_with(b"<?xml"));
     }
-    let coarse = folder.run(&["effective", "small.json", "--method", "lattice", "--element-size-mm", "5"]);
+    let coarse = folder.run(&["effective", "small.json", "--method", "lattice", "--element-size-mm", "5", "-f"]);
     assert_eq!(coarse.code, 2);
     assert!(coarse.stderr.contains("in the packing; take smaller elements, or the method voxel"), "{}", coarse.stderr);
 }
