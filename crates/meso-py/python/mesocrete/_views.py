@@ -345,7 +345,10 @@ def plot_response(response: Any, ax: Any = None, **options: Any) -> Any:
     ax.plot(result["peak_strain"], result["peak_mpa"], "o", color=line.get_color(), label=label)
     ax.set(xlabel="mean axial strain", ylabel="stress, MPa", xlim=(0, None), ylim=(0, None))
     ax.locator_params(axis="x", nbins=6)
-    ax.legend()
+    # Room for the legend above the curves.
+    room = 1.08 + 0.1 * len(ax.get_legend_handles_labels()[0])
+    ax.set_ylim(0, max(ax.get_ylim()[1], room * float(stress.max())))
+    ax.legend(loc="upper right")
     return ax
 
 
