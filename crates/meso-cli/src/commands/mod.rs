@@ -25,7 +25,7 @@ mod values;
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
 
-/// Mesoscale concrete: convex aggregates packed without overlap, proved apart, meshed for finite elements.
+/// Mesoscale concrete: aggregates packed without overlap, proved apart, meshed for finite elements.
 #[derive(Parser, Debug)]
 #[command(name = "mesocrete", version, after_help = AFTER_HELP, max_term_width = 100)]
 #[command(arg_required_else_help = true, subcommand_required = true)]
@@ -64,7 +64,7 @@ pub(crate) enum Command {
     /// Find the mortar with which a specimen's curve meets a measured one; a killed fit resumes where it stopped
     #[command(after_help = examples::FIT)]
     Fit(fit::Args),
-    /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
+    /// Prove that a saved model keeps its promises: no overlaps, all inside, all closed
     #[command(after_help = examples::CHECK)]
     Check(check::Args),
     /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone
