@@ -224,10 +224,8 @@ fn assembled(
     let sizes = parallel::map_each(&bodies, Polyhedron::sieve_size);
     let volumes: Vec<f64> = bodies.iter().map(Polyhedron::volume).collect();
     let grading = measured(&sizes, &volumes);
-    let class = |size: f64| {
-        let classes = grading.classes();
-        classes.iter().position(|class| size <= class.d_max_mm).unwrap_or(classes.len() - 1) as u16
-    };
+    let classes = grading.classes();
+    let class = |size: f64| classes.iter().position(|class| size <= class.d_max_mm).unwrap_or(classes.len() - 1) as u16;
     let thickness = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.surface().deepest().1) } else { 0.0 };
     let thicknesses = parallel::map_each(&bodies, thickness);
     let limited = (0..).zip(&thicknesses).filter(|(_, thickness)| **thickness < itz).map(|(id, _)| id).collect();

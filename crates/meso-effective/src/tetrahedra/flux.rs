@@ -14,7 +14,6 @@ use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, parallel};
-use meso_mesh::PhaseOff;
 
 /// The effective property of `parts` on tetrahedra with edges of `element_size_mm`, and the fields if asked for. The size of
 /// voxels in `options` does not matter.
@@ -34,15 +33,17 @@ pub fn effective_in_tetrahedra<'a>(
     values.validate(options.what)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
     let bodies = error::accepted(bodies)?;
-    let meshed = Bodies::new(&bodies, specimen, Itz::of(&values), values.void > 0.0);
-    let on = |size: f64, off: f64, fields: bool, stages: usize| {
-        let domain = meshed.mesh(size, off, watch)?;
+    let itz = Itz::of([values.mortar, values.aggregate, values.itz], values.aggregate == 0.0);
+    let meshed = Bodies::new(&bodies, specimen, itz, values.void > 0.0);
+    let stages = options.axes.iter().filter(|axis| **axis).count();
+    let on = |size: f64, is_fine: bool| {
+        let domain = meshed.mesh(size, is_fine, watch)?;
+        let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
         let task = Task { conduction: Conduction::new(&domain, &meshed, &values), options, fields, watch, stages };
         Ok::<_, EffectiveError>((task.columns()?, domain))
     };
-    let stages = options.axes.iter().filter(|axis| **axis).count();
-    let (coarse, _) = on(2.0 * element_size_mm, f64::INFINITY, false, 0)?;
-    let (mut fine, domain) = on(element_size_mm, PhaseOff::ACCEPTED, options.fields, stages)?;
+    let (coarse, _) = on(2.0 * element_size_mm, false)?;
+    let (mut fine, domain) = on(element_size_mm, true)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
     let boundary = Space::of(specimen).boundary("fixed");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
@@ -71,18 +72,6 @@ fn has_ends(specimen: &Specimen, axes: [bool; 3]) -> Result<(), EffectiveError> 
         Specimen::Cylinder { .. } if axes == [false, false, true] => Ok(()),
         Specimen::Cylinder { .. } => Err(EffectiveError::Ends),
         _ => Err(EffectiveError::Specimen(specimen.kind())),
-    }
-}
-
-impl Itz {
-    fn of(values: &PhaseValues) -> Self {
-        let PhaseValues { mortar, aggregate, itz, .. } = *values;
-        match itz {
-            _ if itz == mortar => Self::Mortar,
-            _ if itz == aggregate => Self::Aggregate,
-            _ if aggregate == 0.0 => Self::Film,
-            _ => Self::Layer,
-        }
     }
 }
 

@@ -53,6 +53,18 @@ pub(super) enum Itz {
     Layer,
 }
 
+impl Itz {
+    /// By the values of mortar, aggregate and ITZ.
+    pub(super) fn of<T: PartialEq>([mortar, aggregate, itz]: [T; 3], is_impermeable: bool) -> Self {
+        match itz {
+            itz if itz == mortar => Self::Mortar,
+            itz if itz == aggregate => Self::Aggregate,
+            _ if is_impermeable => Self::Film,
+            _ => Self::Layer,
+        }
+    }
+}
+
 /// Bodies as they are meshed.
 pub(super) struct Bodies<'a> {
     specimen: &'a Specimen,
@@ -104,11 +116,16 @@ impl<'a> Bodies<'a> {
         self.films.push(film);
     }
 
-    /// The mesh of elements of a size, of which every phase has its volume but for this share.
+    /// The mesh of elements of a size; in a fine one every phase has nearly its exact volume.
     ///
     /// # Errors
     /// Bodies and options that cannot be meshed, and elements too large for a phase.
-    pub(super) fn mesh(&self, element_size_mm: f64, off: f64, watch: &dyn Watch) -> Result<Domain, EffectiveError> {
+    pub(super) fn mesh(
+        &self,
+        element_size_mm: f64,
+        is_fine: bool,
+        watch: &dyn Watch,
+    ) -> Result<Domain, EffectiveError> {
         let is_layer = self.itz == Itz::Layer;
         let options = MeshOptions {
             method: Method::FITTED,
@@ -120,8 +137,9 @@ impl<'a> Bodies<'a> {
         };
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
-        let found = PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)?;
-        if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.error().abs() > off) {
+        let found = if is_fine { PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)? } else { None };
+        if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.error().abs() > PhaseOff::ACCEPTED)
+        {
             return Err(EffectiveError::Coarse { phase: phase.name(), meshed, exact });
         }
         Ok(Domain::new(mesh))

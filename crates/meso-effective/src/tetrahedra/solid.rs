@@ -15,7 +15,6 @@ use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, parallel};
-use meso_mesh::PhaseOff;
 
 /// The stiffness of `parts` on tetrahedra with edges of `element_size_mm`, and the stresses if asked for. The size of voxels
 /// in `options` does not matter.
@@ -35,20 +34,16 @@ pub fn stiffness_in_tetrahedra<'a>(
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
     let bodies = error::accepted(bodies)?;
     let of = |phase: Phase| table[phase as usize];
-    let itz = match of(Phase::Itz) {
-        itz if itz == of(Phase::Mortar) => Itz::Mortar,
-        itz if itz == of(Phase::Aggregate) => Itz::Aggregate,
-        _ => Itz::Layer,
-    };
+    let itz = Itz::of([Phase::Mortar, Phase::Aggregate, Phase::Itz].map(of), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
-    let on = |size: f64, off: f64, fields: bool, report: &dyn Fn(f64)| {
-        let domain = meshed.mesh(size, off, watch)?;
+    let on = |size: f64, is_fine: bool, report: &dyn Fn(f64)| {
+        let domain = meshed.mesh(size, is_fine, watch)?;
+        let fields = is_fine && options.fields;
         let solved = Solved::of(&mut Solid::new(&domain, &meshed, &table), options.accuracy, fields, report)?;
         Ok::<_, EffectiveError>((solved, domain))
     };
-    let (coarse, _) = on(2.0 * element_size_mm, f64::INFINITY, false, &|_| ())?;
-    let (mut fine, domain) =
-        on(element_size_mm, PhaseOff::ACCEPTED, options.fields, &|share| watch.stage(Stage::Solve, share))?;
+    let (coarse, _) = on(2.0 * element_size_mm, false, &|_| ())?;
+    let (mut fine, domain) = on(element_size_mm, true, &|share| watch.stage(Stage::Solve, share))?;
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
