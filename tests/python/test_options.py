@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -20,8 +21,6 @@ if sys.version_info >= (3, 11):
 def schema(command):
     """Return a validator of SPEC.toml."""
     jsonschema = pytest.importorskip("jsonschema")
-    import subprocess
-
     printed = subprocess.run([command, "schema"], capture_output=True, text=True, check=True).stdout
     found = json.loads(printed)
     jsonschema.Draft202012Validator.check_schema(found)
@@ -80,6 +79,22 @@ def test_the_stub_has_the_docstrings_of_the_compiled_module():
     stub = module.STUB.read_text(encoding="utf-8")
     assert module.documented(stub) == stub, "run crates/meso-py/make_stub_docs.py"
     assert stub.count('"""') > 100
+
+
+@pytest.mark.parametrize(
+    ("wrong", "python"),
+    [({"friction": -1.0}, True), ({"span_mm": -3.0}, True), ({"rows": 9}, True), ({"expansion": {"mortar": 0.03}}, True), ({"instruction_set": "avx2"}, False)],
+)
+def test_the_schema_of_a_test_has_its_ranges(command, wrong, python):
+    """Found by an audit: a friction of -1 fitted the schema of a TEST.toml."""
+    jsonschema = pytest.importorskip("jsonschema")
+    printed = subprocess.run([command, "schema", "solve"], capture_output=True, text=True, check=True).stdout
+    fits = jsonschema.Draft202012Validator(json.loads(printed))
+    assert not list(fits.iter_errors({"kind": "bending", "friction": 0.1, "span_mm": None}))
+    assert list(fits.iter_errors(wrong))
+    if python:
+        with pytest.raises(ValueError, match="it must be"):
+            mc.Test.bending(**wrong)
 
 
 def test_the_types_are_those_of_the_schemas(command):

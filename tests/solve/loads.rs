@@ -551,7 +551,6 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
             &cube,
             "test.control is crack-mouth; the specimen has no notch",
         ),
-        (of(TestKind::Expansion), &cube, "it needs a table [expansion]"),
         (Test { pressure_mpa: Some(-1.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -1"),
     ] {
         let error = refusal(test, specimen);
@@ -561,16 +560,4 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
     let gauge = Gauge::Lvdt { name: "far".to_owned(), axis: Along::Z, from_mm: 1.0, to_mm: 8.0 };
     let error = Run::new(meshed.sample(), &brittle(), &Test { gauges: vec![gauge], ..Test::default() }).err().unwrap();
     assert!(error.to_string().contains("the specimen is 6 mm long there"), "{error}");
-}
-
-#[test]
-fn recipes_of_all_named_tests_are_valid() {
-    let kinds =
-        ["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"];
-    for kind in kinds {
-        let kind: TestKind = serde_json::from_str(&format!("{kind:?}")).unwrap();
-        let test: Test = meso_core::spec::options_from_toml(&kind.recipe()).unwrap();
-        assert_eq!(test.kind, kind);
-        test.validate().unwrap();
-    }
 }

@@ -11,7 +11,8 @@ use serde_json::Value;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// Which options: a spec's, or the keywords of Python's `mesh`, `write` (of a deck), `solve`, `statistics` and `materials`
+    /// Which options: a spec's, or the keywords of Python's `mesh`, `write` (of a deck), `solve` (and a TEST.toml), `statistics`
+    /// and `materials`
     #[arg(value_enum, default_value = "spec")]
     of: Of,
 }

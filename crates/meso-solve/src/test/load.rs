@@ -67,8 +67,10 @@ pub struct Strip {
     /// Axis along which its width and its place are measured.
     pub axis: Along,
     /// Its centre, mm from the middle of the specimen.
+    #[cfg_attr(feature = "schema", schemars(range(min = -1e4, max = 1e4)))]
     pub at_mm: f64,
     /// Its width, mm; at least one and a half elements are taken.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
     pub width_mm: f64,
 }
 
@@ -89,16 +91,20 @@ pub struct SupportSpec {
     pub rule: Rule,
     /// Coulomb's coefficient of a plate.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub friction: f64,
     /// Its way along the axis of its side for each mm of the test's path; 0 keeps it at rest.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(range(min = -1.0, max = 1.0)))]
     pub moves: f64,
     /// Pressure, or the mean stress that a servo gives a plate before the path begins, MPa. It grows to this value before
     /// the path begins.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(range(min = -1000.0, max = 1000.0)))]
     pub pressure_mpa: f64,
     /// Mean stress that a servo gives a plate over the stress of the test.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub stress_ratio: Option<f64>,
 }
 
@@ -224,12 +230,16 @@ impl Gauge {
 #[serde(default, deny_unknown_fields)]
 pub struct Expansion {
     /// Linear strain of the mortar; shrinkage is negative.
+    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
     pub mortar: f64,
     /// Linear strain of the ITZ; absent, the mortar's.
+    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
     pub itz: Option<f64>,
     /// Linear strain of the aggregates.
+    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
     pub aggregate: f64,
     /// Linear strain of the fibres.
+    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
     pub fibre: f64,
 }
 

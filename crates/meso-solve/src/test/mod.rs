@@ -24,38 +24,51 @@ pub struct Test {
     pub kind: TestKind,
     /// Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the
     /// plates are glued on.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub friction: Option<f64>,
     /// Strain of the test at the end; 0.005 in compression, 0.0005 in tension.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1e-12, max = 0.1)))]
     pub strain: Option<f64>,
     /// Time of the whole test at the plates' full speed, s.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub duration_s: Option<f64>,
     /// Time step that mass scaling keeps, s.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub time_step_s: Option<f64>,
     /// How the plates keep their speed.
     pub control: Control,
     /// Share of the time in which the plates gain their speed.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.01, max = 1.0)))]
     pub ramp: f64,
     /// Rows of the curve, at most, and as densely where the servo adds steps.
+    #[cfg_attr(feature = "schema", schemars(range(min = 10, max = 1_000_000)))]
     pub rows: u32,
     /// Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10_000)))]
     pub frames: u32,
     /// The law of mortar and ITZ.
     pub law: LawName,
     /// Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not.
     pub smoothing: Option<Smoothing>,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
     pub hourglass: f64,
     /// Cohesive faces.
     pub interface: Interface,
     /// Lateral pressure of a triaxial test, MPa; 5 where absent.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1000.0)))]
     pub pressure_mpa: Option<f64>,
     /// Lateral over axial stress of a biaxial test; 1 where absent.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub stress_ratio: Option<f64>,
     /// Width of the strips of a splitting test, or of a beam's rollers, mm.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
     pub strip_mm: Option<f64>,
     /// Distance of a beam's rollers, mm.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
     pub span_mm: Option<f64>,
-    /// Strains of the phases that have no stress; they grow before the path begins.
+    /// Strains of the phases that have no stress; they grow before the path begins. An expansion test without them has 1e-4 in
+    /// the aggregates.
     pub expansion: Option<Expansion>,
     /// Supports and loads; those of the named test where none are given.
     pub supports: Vec<SupportSpec>,
@@ -67,6 +80,7 @@ pub struct Test {
     /// Gauges, each a column of the curve; those of the named test where none are given.
     pub gauges: Vec<Gauge>,
     /// The instruction set; absent, the machine's best. The results are the same bytes.
+    #[cfg_attr(feature = "schema", schemars(skip))]
     pub instruction_set: Option<InstructionSet>,
 }
 
@@ -128,6 +142,7 @@ pub enum Smoothing {
 #[serde(default, deny_unknown_fields)]
 pub struct Interface {
     /// Coulomb's coefficient in a crack.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub friction: f64,
 }
 
@@ -260,13 +275,19 @@ impl Test {
 
     /// Time in which loads grow before the path begins, s; 0 without loads that do.
     pub(crate) fn lead_s(&self, geometry: &Geometry, is_pressed: bool) -> f64 {
-        let has_lead = is_pressed || self.expansion.is_some();
+        let has_lead = is_pressed || self.expansion().is_some();
         if has_lead { LEAD_PACE * geometry.size_mm.into_iter().fold(0.0, f64::max) } else { 0.0 }
     }
 
     /// Whether the path moves a support.
     pub fn has_path(&self) -> bool {
         self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0)
+    }
+
+    /// Strains of the phases that have no stress, if the test has any.
+    pub fn expansion(&self) -> Option<Expansion> {
+        let usual = Expansion { aggregate: named::SWELLING, ..Expansion::default() };
+        self.expansion.or((self.kind == TestKind::Expansion).then_some(usual))
     }
 
     /// Places at which the path turns.
@@ -360,11 +381,6 @@ impl Test {
                 is_seen,
                 "it must be 0, or 1e-12 at least: single precision carries no less",
             )?;
-        }
-        if self.kind == TestKind::Expansion && self.expansion.is_none() {
-            let why =
-                "it needs a table [expansion] with the strain of a phase; mesocrete init --test expansion writes one";
-            return Err(TEST.error("kind", "expansion", why));
         }
         if let Some(name) = &self.history {
             let why = "only a TEST.toml has it, and then no turns; give the turns themselves";

@@ -26,6 +26,8 @@ const PLATES: f64 = 0.1;
 /// Coulomb's coefficient of strips: EN 12390-6 has hardboard, which does not slide. Strips that slide are driven into the
 /// specimen like a wedge. A cylinder of 24 mm split at 0.88 of its strength in tension with 0.1, and at 1.02 with 0.5 and 1.
 const STICKING: f64 = 0.5;
+/// Linear strain of the aggregates in an expansion test that names none.
+pub(crate) const SWELLING: f64 = 1e-4;
 /// Width of a roller over the beam's depth.
 const ROLLER: f64 = 0.05;
 /// Span over depth of a beam, at most (EN 14651: 500 mm over 150 mm).

@@ -1,66 +1,135 @@
 //! Commented TEST.toml files to start from, one for each named test.
 
-use crate::test::TestKind;
-
-/// Keys that every test has, as a comment.
-const COMMON: &str = "\
-# strain = 0.005            # at the end
-# friction = 0.1            # between plates and specimen
-# law = \"cdp\"               # elastic, cdp, cdpm2 or meso
-# control = \"servo\"         # or steady, crack-mouth, lateral-strain
-# history = \"turns.csv\"     # turns of the path: a column strain, stress_mpa or opening_mm
-
-# Gauges are further columns of curve.csv.
-# [[gauges]]
-# kind = \"lvdt\"             # strain between two planes across an axis, mm from the lower side
-# name = \"lvdt\"
-# axis = \"z\"
-# from_mm = 10.0
-# to_mm = 40.0
-# [[gauges]]
-# kind = \"lateral-strain\"   # or sides, crack-mouth
-# name = \"lateral_strain\"
-";
+use crate::test::{Test, TestKind, TurnOf, named};
 
 impl TestKind {
-    /// A TEST.toml of this test, with comments.
-    pub fn recipe(self) -> String {
-        let (head, own) = match self {
-            Self::Compression => (
-                "Plates press along z.",
-                "kind = \"compression\"\nfriction = 0.1              # brushes and teflon: 0.005\n",
-            ),
-            Self::Tension => ("Plates are glued on and pull along z.", "kind = \"tension\"\n"),
-            Self::Splitting => (
-                "Strips press a cylinder on its mantle, or a cube, along x. The stress is 2 F / (pi l d).",
-                "kind = \"splitting\"\n# strip_mm = 10.0           # absent: a tenth of the diameter\n",
-            ),
-            Self::Bending => (
-                "A notched beam along x on two rollers; a third presses its middle. The stress is 3 F l / (2 b h^2).",
-                "kind = \"bending\"\n# span_mm = 500.0           # absent: 10/3 of the depth, at most 0.9 of the length\n",
-            ),
-            Self::Triaxial => {
-                ("All sides are pressed first, then plates press along z.", "kind = \"triaxial\"\npressure_mpa = 5.0\n")
+    /// Supports and loads of the test in a sentence.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Compression => "Plates press along z.",
+            Self::Tension => "Plates are glued on and pull along z.",
+            Self::Splitting => {
+                "Strips press a cylinder on its mantle, or a cube, along x. The stress is 2 F / (pi l d)."
             }
-            Self::Biaxial => (
-                "Plates press along z; the stress of plates across x follows in a ratio.",
-                "kind = \"biaxial\"\nstress_ratio = 0.5          # lateral over axial stress\nfriction = 0.005\n",
-            ),
-            Self::Cyclic => (
-                "Plates press along z and make the turns that are listed.",
-                "kind = \"cyclic\"\nturns = [\n    { at = 0.002 },             # a strain\n    { at = 1.0, of = \"stress\" },  # MPa\n    { at = 0.005 },\n]\n",
-            ),
-            Self::Expansion => (
-                "Phases swell or shrink in a specimen without supports.",
-                "kind = \"expansion\"\n[expansion]\naggregate = 1e-4            # linear strains; shrinkage is negative\nmortar = 0.0\n",
-            ),
-            Self::Shear => (
-                "Plates glued to the upper left and the lower right half of a double-notched prism move past each other along z.",
-                "kind = \"shear\"\n",
-            ),
+            Self::Bending => {
+                "A notched beam along x on two rollers; a third presses its middle. The stress is 3 F l / (2 b h^2)."
+            }
+            Self::Triaxial => "All sides are pressed first, then plates press along z.",
+            Self::Biaxial => "Plates press along z; the stress of plates across x follows in a ratio.",
+            Self::Cyclic => "Plates press along z and make the turns that are listed.",
+            Self::Expansion => "Phases swell or shrink in a specimen without supports.",
+            Self::Shear => {
+                "Plates glued to the upper left and the lower right half of a double-notched prism move past each other along z."
+            }
+        }
+    }
+
+    /// A TEST.toml of this test, with comments. It is the named test; each line that begins with `# KEY =` is an option.
+    pub fn recipe(self) -> String {
+        let test = Test { kind: self, ..Test::default() };
+        let (strain, friction) = (test.strain(), test.friction());
+        let own = match self {
+            Self::Splitting => "# strip_mm = 10.0           # absent: a tenth of the diameter\n".to_owned(),
+            Self::Bending => {
+                "# span_mm = 500.0           # absent: 10/3 of the depth, at most 0.9 of the length\n".to_owned()
+            }
+            Self::Triaxial => "pressure_mpa = 5.0\n".to_owned(),
+            Self::Biaxial => "stress_ratio = 1.0          # lateral over axial stress\n".to_owned(),
+            Self::Cyclic => turns(strain),
+            _ => String::new(),
         };
-        let (options, tables) = own.split_once("[expansion]").map_or((own, None), |(a, b)| (a, Some(b)));
-        let tables = tables.map_or_else(String::new, |text| format!("\n[expansion]{text}"));
-        format!("# A test for `mesocrete solve --test TEST.toml`. {head}\n{options}{COMMON}{tables}")
+        let kind = serde_json::to_value(self).unwrap_or_default();
+        let path = if test.has_path() {
+            format!(
+                "# strain = {strain:<16} # at the end\n# friction = {friction:<14} # between plates and specimen; brushes and teflon: 0.005\n"
+            )
+        } else {
+            String::new()
+        };
+        let strains = test.expansion().map_or_else(String::new, |expansion| {
+            format!(
+                "\n[expansion]\naggregate = {:e}            # linear strains; shrinkage is negative\nmortar = 0.0\n",
+                expansion.aggregate
+            )
+        });
+        let head = self.description();
+        format!("# A test for `mesocrete solve --test TEST.toml`. {head}\nkind = {kind}\n{own}{path}{COMMON}{strains}")
+    }
+}
+
+/// The turns of a cyclic test that ends at `strain`.
+fn turns(strain: f64) -> String {
+    let lines = named::cycles(strain).into_iter().map(|turn| match turn.of {
+        TurnOf::Stress => format!("    {{ at = {:?}, of = \"stress\" }},  # MPa\n", turn.at),
+        _ => format!("    {{ at = {:?} }},\n", turn.at),
+    });
+    format!("turns = [                   # strains, and stresses between them\n{}]\n", lines.collect::<String>())
+}
+
+/// Options that every test has.
+const COMMON: &str = "\
+# law = \"cdp\"               # elastic, cdp, cdpm2 or meso
+# control = \"servo\"         # or steady, crack-mouth, lateral-strain
+
+# Gauges instead of the test's own are further columns of curve.csv; an lvdt measures between two planes, mm from the lower
+# side. Turns of the path may also come from a CSV file. Both: docs/tests.md
+# gauges = [{ kind = \"lateral-strain\", name = \"lateral_strain\" }]
+# gauges = [{ kind = \"lvdt\", name = \"lvdt\", axis = \"z\", from_mm = 5.0, to_mm = 15.0 }]
+";
+
+#[cfg(test)]
+mod tests {
+    use crate::sample::Geometry;
+    use crate::test::{Test, TestKind};
+
+    const ALL: [TestKind; 9] = [
+        TestKind::Compression,
+        TestKind::Tension,
+        TestKind::Splitting,
+        TestKind::Bending,
+        TestKind::Triaxial,
+        TestKind::Biaxial,
+        TestKind::Cyclic,
+        TestKind::Expansion,
+        TestKind::Shear,
+    ];
+    const BEAM: Geometry =
+        Geometry { size_mm: [120.0, 30.0, 32.0], section_mm2: 3600.0, notch_mm: 8.0, upper_notch_mm: 8.0 };
+
+    fn read(text: &str) -> Test {
+        let test: Test = meso_core::spec::options_from_toml(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        test.validate().unwrap_or_else(|error| panic!("{error}\n{text}"));
+        test
+    }
+
+    /// Found by an audit: `init --test biaxial` had a ratio of 0.5, and `--test biaxial` one of 1.
+    #[test]
+    fn a_recipe_is_the_named_test() {
+        for kind in ALL {
+            let (named, recipe) = (Test { kind, ..Test::default() }, read(&kind.recipe()));
+            assert_eq!(recipe.plan(&BEAM).unwrap(), named.plan(&BEAM).unwrap(), "{kind:?}");
+            assert_eq!((recipe.turns(), recipe.gauges()), (named.turns(), named.gauges()), "{kind:?}");
+            assert_eq!((recipe.strain(), recipe.expansion()), (named.strain(), named.expansion()), "{kind:?}");
+            assert_eq!((recipe.law, recipe.control), (named.law, named.control), "{kind:?}");
+        }
+    }
+
+    /// Found by an audit: `# friction = 0.1` stood beside `friction = 0.1`, and `# strain = 0.005` in a tension test.
+    #[test]
+    fn every_option_of_a_recipe_can_be_uncommented_alone_and_has_the_default_of_its_test() {
+        for kind in ALL {
+            let (text, named) = (kind.recipe(), read(&kind.recipe()));
+            let options: Vec<&str> = text.lines().filter(|line| is_option(line)).collect();
+            assert!(options.len() >= 4, "{text}");
+            for line in options {
+                let test = read(&text.replacen(line, line.trim_start_matches("# "), 1));
+                assert_eq!((test.strain(), test.friction()), (named.strain(), named.friction()), "{line}");
+            }
+        }
+    }
+
+    fn is_option(line: &str) -> bool {
+        let key = line.strip_prefix("# ").and_then(|line| line.split_once(" = ")).map(|(key, _)| key);
+        key.is_some_and(|key| key.chars().all(|c| c.is_ascii_lowercase() || c == '_'))
     }
 }

@@ -146,7 +146,7 @@ impl<'a> Run<'a> {
         let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
-        common.free = test.expansion.map(|_| Free::new(places()));
+        common.free = test.expansion().map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
@@ -275,7 +275,7 @@ impl<'a> Run<'a> {
 
     /// Lets the phases expand to their strains at the present displacements.
     fn expand(&mut self) {
-        if let (Some(expansion), Some(free)) = (&self.test.expansion, &mut self.common.free) {
+        if let (Some(expansion), Some(free)) = (self.test.expansion(), &mut self.common.free) {
             free.set(expansion.at(self.path.share(self.state.progress * self.outline.dt)));
         }
     }

@@ -105,7 +105,7 @@ impl Run<'_> {
     pub(super) fn plate_energy(&self) -> f64 {
         let speeds = self.supports.all.iter().map(|fixture| fixture.moves.abs() * self.path.speed);
         let moved = 0.5 * self.outline.masses[1] * speeds.fold(0.0, f64::max).powi(2);
-        moved + self.test.expansion.map_or(0.0, |expansion| self.stored_by(&expansion))
+        moved + self.test.expansion().map_or(0.0, |expansion| self.stored_by(&expansion))
     }
 
     /// Elastic energy of the whole specimen, were it held while its phases expand, mJ.
