@@ -33,6 +33,7 @@ SOURCES = {
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/lateral.rs": ["Lateral"],
+    "meso-solve/src/test/setup.rs": ["Setup"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
@@ -46,7 +47,7 @@ CHANGED = {
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
-        {"figures", "beyond_peak", "lateral"},
+        {"setup", "figures", "beyond_peak", "lateral"},
         [
             ("version", "str", "Of mesocrete."),
             ("seed", "int", "Of the packing."),
@@ -59,7 +60,7 @@ CHANGED = {
 }
 # A dict that has the keys of another, too.
 BASES = {
-    "Summary": "CurveFigures, BeyondPeak, Lateral",
+    "Summary": "Setup, CurveFigures, BeyondPeak, Lateral",
     "Effective": "Resolution",
     "Stiffness": "Resolution",
 }
@@ -71,6 +72,10 @@ PLAIN = {
     "Ended": "str | dict[str, str]",
     # Rows of a tensor, None where not asked for.
     "Property": "str", "FluxTensor": "list[list[float | None]]", "StiffnessTensor": "list[list[float]]",
+    # Tables of a TEST.toml.
+    "Expansion": "dict[str, float | None]", "Turn": "dict[str, float | str]",
+    "SupportSpec": "dict[str, object]", "Gauge": "dict[str, object]",
+    "BTreeMap<String, f64>": "dict[str, float]",
     "Finding": "dict[str, str | int | float]",
 }  # fmt: skip
 

@@ -310,10 +310,33 @@ fn a_test_of_a_file_has_its_gauges_and_supports_as_columns() {
         solve(&folder, &["small.json", "-o", "out", "--test", "TEST.toml", "--pressure-mpa", "2", "--frames", "0"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let (curve, result) = (curve(&folder, "out/curve.csv"), result(&folder, "out/result.json"));
-    assert_eq!(result["test"], "triaxial");
+    assert_eq!((&result["test"], &result["pressure_mpa"]), (&"triaxial".into(), &2.0.into()));
     let columns = result["columns"].as_array().unwrap();
     assert_eq!(columns.len(), 4, "{columns:?}");
     assert!(columns.iter().all(|name| curve.contains_key(name.as_str().unwrap())), "{columns:?}");
+}
+
+/// Found by an audit: `--test expansion` alone was refused, and an expansion printed no figure.
+#[test]
+fn an_expansion_alone_names_its_strain_and_prints_the_mean_strains() {
+    let folder = Folder::with_model();
+    let run = solve(&folder, &["small.json", "-o", "out", "--test", "expansion", "--frames", "0"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("expansion of aggregate 1e-4, law cdp: "), "{}", run.stderr);
+    assert!(run.stderr.contains("\nmean strain_x ") && !run.stderr.contains("MPa at"), "{}", run.stderr);
+    let result = result(&folder, "out/result.json");
+    assert_eq!(result["expansion"]["aggregate"], 1e-4);
+    let strain = result["strains_at_end"]["strain_z"].as_f64().unwrap();
+    assert!(strain > 1e-6 && strain < 1e-4, "{strain}");
+}
+
+/// Found by an audit: a modulus of 4204 MPa, of nominal stress over nominal strain.
+#[test]
+fn a_splitting_test_prints_no_modulus() {
+    let folder = Folder::with_model();
+    let run = solve(&folder, &["small.json", "-o", "out", "--test", "splitting", "--frames", "0"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("\npeak ") && !run.stderr.contains("modulus"), "{}", run.stderr);
 }
 
 #[test]

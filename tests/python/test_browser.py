@@ -97,6 +97,68 @@ def tested(tmp_path_factory):
     return folder / "out" / "result.html"
 
 
+BEAM = """fraction = 0.2
+[specimen]
+kind = 'notched-prism'
+length_mm = 100
+width_mm = 20
+depth_mm = 24
+notch_width_mm = 6
+notch_depth_mm = 6
+[grading]
+d_min_mm = 6
+d_max_mm = 9
+"""
+CUBE = "fraction = 0.2\n[specimen]\nkind = 'cube'\nside_mm = 20\n[grading]\nd_min_mm = 6\nd_max_mm = 9\n"
+
+
+@pytest.fixture(scope="module", params=[("bending", BEAM, "1e-4"), ("expansion", CUBE, "1e-4"), ("triaxial", CUBE, "1e-4")], ids=lambda test: test[0])
+def named(request, tmp_path_factory):
+    """The page of a named test of a few steps: only its form counts."""
+    name, spec, strain = request.param
+    folder = tmp_path_factory.mktemp(name)
+    (folder / "spec.toml").write_text(spec)
+    flags = ["--test", name, "--strain", strain, "--element-size-mm", "4", "--accept-phase-error", "--frames", "0"]
+    command = [sys.executable, "-m", "mesocrete", "solve", folder / "spec.toml", "-o", folder / "out", *flags, "--control", "steady"]
+    subprocess.run(command, check=True, capture_output=True)
+    return name, folder / "out" / "result.html"
+
+
+# Found by an audit: six empty plots of an expansion, "mean axial strain" of a beam, a section that filled the screen beside two
+# stamps, and names of curves that lay on one another at 400 px.
+APART = """() => [...document.querySelectorAll("svg")].every((plot) => {
+  const names = [...plot.querySelectorAll("rect + text")].map((name) => name.getBoundingClientRect());
+  const keys = [...plot.querySelectorAll("rect")].map((key) => key.getBoundingClientRect());
+  return names.every((a) => keys.every((b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top));
+})"""
+HEIGHTS = "() => [...document.querySelectorAll('section[data-moment]:not([hidden]) img')].map((image) => image.getBoundingClientRect().height)"
+WORDS = {
+    "bending": ["A notched beam along x on two rollers", "load over crack mouth", "span", "strain 6 h w / l²"],
+    "expansion": ["Expansion test: mean strain_x", "aggregate 1e-4", "time, ms", "strain_z"],
+    "triaxial": ["All sides are pressed first", "lateral pressure", "5 MPa"],
+}
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_the_page_of_a_named_test_has_its_words_and_no_empty_plot(pages, named, width):
+    name, path = named
+    page = pages.new_page(viewport={"width": width, "height": 800})
+    said = []
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(path.as_uri())
+    page.wait_for_timeout(300)
+    text = page.locator("main").inner_text() + " ".join(page.locator("svg text").all_inner_texts())
+    assert [words for words in WORDS[name] if words not in text] == []
+    assert "nothing to show" not in text and ("axial" in text) == (name == "triaxial")
+    assert "0.00 MPa" not in page.title()
+    assert page.evaluate("document.documentElement.scrollWidth") <= width, "the page scrolls sideways"
+    assert page.evaluate(APART), "names of curves lie on one another"
+    heights = page.evaluate(HEIGHTS)
+    assert len(heights) == 3 and (width < 640 or max(heights) - min(heights) < 2), heights
+    assert said == []
+    page.close()
+
+
 def drag(page, place, by):
     """Drags the mouse from `place`, in pixels of the window, by `by`."""
     page.mouse.move(*place)

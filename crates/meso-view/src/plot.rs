@@ -44,6 +44,8 @@ const BOTTOM: f64 = 40.0;
 /// Width of a legend's colour, mean width of a letter, and height of a line, pixels.
 const SWATCH: f64 = 19.0;
 const LETTER: f64 = 6.4;
+/// Mean width of a letter in a plot that is wider than a phone, and that a phone reduces: its letters are larger there.
+const REDUCED_LETTER: f64 = 8.8;
 const ROW: f64 = 16.0;
 
 impl<'a> Series<'a> {
@@ -117,6 +119,11 @@ impl Plot<'_> {
         writeln!(out, "</svg>")
     }
 
+    /// Whether there is nothing to show: no points, or none beside 0.
+    pub fn is_empty(&self) -> bool {
+        self.axes().is_none()
+    }
+
     /// Axes around all points, if there are any.
     fn axes(&self) -> Option<(Axis, Axis)> {
         let points =
@@ -133,9 +140,10 @@ impl Plot<'_> {
 
     /// Where the curves' names stand: in lines under the title, so that none lies on a curve, pixels.
     fn legend(&self) -> Vec<(f64, f64)> {
+        let letter = if self.size[0] > Self::SMALL[0] { REDUCED_LETTER } else { LETTER };
         let (mut x, mut y) = (LEFT, TITLE + ROW - 4.0);
         let place = |series: &Series| {
-            let wide = SWATCH + LETTER * series.name.chars().count() as f64 + 8.0;
+            let wide = SWATCH + letter * series.name.chars().count() as f64 + 8.0;
             if x > LEFT && x + wide > self.size[0] {
                 (x, y) = (LEFT, y + ROW);
             }
@@ -248,6 +256,13 @@ mod tests {
             assert!(*at < y.pixels[1] && x + SWATCH + LETTER * name.len() as f64 <= Plot::SMALL[0], "{name}");
         }
         assert!(legend[0].1 < legend[3].1, "four names need two lines");
+        // A phone draws a wide plot's letters larger: "peak" lay on the name after it.
+        let wide = Plot { size: [560.0, 400.0], ..plot };
+        let places = wide.legend();
+        for (names, places) in names.windows(2).zip(places.windows(2)) {
+            let end = places[0].0 + SWATCH + 8.5 * names[0].len() as f64;
+            assert!(end < places[1].0 || places[0].1 < places[1].1, "{names:?}");
+        }
     }
 
     #[test]

@@ -570,6 +570,27 @@ class Lateral(TypedDict):
     """Stress at which the volume is least, over the peak; beyond it the specimen dilates."""
 
 
+class Setup(TypedDict):
+    """The loads and measures that a test has, its turns, supports and gauges; none of plain compression and tension."""
+
+    pressure_mpa: NotRequired[float | None]
+    """Lateral pressure of a triaxial test, MPa."""
+    stress_ratio: NotRequired[float | None]
+    """Lateral over axial stress of a biaxial test."""
+    span_mm: NotRequired[float | None]
+    """Distance of a beam's rollers, mm."""
+    strip_mm: NotRequired[float | None]
+    """Width of the strips of a splitting test, or of a beam's rollers, mm."""
+    expansion: NotRequired[dict[str, float | None] | None]
+    """Linear strains of the phases without stress."""
+    turns: NotRequired[list[dict[str, float | str]]]
+    """Places at which the path turns."""
+    supports: NotRequired[list[dict[str, object]]]
+    """Supports and loads."""
+    gauges: NotRequired[list[dict[str, object]]]
+    """Gauges, each a column of the curve."""
+
+
 class Energies(TypedDict):
     """Energies at the end of a test, mJ."""
 
@@ -600,7 +621,7 @@ class PhaseResult(TypedDict):
     """Dissipated in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
 
-class TestResult(CurveFigures, BeyondPeak, Lateral):
+class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     """Content of `result.json`, without seconds."""
 
     version: str
@@ -616,7 +637,7 @@ class TestResult(CurveFigures, BeyondPeak, Lateral):
     seconds: dict[str, float]
     """Wall times by part, s."""
     test: str
-    """Compression or tension."""
+    """The named test."""
     friction: float
     """Coulomb's coefficient between plates and specimen."""
     control: str
@@ -657,6 +678,8 @@ class TestResult(CurveFigures, BeyondPeak, Lateral):
     """Phases of the test."""
     columns: NotRequired[list[str]]
     """Columns of the curve after those of every test: gauges, and forces of supports in N."""
+    strains_at_end: NotRequired[dict[str, float]]
+    """Values of the gauges at the end of a test that moves no support: the mean strains of an expansion."""
     broken_stone: float | None
     """Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break."""
     phase_error: float | None
@@ -664,7 +687,7 @@ class TestResult(CurveFigures, BeyondPeak, Lateral):
     phase_error_of: str | None
     """Name of the phase that is farthest off, in lower case."""
     flags: list[str]
-    """Faults of the mesh that a strength must not be cited without, in a few words each."""
+    """Faults that a strength must not be cited without, in a few words each: of the mesh, and the speed of the test."""
     ended: str | dict[str, str]
     """How the test ended."""
     warnings: list[str]

@@ -6,10 +6,11 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, Gauge, Smoothing, TestKind};
+use crate::test::{Control, Gauge, Setup, Smoothing, TestKind};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// How a test came to its end.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,8 +43,11 @@ pub struct Response {
 /// Content of `result.json`, without seconds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
-    /// Compression or tension.
+    /// The named test.
     pub test: TestKind,
+    /// Loads, measures, turns, supports and gauges.
+    #[serde(flatten)]
+    pub setup: Setup,
     /// Coulomb's coefficient between plates and specimen.
     pub friction: f64,
     /// How the plates kept their speed.
@@ -94,13 +98,16 @@ pub struct Summary {
     /// Columns of the curve after those of every test: gauges, and forces of supports in N.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<String>,
+    /// Values of the gauges at the end of a test that moves no support: the mean strains of an expansion.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub strains_at_end: BTreeMap<String, f64>,
     /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
     pub broken_stone: Option<f64>,
     /// Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known.
     pub phase_error: Option<f64>,
     /// Name of the phase that is farthest off, in lower case.
     pub phase_error_of: Option<String>,
-    /// Faults of the mesh that a strength must not be cited without, in a few words each.
+    /// Faults that a strength must not be cited without, in a few words each: of the mesh, and the speed of the test.
     pub flags: Vec<String>,
     /// How the test ended.
     pub ended: Ended,
@@ -169,6 +176,7 @@ impl Response {
         let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
+            setup: Setup::of(&run.test, &run.sample.geometry()),
             friction: run.test.friction(),
             control: run.test.control,
             law: run.test.law,
@@ -192,6 +200,7 @@ impl Response {
             joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
             columns: run.extra().names,
+            strains_at_end: strains_at_end(run),
             broken_stone: broken_stone(run),
             phase_error: off.map(|off| off.error()),
             phase_error_of: off.map(|off| off.phase.name().to_ascii_lowercase()),
@@ -202,8 +211,20 @@ impl Response {
             errors: Vec::new(),
         };
         result.warn(run);
+        result.flags.extend(result.dynamic_flag());
         Self { curve: rows.clone(), extra: run.extra(), result }
     }
+}
+
+/// The last values of the gauges, if no support moves.
+fn strains_at_end(run: &Run) -> BTreeMap<String, f64> {
+    let (extra, rows, gauges) = (run.extra(), run.state.rows.len(), run.test.gauges());
+    if run.test.has_path() || rows == 0 {
+        return BTreeMap::new();
+    }
+    let named = extra.names.iter().zip(extra.row(rows - 1));
+    let of_gauges = named.filter(|(name, _)| gauges.iter().any(|gauge| gauge.name() == *name));
+    of_gauges.map(|(name, &value)| (name.clone(), value)).collect()
 }
 
 /// Number of the first row whose speed counts: after the ramp, or from half the peak on where the ramp holds the peak. So no
@@ -319,11 +340,38 @@ impl Summary {
         }
     }
 
+    /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal.
+    pub fn has_modulus(&self) -> bool {
+        !matches!(self.test, TestKind::Splitting | TestKind::Bending | TestKind::Shear | TestKind::Expansion)
+    }
+
+    /// Whether no support moves: an expansion has strains and no strength.
+    pub fn is_free(&self) -> bool {
+        self.test == TestKind::Expansion && self.setup.supports.iter().all(|support| support.moves == 0.0)
+    }
+
+    /// The main result in words: the peak, or the mean strains of an expansion.
+    pub fn headline(&self) -> String {
+        if self.is_free() {
+            let strains = self.strains_at_end.iter().map(|(name, strain)| format!("{name} {strain:.3e}"));
+            return format!("mean {}", strains.collect::<Vec<_>>().join(", "));
+        }
+        format!("peak {:.2} MPa at a strain of {:.5}", self.figures.peak_mpa, self.figures.peak_strain)
+    }
+
+    /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.
+    fn dynamic_percent(&self) -> Option<f64> {
+        let share = self.kinetic_over_internal_to_half_peak;
+        (share > SLOW && !self.is_free()).then_some(100.0 * share)
+    }
+
+    fn dynamic_flag(&self) -> Option<String> {
+        self.dynamic_percent().map(|share| format!("not quasi-static ({share:.1} % kinetic energy before the peak)"))
+    }
+
     /// Says that a test was not quasi-static until half its peak, so that its strength is that of a fast test.
     pub fn dynamic_before_the_peak(&self) -> Option<String> {
-        let share = self.kinetic_over_internal_to_half_peak;
-        (share > SLOW).then(|| {
-            let share = 100.0 * share;
+        self.dynamic_percent().map(|share| {
             format!(
                 "the test was not quasi-static before its peak: its kinetic energy was {share:.1} % of the internal energy, so \
                  its strength is that of a fast test; take a longer duration"

@@ -4,8 +4,10 @@ mod history;
 pub(crate) mod load;
 pub(crate) mod named;
 mod recipes;
+mod setup;
 
 pub use load::{Along, Expansion, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+pub use setup::Setup;
 
 use crate::error::{SolveError, TEST};
 use crate::sample::Geometry;

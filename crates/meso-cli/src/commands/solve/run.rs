@@ -16,7 +16,7 @@ use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
 use meso_gpu::DeviceName;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
-use meso_solve::{Control, Ended, Response, Run, Sample, Summary, Test, TestKind};
+use meso_solve::{Control, Ended, Response, Run, Sample, Summary, Test};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -123,9 +123,15 @@ impl Args {
         // A servo adds steps while the specimen breaks.
         let at_least = if asked.control != Control::Steady { "at least " } else { "" };
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
+        let swollen = asked.expansion().map(|expansion| expansion.words());
+        let loads = if asked.has_path() {
+            let after = swollen.map(|words| format!(" after an expansion of {words}")).unwrap_or_default();
+            format!("{test}{after} to a strain of {strain}, friction {}", asked.friction())
+        } else {
+            format!("{test} of {}", swollen.unwrap_or_default())
+        };
         stderr::line(format!(
-            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
-            asked.friction(),
+            "{loads}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
             run.time_step_s(),
             run.added_mass_percent(),
             run.bytes() as f64 / 1e6
@@ -192,7 +198,8 @@ fn warn_before(sample: &Sample) {
 fn flag(result: &Summary) {
     if !result.flags.is_empty() {
         let (peak, flags) = (result.figures.peak_mpa, result.flags.join("; "));
-        stderr::line(format!("warning: peak {peak:.2} MPa, {flags}"));
+        let found = if result.is_free() { result.headline() } else { format!("peak {peak:.2} MPa") };
+        stderr::line(format!("warning: {found}, {flags}"));
     }
 }
 
@@ -202,11 +209,12 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     if let Some(text) = result.dynamic_before_the_peak() {
         stderr::line(format!("warning: {text}"));
     }
-    if !quiet && result.test != TestKind::Expansion {
-        stderr::line(format!(
-            "peak {:.2} MPa at a strain of {:.5}, modulus {:.0} MPa, {:.2} MPa at the end",
-            figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa
-        ));
+    if !quiet && result.is_free() {
+        stderr::line(result.headline());
+    } else if !quiet {
+        let modulus = format!(", modulus {:.0} MPa", figures.modulus_mpa);
+        let modulus = if result.has_modulus() { modulus } else { String::new() };
+        stderr::line(format!("{}{modulus}, {:.2} MPa at the end", result.headline(), figures.stress_at_end_mpa));
         stderr::line(format!(
             "kinetic over internal energy {:.2} %, {:.2} % to half the peak; energy balance off by {:.4} % of the work, {:.1} % of mass added",
             100.0 * result.kinetic_over_internal_max,

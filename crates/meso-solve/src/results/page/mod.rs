@@ -3,9 +3,10 @@
 
 use super::section::{ACROSS, RAMP};
 use super::shots::{Body, Shot};
+use super::snapshot::Moment;
 use super::{Outcome, ResultFile};
-use crate::march::Row;
-use crate::march::{Ended, Summary};
+use crate::march::{Ended, Row, Summary};
+use crate::test::{Gauge, TestKind};
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
@@ -42,13 +43,13 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "</section>")?;
         writeln!(out, "</div>")?;
         controls(outcome.mesh, &shots, &mut out)?;
-        sections(outcome.mesh, &shots, &mut out)?;
-        data(body, &shots, &mut out)?;
+        sections(outcome, &shots, &mut out)?;
+        data(outcome, body, &shots, &mut out)?;
     } else {
         writeln!(out, "</div>")?;
     }
     figures(outcome, &mut out)?;
-    energies(&outcome.response.curve, &mut out)?;
+    energies(outcome, &mut out)?;
     gauges(outcome, &mut out)?;
     out.write_all(b"</main>\n</html>\n")?;
     out.flush()
@@ -59,8 +60,8 @@ fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let test = word(&result.test);
     let test = test[..1].to_ascii_uppercase() + &test[1..];
     let flags: String = result.flags.iter().map(|flag| format!(", {flag}")).collect();
-    let (peak, strain) = (result.figures.peak_mpa, result.figures.peak_strain);
-    let title = format!("{test} test: {peak:.2} MPa at a strain of {strain:.5}{flags}");
+    let headline = result.headline();
+    let title = format!("{test} test: {}{flags}", headline.trim_start_matches("peak "));
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;
     writeln!(out, "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}")?;
     let stops: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
@@ -101,25 +102,66 @@ fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// The axes of a test's plots.
+struct Axes {
+    /// Label of the x axis, and its value in a row.
+    x: &'static str,
+    of: fn(&Row) -> f64,
+    /// Label of the stress.
+    y: &'static str,
+}
+
+impl Axes {
+    fn of(result: &Summary) -> Self {
+        if result.is_free() {
+            return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "strain, µm/m" };
+        }
+        let (x, y) = match result.test {
+            TestKind::Bending => ("strain 6 h w / l² of the roller's way", "stress 3 F l / (2 b h²), MPa"),
+            TestKind::Splitting => ("way over diameter", "stress 2 F / (π l d), MPa"),
+            TestKind::Shear => ("way over height", "stress between the notches, MPa"),
+            _ => ("mean axial strain", "stress, MPa"),
+        };
+        Self { x, of: |row| row.strain, y }
+    }
+
+    /// A column over the x axis.
+    fn points(&self, rows: &[Row], values: &[f64]) -> Vec<(f64, f64)> {
+        rows.iter().map(self.of).zip(values.iter().copied()).collect()
+    }
+}
+
+/// A moment in words.
+fn words(result: &Summary, when: &str, moment: &Moment) -> String {
+    if result.is_free() {
+        return when.to_owned();
+    }
+    format!("{when}, strain {:.5}, {:.2} MPa", moment.strain, moment.stress_mpa)
+}
+
+/// Stress over strain, or the mean strains of an expansion over time.
 fn curve(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
-    let (rows, figures) = (&outcome.response.curve, &outcome.response.result.figures);
-    let start = std::iter::once((0.0, 0.0));
-    let peak = vec![(figures.peak_strain, figures.peak_mpa)];
-    let moments = shots.iter().map(|(_, shot)| (shot.moment.strain, shot.moment.stress_mpa)).collect();
-    writeln!(out, "<h2>Stress and strain</h2>\n<div class=\"large\">")?;
-    let plot = Plot {
-        title: "Stress over strain",
-        x: "mean axial strain",
-        y: "stress, MPa",
-        log_x: false,
-        size: LARGE,
-        curves: vec![
+    let (rows, result) = (&outcome.response.curve, &outcome.response.result);
+    let (axes, figures) = (Axes::of(result), &result.figures);
+    let columns = further(outcome)?;
+    let (heading, title, curves) = if result.is_free() {
+        let strains = columns.iter().filter(|(name, _)| result.strains_at_end.contains_key(name));
+        let micro = |values: &[f64]| values.iter().map(|strain| 1e6 * strain).collect::<Vec<_>>();
+        let lines = strains.map(|(name, values)| Series::line(name, axes.points(rows, &micro(values))));
+        ("Strains", "Mean strains over time", lines.take(3).collect())
+    } else {
+        let start = std::iter::once((0.0, 0.0));
+        let peak = vec![(figures.peak_strain, figures.peak_mpa)];
+        let moments = shots.iter().map(|(_, shot)| (shot.moment.strain, shot.moment.stress_mpa)).collect();
+        let curves = vec![
             Series::line("stress", start.chain(rows.iter().map(|row| (row.strain, row.stress_mpa))).collect()),
             Series::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
             Series::moving("moment below", moments),
-        ],
+        ];
+        ("Stress and strain", "Stress over strain", curves)
     };
-    plot.write(out)?;
+    writeln!(out, "<h2>{heading}</h2>\n<div class=\"large\">")?;
+    Plot { title, x: axes.x, y: axes.y, log_x: false, size: LARGE, curves }.write(out)?;
     writeln!(out, "</div>")
 }
 
@@ -184,16 +226,25 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let to_half = beyond.displacement_to_half_mm.map_or("not reached".to_owned(), |mm| format!("{mm:.4} mm"));
     let left = 100.0 * beyond.energy_beyond_peak_until;
     let energy = format!("{:.3} N/mm, until {left:.0} % are left", beyond.energy_beyond_peak_n_per_mm);
-    let rows = [
-        ("test, friction, law", format!("{}, {}, {}", word(&result.test), result.friction, word(&result.law))),
-        ("strain smoothing", word(&result.smoothing)),
-        ("modulus, secant to 30 % of the peak", format!("{:.0} MPa", figures.modulus_mpa)),
+    let test = if result.is_free() {
+        ("test, law", format!("{}, {}", word(&result.test), word(&result.law)))
+    } else {
+        ("test, friction, law", format!("{}, {}, {}", word(&result.test), result.friction, word(&result.law)))
+    };
+    let strains = result.strains_at_end.iter().map(|(name, strain)| (name.as_str(), format!("{strain:.4e}")));
+    let modulus = if result.has_modulus() { "modulus" } else { "stress over strain" };
+    let modulus = format!("{modulus}, secant to 30 % of the peak");
+    let of_strength = [
+        (modulus.as_str(), format!("{:.0} MPa", figures.modulus_mpa)),
         ("peak", format!("{:.2} MPa", figures.peak_mpa)),
         ("strain at the peak", format!("{:.5}", figures.peak_strain)),
         ("stress at the end", format!("{:.2} MPa", figures.stress_at_end_mpa)),
         ("fell below 0.8 of the peak", softened.to_owned()),
         ("displacement from the peak to half of it", to_half),
         ("energy beyond the peak, per area", energy),
+    ];
+    let of_strength = of_strength.into_iter().filter(|_| !result.is_free());
+    let of_run = [
         ("steps, time step", format!("{}, {:.3e} s", thousands(result.steps as usize), result.time_step_s)),
         ("mass added", format!("{:.1} %", result.added_mass_percent)),
         ("kinetic over internal energy after the ramp, at most", percent(result.kinetic_over_internal_max)),
@@ -207,12 +258,17 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("lateral strain at the peak", result.lateral.lateral_strain_at_peak.map(|x| format!("{x:.5}"))),
         ("stress of least volume over the peak", result.lateral.least_volume_over_peak.map(|x| format!("{x:.3}"))),
     ];
-    let lateral: Vec<(&str, String)> = lateral.into_iter().filter_map(|(name, value)| Some((name, value?))).collect();
+    let lateral = lateral.into_iter().filter_map(|(name, value)| Some((name, value?)));
     let stone = result.broken_stone.map(|share| ("aggregates that broke, by volume", percent(share)));
     writeln!(out, "<h2>Figures</h2>\n<div class=\"split\">\n<div class=\"wide\"><table>")?;
-    rows.iter()
-        .chain(&lateral)
-        .chain(&stone)
+    std::iter::once(test)
+        .chain(result.setup.words())
+        .chain([("strain smoothing", word(&result.smoothing))])
+        .chain(strains)
+        .chain(of_strength)
+        .chain(of_run)
+        .chain(lateral)
+        .chain(stone)
         .try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
     writeln!(
         out,
@@ -238,25 +294,35 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "</table></div>\n</div>")
 }
 
-fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
-    let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| (row.strain, of(row))).collect::<Vec<_>>();
-    let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: MEDIUM, curves };
+fn energies(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
+    let (rows, axes) = (&outcome.response.curve, Axes::of(&outcome.response.result));
+    let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| ((axes.of)(row), of(row))).collect::<Vec<_>>();
+    let plot = |title, y, curves| Plot { title, x: axes.x, y, log_x: false, size: MEDIUM, curves };
     // Where there is hardly any internal energy yet, its shares say nothing.
     let most = rows.iter().map(|row| row.internal).fold(0.0, f64::max);
     let loaded = || rows.iter().filter(|row| row.internal > 0.01 * most);
-    writeln!(out, "<h2>Energies</h2>\n<div class=\"split large\">")?;
     let work = vec![
         Series::line("plates' work", over_strain(|row| row.external / 1000.0)),
         Series::line("dissipated", over_strain(|row| row.dissipated / 1000.0)),
         Series::line("plate friction", over_strain(|row| row.friction_work / 1000.0)),
     ];
-    plot("Work and its parts", "J", work).write(out)?;
-    let shares = |of: fn(&Row) -> f64| loaded().map(|row| (row.strain, 100.0 * of(row) / row.internal)).collect();
+    let shares = |of: fn(&Row) -> f64| loaded().map(|row| ((axes.of)(row), 100.0 * of(row) / row.internal)).collect();
     let small = vec![
         Series::line("kinetic", shares(|row| row.kinetic)),
         Series::line("hourglass", shares(|row| row.hourglass)),
     ];
-    plot("Shares of the internal energy", "%", small).write(out)?;
+    let plots = [plot("Work and its parts", "J", work), plot("Shares of the internal energy", "%", small)];
+    group("Energies", "split large", &plots, out)
+}
+
+/// Plots that show something under a heading, if there are any.
+fn group(heading: &str, class: &str, plots: &[Plot], out: &mut impl Write) -> io::Result<()> {
+    let mut plots = plots.iter().filter(|plot| !plot.is_empty()).peekable();
+    if plots.peek().is_none() {
+        return Ok(());
+    }
+    writeln!(out, "<h2>{heading}</h2>\n<div class=\"{class}\">")?;
+    plots.try_for_each(|plot| plot.write(out))?;
     writeln!(out, "</div>")
 }
 
@@ -274,41 +340,47 @@ fn further(outcome: &Outcome) -> io::Result<Vec<(String, Vec<f64>)>> {
     Ok(columns)
 }
 
-/// Gauges and forces of supports, one plot each.
+/// Gauges and forces of supports, one plot each, and the load over the crack mouth. Columns of zeros have none.
 fn gauges(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
-    let columns = further(outcome)?;
-    if columns.is_empty() {
-        return Ok(());
-    }
-    writeln!(out, "<h2>Gauges and supports</h2>\n<div class=\"grid\">")?;
-    for (name, values) in &columns {
-        let points = outcome.response.curve.iter().map(|row| row.strain).zip(values.iter().copied()).collect();
-        let curves = vec![Series::line(name, points)];
-        Plot { title: name, x: "mean axial strain", y: "", log_x: false, size: Plot::SMALL, curves }.write(out)?;
-    }
-    writeln!(out, "</div>")
+    let (columns, axes) = (further(outcome)?, Axes::of(&outcome.response.result));
+    let plot = |title, x, y, points| {
+        let curves = vec![Series::line(title, points)];
+        Plot { title, x, y, log_x: false, size: Plot::SMALL, curves }
+    };
+    let rows = &outcome.response.curve;
+    let over_mouth = load_over_mouth(&outcome.response.result, &columns);
+    let over_mouth =
+        over_mouth.map(|points| plot("load over crack mouth", "opening of the crack mouth, mm", "N", points));
+    let single = columns.iter().map(|(name, values)| plot(name, axes.x, "", axes.points(rows, values)));
+    let plots: Vec<Plot> = over_mouth.into_iter().chain(single).collect();
+    group("Gauges and supports", "grid", &plots, out)
+}
+
+/// Force of the support that moves, over the opening of the crack mouth, if a gauge measures it.
+fn load_over_mouth(result: &Summary, columns: &[(String, Vec<f64>)]) -> Option<Vec<(f64, f64)>> {
+    let named = |wanted: &str| columns.iter().find(|(name, _)| name == wanted).map(|(_, values)| values);
+    let mouth = result.setup.gauges.iter().find(|gauge| matches!(gauge, Gauge::CrackMouth { .. }))?;
+    let moving = result.setup.supports.iter().find(|support| support.moves != 0.0)?;
+    let (opening, force) = (named(mouth.name())?, named(&format!("{}_n", moving.name))?);
+    Some(opening.iter().copied().zip(force.iter().copied()).collect())
 }
 
 /// Damage in the planes through the middle, at every moment; a script shows one of them.
-fn sections(mesh: &Mesh, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
-    let aabb = Aabb::around(&mesh.points);
+fn sections(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
+    let (aabb, result) = (Aabb::around(&outcome.mesh.points), &outcome.response.result);
     let middle = (aabb.min + aabb.max) / 2.0;
     let names = ["x", "y", "z"];
     for (number, (when, shot)) in shots.iter().enumerate() {
-        let (strain, stress) = (shot.moment.strain, shot.moment.stress_mpa);
-        writeln!(
-            out,
-            "<section data-moment=\"{number}\">\n<h2>Damage: {when}, strain {strain:.5}, {stress:.2} MPa</h2>"
-        )?;
-        writeln!(out, "<div class=\"grid\">")?;
+        let moment = words(result, when, &shot.moment);
+        writeln!(out, "<section data-moment=\"{number}\">\n<h2>Damage: {moment}</h2>\n<div class=\"row\">")?;
         for (axis, (data, [width, height])) in shot.sections.iter().enumerate() {
             let (u, v) = ACROSS[axis];
             let caption =
                 format!("{} = {} mm; {} to the right, {} upwards", names[axis], middle[axis], names[u], names[v]);
-            let (width, height) = (width / 2, height / 2);
+            let (width, height, ratio) = (width / 2, height / 2, *width as f64 / *height as f64);
             writeln!(
                 out,
-                "<figure><img width=\"{width}\" height=\"{height}\" alt=\"Damage, {caption}\" \
+                "<figure style=\"--ratio:{ratio:.4}\"><img width=\"{width}\" height=\"{height}\" alt=\"Damage, {caption}\" \
                  src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
             )?;
         }
@@ -317,12 +389,13 @@ fn sections(mesh: &Mesh, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::R
     writeln!(
         out,
         "<p class=\"note\">Damage 0 <span class=\"ramp\"></span> 1: the share of its stiffness that mortar or ITZ has \
-         lost. Grey are aggregates, which stay elastic. The test presses or pulls along z.</p>"
+         lost. Grey are aggregates, which stay elastic. {}</p>",
+        result.test.description()
     )
 }
 
 /// Surfaces, displacements and moments, for the script, and the script itself.
-fn data(body: &Body, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
+fn data(outcome: &Outcome, body: &Body, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
     let mut put = |name: &str, text: &str| writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{text}</script>");
     let corners: Vec<u8> = body.corners.as_flattened().iter().flat_map(|place| place.to_le_bytes()).collect();
     let triangles: Vec<u8> = body.triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()).collect();
@@ -340,7 +413,7 @@ fn data(body: &Body, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Resul
     let moments: Vec<_> = shots
         .iter()
         .map(|(when, shot)| {
-            let told = format!("{when}: strain {:.5}, {:.2} MPa", shot.moment.strain, shot.moment.stress_mpa);
+            let told = words(&outcome.response.result, when, &shot.moment).replacen(", ", ": ", 1);
             let triangles = shot.cracks.as_ref().map_or(0, |cracks| cracks.count);
             serde_json::json!({ "told": told, "most_mm": shot.most_mm, "triangles": triangles })
         })

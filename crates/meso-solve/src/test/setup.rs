@@ -1,0 +1,133 @@
+//! Record of a test in its results: loads, measures, turns, supports and gauges.
+
+use crate::sample::Geometry;
+use crate::test::{Expansion, Gauge, SupportSpec, Test, TestKind, Turn, TurnOf};
+use serde::{Deserialize, Serialize};
+
+/// The loads and measures that a test has, its turns, supports and gauges; none of plain compression and tension.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Setup {
+    /// Lateral pressure of a triaxial test, MPa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_mpa: Option<f64>,
+    /// Lateral over axial stress of a biaxial test.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_ratio: Option<f64>,
+    /// Distance of a beam's rollers, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub span_mm: Option<f64>,
+    /// Width of the strips of a splitting test, or of a beam's rollers, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strip_mm: Option<f64>,
+    /// Linear strains of the phases without stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<Expansion>,
+    /// Places at which the path turns.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turns: Vec<Turn>,
+    /// Supports and loads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<SupportSpec>,
+    /// Gauges, each a column of the curve.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gauges: Vec<Gauge>,
+}
+
+impl Setup {
+    /// The record of a test on a specimen of this `geometry`.
+    pub(crate) fn of(test: &Test, geometry: &Geometry) -> Self {
+        if !test.has_extra() {
+            return Self::default();
+        }
+        let supports = test.plan(geometry).map(|plan| plan.supports).unwrap_or_default();
+        let is = |kind| test.kind == kind && test.supports.is_empty();
+        let strip_mm = supports.iter().find_map(|support| support.strip).map(|strip| strip.width_mm);
+        Self {
+            pressure_mpa: is(TestKind::Triaxial).then(|| test.pressure_mpa()),
+            stress_ratio: is(TestKind::Biaxial).then(|| test.stress_ratio()),
+            span_mm: is(TestKind::Bending).then(|| test.span_mm(geometry)),
+            strip_mm: strip_mm.filter(|_| is(TestKind::Bending) || is(TestKind::Splitting)),
+            expansion: test.expansion(),
+            turns: test.turns(),
+            supports,
+            gauges: test.gauges(),
+        }
+    }
+
+    /// Names and values, in words, of all that it has.
+    pub fn words(&self) -> Vec<(&'static str, String)> {
+        let listed = |texts: Vec<String>| (!texts.is_empty()).then(|| texts.join(", "));
+        let rows = [
+            ("lateral pressure", self.pressure_mpa.map(|mpa| format!("{mpa} MPa"))),
+            ("lateral over axial stress", self.stress_ratio.map(|ratio| ratio.to_string())),
+            ("span", self.span_mm.map(|mm| format!("{mm:.1} mm"))),
+            ("width of strips or rollers", self.strip_mm.map(|mm| format!("{mm:.2} mm"))),
+            ("expansion", self.expansion.map(|expansion| expansion.words())),
+            ("turns", listed(self.turns.iter().map(Turn::words).collect())),
+            ("supports", listed(self.supports.iter().map(SupportSpec::words).collect())),
+        ];
+        rows.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+    }
+}
+
+impl Expansion {
+    /// Its strains that are not 0, with their phases.
+    pub fn words(&self) -> String {
+        let of = [
+            ("mortar", Some(self.mortar)),
+            ("itz", self.itz),
+            ("aggregate", Some(self.aggregate)),
+            ("fibre", Some(self.fibre)),
+        ];
+        let parts = of.into_iter().filter_map(|(name, strain)| Some((name, strain.filter(|&strain| strain != 0.0)?)));
+        let parts: Vec<String> = parts.map(|(name, strain)| format!("{name} {strain:e}")).collect();
+        if parts.is_empty() { "0".to_owned() } else { parts.join(", ") }
+    }
+}
+
+impl Turn {
+    fn words(&self) -> String {
+        match self.of {
+            TurnOf::Strain => format!("{}", self.at),
+            TurnOf::Stress => format!("{} MPa", self.at),
+            TurnOf::Opening => format!("{} mm", self.at),
+        }
+    }
+}
+
+impl SupportSpec {
+    /// Its name, side and rule.
+    fn words(&self) -> String {
+        let word = |value: serde_json::Result<serde_json::Value>| {
+            value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+        };
+        let (on, rule) = (word(serde_json::to_value(self.on)), word(serde_json::to_value(self.rule)));
+        format!("{} ({on}, {rule})", self.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE: Geometry = Geometry { size_mm: [40.0; 3], section_mm2: 1600.0, notch_mm: 0.0, upper_notch_mm: 0.0 };
+
+    /// Found by an audit: neither `result.json` nor the page of a triaxial test named its 5 MPa.
+    #[test]
+    fn the_record_of_a_test_has_its_loads_and_supports_and_plain_compression_has_none() {
+        let of = |kind| Setup::of(&Test { kind, ..Test::default() }, &CUBE);
+        let confined = of(TestKind::Triaxial);
+        assert_eq!((confined.pressure_mpa, confined.stress_ratio, confined.strip_mm), (Some(5.0), None, None));
+        assert_eq!(confined.words()[0], ("lateral pressure", "5 MPa".to_owned()));
+        let names: Vec<&str> = confined.supports.iter().map(|support| &*support.name).collect();
+        assert_eq!(names, ["bottom", "top", "mantle"]);
+        assert_eq!(of(TestKind::Biaxial).stress_ratio, Some(1.0));
+        assert_eq!(of(TestKind::Splitting).strip_mm, Some(4.0));
+        assert_eq!(of(TestKind::Cyclic).turns.len(), 9);
+        assert_eq!(of(TestKind::Expansion).words()[0], ("expansion", "aggregate 1e-4".to_owned()));
+        for kind in [TestKind::Compression, TestKind::Tension] {
+            assert_eq!(of(kind), Setup::default());
+        }
+    }
+}
