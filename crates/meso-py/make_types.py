@@ -23,8 +23,15 @@ SCHEMAS = {
     "solve": "SolveOptions",
     "statistics": "StatisticsOptions",
 }
+# A test with its name.
+NAMED = '''class NamedTest(SolveOptions, total=False):
+    """A test and its name, as `Test` returns it."""
+
+    test: {kinds}
+    """The named test."""
+'''
 # Keywords that the functions spell out themselves.
-OWN_KEYWORDS = {"MeshOptions": {"method", "element_size_mm"}, "SolveOptions": {"kind", "instruction_set"}}
+OWN_KEYWORDS = {"MeshOptions": {"method", "element_size_mm"}, "SolveOptions": {"kind"}}
 
 HEAD = '''"""Types of all options, for editors and type checkers.
 
@@ -143,6 +150,7 @@ def types(command: str) -> str:
     for of, name in SCHEMAS.items():
         printed = subprocess.run([command, "schema", of], capture_output=True, text=True, check=True).stdout
         found.add(name, json.loads(printed))
+    found.text["NamedTest"] = NAMED.format(kinds=found.choices["SolveTestKind"])
     return HEAD + "\n\n" + "\n\n".join(found.text.values())
 
 

@@ -40,7 +40,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]
-    use super::response::{PyFrame, PyResponse, restore_frame, restore_response};
+    use super::response::{PyFrame, PyResponse, checked_test, restore_frame, restore_response};
     #[pymodule_export]
     use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]

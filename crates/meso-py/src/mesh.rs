@@ -4,7 +4,7 @@ use crate::arrays;
 use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
 use crate::files;
 use crate::pickle;
-use crate::response::{self, Asked, Meshed, PyResponse};
+use crate::response::{self, Asked, Meshed, Named, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
 use crate::tree::plain;
@@ -265,7 +265,7 @@ impl PyMesh {
         path: PathBuf,
         overwrite: bool,
         compress: bool,
-        test: Option<&Bound<'_, PyAny>>,
+        test: Option<Named<'_>>,
         deck: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
@@ -278,7 +278,7 @@ impl PyMesh {
             let keys = deck.map_or(0, |deck| deck.len()) + usize::from(test.is_some());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
             let spec = &slf.get().1.spec;
-            if let Some(test) = test.map(response::test_of).transpose()? {
+            if let Some(test) = test.map(|named| named.test(slf.py())).transpose()? {
                 let sample = Sample::of(&mesh, &spec.specimen, &slf.get().2);
                 let loads =
                     test.suits_deck(&spec.specimen).and_then(|()| test.loads(&sample, deck.loading.time_increment_s));
@@ -305,8 +305,8 @@ impl PyMesh {
     ///
     /// Parameters
     /// ----------
-    /// test : str
-    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion".
+    /// test : str or dict
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional
@@ -337,6 +337,7 @@ impl PyMesh {
     /// -----
     /// UserWarning
     ///     Before the first step, where a phase of the mesh is more than 10 % off its exact volume, or aggregates share nodes.
+    ///     After the last, where the test was not quasi-static before its peak.
     ///
     /// Raises
     /// ------
@@ -345,11 +346,14 @@ impl PyMesh {
     /// KeyboardInterrupt
     ///     On Ctrl-C, within 0.5 s on meshes of moderate size. Its attribute `response` is the test so far; it has none
     ///     where the first step was not yet taken, or after a second Ctrl-C.
-    #[pyo3(signature = (test="compression", *, materials=None, threads=None, device="cpu", progress=None, **options))]
+    #[pyo3(
+        signature = (test=Named::default(), *, materials=None, threads=None, device="cpu", progress=None, **options),
+        text_signature = "($self, test='compression', *, materials=None, threads=None, device='cpu', progress=None, **options)"
+    )]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn solve(
         slf: &Bound<'_, Self>,
-        test: &str,
+        test: Named<'_>,
         materials: Option<&Bound<'_, PyDict>>,
         threads: Option<&Bound<'_, PyAny>>,
         device: &str,
@@ -357,8 +361,8 @@ impl PyMesh {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyResponse> {
         guard(|| {
-            let keywords = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
-            let asked = Asked::new(test, materials, threads, &keywords)?;
+            let (kind, keywords) = test.with(slf.py(), options)?;
+            let asked = Asked::new(&kind, materials, threads, &keywords)?;
             let PyMesh(mesh, model, made) = slf.get().clone();
             let asked = asked.on(device, &mesh)?;
             response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)

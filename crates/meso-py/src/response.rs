@@ -1,7 +1,7 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_type, wrong_value};
+use crate::boundary::{guard, wrong_value};
 use crate::files;
 use crate::pickle::{self, Fields};
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
@@ -102,22 +102,61 @@ impl Asked {
     }
 }
 
-/// A test without a specimen: its name, or a dict as `Test` returns it.
-///
-/// # Errors
-/// `TypeError` for anything else, `ValueError` for values out of their ranges.
-pub(crate) fn test_of(given: &Bound<'_, PyAny>) -> PyResult<Test> {
-    if let Ok(kind) = given.extract::<String>() {
-        return Ok(Asked::new(&kind, None, None, &PyDict::new(given.py()))?.test);
+/// A named test: its name, or a dict as `Test` returns it.
+#[derive(FromPyObject)]
+pub(crate) enum Named<'py> {
+    #[pyo3(annotation = "str")]
+    Name(String),
+    #[pyo3(annotation = "dict")]
+    Options(Bound<'py, PyDict>),
+}
+
+impl Default for Named<'_> {
+    fn default() -> Self {
+        Self::Name("compression".to_owned())
     }
-    let keywords =
-        given.cast::<PyDict>().map_err(|_| wrong_type(format!("test is {given}; it must be a name or a dict")))?;
-    let keywords = keywords.copy()?;
-    let kind = keywords.get_item("test")?.map_or_else(|| Ok("compression".to_owned()), |kind| kind.extract())?;
-    if keywords.contains("test")? {
-        keywords.del_item("test")?;
+}
+
+impl<'py> Named<'py> {
+    /// Its name, and its keywords, which those `given` override.
+    pub(crate) fn with(
+        self,
+        py: Python<'py>,
+        given: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<(String, Bound<'py, PyDict>)> {
+        let (name, keywords) = match self {
+            Self::Name(name) => (name, PyDict::new(py)),
+            Self::Options(options) => {
+                let keywords = options.copy()?;
+                let name =
+                    keywords.get_item("test")?.map_or_else(|| Ok("compression".to_owned()), |kind| kind.extract())?;
+                if keywords.contains("test")? {
+                    keywords.del_item("test")?;
+                }
+                (name, keywords)
+            }
+        };
+        given.map_or(Ok(()), |given| keywords.update(given.as_mapping()))?;
+        Ok((name, keywords))
     }
-    Ok(Asked::new(&kind, None, None, &keywords)?.test)
+
+    /// The test without a specimen.
+    ///
+    /// # Errors
+    /// `ValueError` for values out of their ranges, and unknown keywords.
+    pub(crate) fn test(self, py: Python<'py>) -> PyResult<Test> {
+        let (name, keywords) = self.with(py, None)?;
+        Ok(Asked::new(&name, None, None, &keywords)?.test)
+    }
+}
+
+/// A dict of `Test`, whose names and values are checked.
+#[pyfunction(name = "_checked_test")]
+pub(crate) fn checked_test<'py>(test: Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+    guard(|| {
+        Named::Options(test.clone()).test(test.py())?;
+        Ok(test)
+    })
 }
 
 /// A keyword has the name of the test's value.
@@ -151,7 +190,12 @@ pub(crate) fn solve(
         test(&meshed, &asked, watch)
     });
     match tested {
-        Ok(tested) => tested.map(response).map_err(|error| wrong(&error)),
+        Ok(tested) => {
+            let tested = tested.map_err(|error| wrong(&error))?;
+            let fast = tested.response.result.dynamic_before_the_peak();
+            fast.map_or(Ok(()), |text| warn(py, text))?;
+            Ok(response(tested))
+        }
         Err(Broken { error, kept: Some(Ok(tested)) }) => {
             error.value(py).setattr("response", response(tested))?;
             Err(error)
@@ -168,8 +212,12 @@ fn warn_of(py: Python<'_>, Meshed { mesh, model, options }: &Meshed) -> PyResult
         let flags = sample.flags();
         if flags.is_empty() { String::new() } else { [flags, sample.doubts()].concat().join("; ") }
     })?;
-    let category = py.get_type::<PyUserWarning>();
-    if faults.is_empty() { Ok(()) } else { PyErr::warn(py, &category, &CString::new(faults)?, 1) }
+    if faults.is_empty() { Ok(()) } else { warn(py, faults) }
+}
+
+/// A `UserWarning` at the caller's line.
+fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(text)?, 1)
 }
 
 fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
@@ -326,13 +374,10 @@ impl PyResponse {
     }
 
     fn __repr__(&self) -> String {
-        let figures = &self.0.response.result.figures;
+        let headline = self.0.response.result.headline();
         let (rows, frames) = (thousands(self.0.response.curve.len()), self.0.frames.len());
         let flags: String = self.0.response.result.flags.iter().map(|flag| format!(", {flag}")).collect();
-        format!(
-            "Response(peak {:.2} MPa at a strain of {:.5}{flags}, {rows} rows, {frames} frames)",
-            figures.peak_mpa, figures.peak_strain
-        )
+        format!("Response({headline}{flags}, {rows} rows, {frames} frames)")
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {

@@ -13,7 +13,7 @@ import mesocrete as mc
 spec = {"specimen": mc.Specimen.cylinder(36, 36), "grading": mc.Grading.fuller(8, 14), "fraction": 0.25, "placement": {"min_gap_mm": 1.5}}
 packing = mc.pack(spec, seed=1)
 mesh = packing.mesh(for_test=True, element_size=3.0)
-response = mesh.solve(test="triaxial", law="meso", pressure_mpa=5.0, friction=0.005, frames=4)
+response = mesh.solve(test=mc.Test.triaxial(5.0, friction=0.005), law="meso", frames=4)
 print({key: response.result[key] for key in ("peak_mpa", "peak_strain", "softened")})
 print(f"{response.result['seconds']['total']:.0f} s")
 

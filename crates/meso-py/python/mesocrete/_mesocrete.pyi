@@ -30,6 +30,7 @@ __all__ = [
     "_StudyPlan",
     "_StudyRun",
     "__version__",
+    "_checked_test",
     "_colours",
     "_concrete_materials",
     "_restore_aggregate",
@@ -792,7 +793,7 @@ class Mesh:
         *,
         overwrite: bool = True,
         compress: bool = False,
-        test: str | Mapping[str, object] | None = None,
+        test: str | _types.NamedTest | None = None,
         **deck: Unpack[DeckOptions],
     ) -> None:
         """Writes the mesh, whole or not at all; the extension names the format.
@@ -822,7 +823,7 @@ class Mesh:
 
     def solve(
         self,
-        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"] = "compression",
+        test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"] | _types.NamedTest = "compression",
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
@@ -834,8 +835,8 @@ class Mesh:
 
         Parameters
         ----------
-        test : str
-            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion".
+        test : str or dict
+            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
         friction : float
             Coulomb's coefficient between plates and specimen in compression.
         strain : float, optional
@@ -866,6 +867,7 @@ class Mesh:
         -----
         UserWarning
             Before the first step, where a phase of the mesh is more than 10 % off its exact volume, or aggregates share nodes.
+            After the last, where the test was not quasi-static before its peak.
 
         Raises
         ------
@@ -1437,6 +1439,7 @@ class Bodies:
         Bodies
         """
 
+def _checked_test(test: _types.NamedTest) -> _types.NamedTest: ...
 def _concrete_materials(
     *, fcm: float | None = ..., mortar: float | None = ..., rock: str | None = ..., fraction: float = ...
 ) -> _types.DeckMaterials: ...

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Literal, TypedDict, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._mesocrete import _concrete_materials
+from ._mesocrete import _checked_test, _concrete_materials
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from . import _types
 
+    _TurnOf = Literal["strain", "stress", "opening"]
     _Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
@@ -218,57 +219,67 @@ def _periodic(axes: Axes) -> _types.Periodic:
 
 
 class Test:
-    """Named tests, for `mesh.solve(**mc.Test.triaxial(10))`; `options` are further keywords of `Mesh.solve`."""
+    """Named tests, for `mesh.solve(test=mc.Test.triaxial(10))`, or `mesh.solve(**mc.Test.triaxial(10))`.
+
+    `options` are the test's further keywords of `Mesh.solve`. Wrong names and values are refused at once.
+    """
 
     __test__ = False  # No case for pytest, in spite of its name.
 
     @staticmethod
-    def compression(friction: float = 0.1, **options: object) -> dict[str, object]:
+    def compression(friction: float = 0.1, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return plates that press along z, and rub with Coulomb's `friction`; brushes and teflon have 0.005."""
-        return {"test": "compression", "friction": friction, **options}
+        return _checked_test({"test": "compression", "friction": friction, **options})
 
     @staticmethod
-    def tension(**options: object) -> dict[str, object]:
+    def tension(**options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return plates that are glued on and pull along z."""
-        return {"test": "tension", **options}
+        return _checked_test({"test": "tension", **options})
 
     @staticmethod
-    def triaxial(pressure_mpa: float = 5.0, **options: object) -> dict[str, object]:
+    def triaxial(pressure_mpa: float = 5.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return a pressure on all sides, MPa, and then plates that press along z."""
-        return {"test": "triaxial", "pressure_mpa": pressure_mpa, **options}
+        return _checked_test({"test": "triaxial", "pressure_mpa": pressure_mpa, **options})
 
     @staticmethod
-    def biaxial(stress_ratio: float = 1.0, **options: object) -> dict[str, object]:
+    def biaxial(stress_ratio: float = 1.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return plates along z, and plates along x that have `stress_ratio` times their stress."""
-        return {"test": "biaxial", "stress_ratio": stress_ratio, **options}
+        return _checked_test({"test": "biaxial", "stress_ratio": stress_ratio, **options})
 
     @staticmethod
-    def cyclic(turns: Sequence[tuple[float, str]], **options: object) -> dict[str, object]:
-        """Return plates that turn: each turn is a value and what it is of, "strain", "stress" (MPa) or "opening" (mm)."""
-        return {"test": "cyclic", "turns": [{"at": at, "of": of} for at, of in turns], **options}
+    def cyclic(
+        turns: Sequence[tuple[float, _TurnOf]] = (), /, **options: Unpack[_types.SolveOptions]
+    ) -> _types.NamedTest:
+        """Return plates that turn: each turn is a value and its quantity, "strain", "stress" (MPa) or "opening" (mm)."""
+        listed: list[_types.SolveTurn] = [{"at": at, "of": of} for at, of in turns]
+        return _checked_test({"test": "cyclic", "turns": listed, **options})
 
     @staticmethod
-    def splitting(strip_mm: float | None = None, **options: object) -> dict[str, object]:
+    def splitting(strip_mm: float | None = None, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return strips that press the mantle along x; they are a tenth of the diameter wide when `strip_mm` is absent."""
-        return {"test": "splitting", "strip_mm": strip_mm, **options}
+        return _checked_test({"test": "splitting", "strip_mm": strip_mm, **options})
 
     @staticmethod
-    def bending(span_mm: float | None = None, **options: object) -> dict[str, object]:
+    def bending(span_mm: float | None = None, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return a notched beam on two rollers, `span_mm` apart, that a third one presses."""
-        return {"test": "bending", "span_mm": span_mm, **options}
+        return _checked_test({"test": "bending", "span_mm": span_mm, **options})
 
     @staticmethod
-    def shear(**options: object) -> dict[str, object]:
+    def shear(**options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return plates glued to the upper left and lower right half of a double-notched prism, which move past each other."""
-        return {"test": "shear", **options}
+        return _checked_test({"test": "shear", **options})
 
     @staticmethod
     def expansion(
-        mortar: float = 0.0, aggregate: float = 0.0, fibre: float = 0.0, **options: object
-    ) -> dict[str, object]:
-        """Return linear strains of the phases without supports; shrinkage is negative."""
-        strains = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre}
-        return {"test": "expansion", "expansion": strains, **options}
+        mortar: float = 0.0,
+        aggregate: float = 0.0,
+        fibre: float = 0.0,
+        itz: float | None = None,
+        **options: Unpack[_types.SolveOptions],
+    ) -> _types.NamedTest:
+        """Return linear strains of the phases without supports; shrinkage is negative, and the ITZ follows the mortar."""
+        strains: _types.SolveExpansion = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre, "itz": itz}
+        return _checked_test({"test": "expansion", "expansion": strains, **options})
 
 
 class Materials:

@@ -699,7 +699,7 @@ class SolveOptions(TypedDict, total=False):
     duration_s: float | None
     """Time of the whole test at the plates' full speed, s."""
     expansion: SolveExpansion | None
-    """Strains of the phases that have no stress; they grow before the path begins."""
+    """Strains of the phases that have no stress; they grow before the path begins. An expansion test without them has 1e-4 in the aggregates."""
     frames: int
     """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
     friction: float | None
@@ -753,3 +753,10 @@ class StatisticsOptions(TypedDict, total=False):
     """Random points for the wall effect."""
     seed: int
     """Seed of the samples."""
+
+
+class NamedTest(SolveOptions, total=False):
+    """A test and its name, as `Test` returns it."""
+
+    test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+    """The named test."""
