@@ -12,6 +12,7 @@ packing = mc.pack(spec, fraction=0.25, seed=1)
 mesh = packing.mesh(for_test=True, element_size=4.0)
 response = mesh.solve(test="compression", friction=0.1, strain=0.006)
 print({key: response.result[key] for key in ("peak_mpa", "peak_strain", "modulus_mpa", "softened")})
+print(f"{response.result['seconds']['total']:.0f} s")
 
 figure, axes = plt.subplots(figsize=(6, 4))
 response.plot(ax=axes)
