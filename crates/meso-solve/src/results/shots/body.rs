@@ -74,7 +74,10 @@ fn outside(mesh: &Mesh) -> Vec<[u32; 3]> {
     let of_cell = |cell| faces.iter().map(move |face| keyed(cell, face));
     let sums: Vec<AtomicU64> = mesh.points.iter().map(|_| AtomicU64::new(0)).collect();
     let sum = |key: &[u32; 4]| &sums[key[0] as usize];
-    cells().for_each(|cell| of_cell(cell).for_each(|(key, _)| drop(sum(&key).fetch_xor(number(&key), Relaxed))));
+    let add = |(key, _): ([u32; 4], _)| {
+        sum(&key).fetch_xor(number(&key), Relaxed);
+    };
+    cells().for_each(|cell| of_cell(cell).for_each(add));
     let at_outside = |cell| of_cell(cell).filter(|(key, _)| sum(key).load(Relaxed) != 0);
     let mut open: Vec<([u32; 4], [u32; 4])> = cells().flat_map_iter(at_outside).collect();
     open.par_sort_unstable();
