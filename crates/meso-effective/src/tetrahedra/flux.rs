@@ -58,9 +58,10 @@ impl EffectiveOptions {
     /// Memory that tetrahedra take in a specimen at most, bytes.
     ///
     /// # Errors
-    /// An element size out of its range, and a specimen without flat ends.
+    /// An element size or a tolerance out of its range, and a specimen without flat ends.
     pub fn bytes_in_tetrahedra(&self, specimen: &Specimen, element_size_mm: f64) -> Result<f64, EffectiveError> {
         has_ends(specimen, self.axes)?;
+        error::accept_tolerance(self.tolerance)?;
         Ok(BYTES * cubes(specimen, element_size_mm)?)
     }
 }
@@ -230,7 +231,7 @@ impl Task<'_> {
             }
         };
         let sources = conduction.sources(unknowns, axis);
-        let found = solver::solve(graph, sources, energy, self.options.accuracy, &report)?;
+        let found = solver::solve(graph, sources, energy, self.options.tolerance, &report)?;
         let flux = conduction.mean(&unknowns.of, axis, &found.potential);
         let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &found.potential));
         Ok(Column { axis, flux, iterations: found.iterations, error: found.error, field })
