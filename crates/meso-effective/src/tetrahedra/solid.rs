@@ -36,14 +36,16 @@ pub fn stiffness_in_tetrahedra<'a>(
     let of = |phase: Phase| table[phase as usize];
     let itz = Itz::of([Phase::Mortar, Phase::Aggregate, Phase::Itz].map(of), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
-    let on = |size: f64, is_fine: bool, report: &dyn Fn(f64)| {
-        let domain = meshed.mesh(size, is_fine, watch)?;
+    let solve = |domain: &Domain, is_fine: bool| {
+        let report = |share| {
+            if is_fine {
+                watch.stage(Stage::Solve, share)
+            }
+        };
         let fields = is_fine && options.fields;
-        let solved = Solved::of(&mut Solid::new(&domain, &meshed, &table), options.tolerance, fields, report)?;
-        Ok::<_, EffectiveError>((solved, domain))
+        Solved::of(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, &report)
     };
-    let (coarse, _) = on(2.0 * element_size_mm, false, &|_| ())?;
-    let (mut fine, domain) = on(element_size_mm, true, &|share| watch.stage(Stage::Solve, share))?;
+    let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
