@@ -6,7 +6,7 @@
 use super::network::{Network, over};
 use super::stencil::{Layer, layers_mut, layers_mut_sum, product};
 use crate::links::Links;
-use meso_collision::simd::{Wide, widest};
+use meso_collision::simd::widest;
 
 /// A level of so few voxels is the last.
 const FEWEST: usize = 64;
@@ -63,78 +63,35 @@ impl Network for Links {
     }
 
     fn restrict(&self, coarse: &Self, x: &[f32], rhs: &[f32], into: &mut [f32]) {
-        let (steps, len, nz) = (self.steps(), self.layer_len(), self.counts[2]);
+        let [nx, _, nz] = self.counts;
+        let (steps, len, cx) = (self.steps(), self.layer_len(), coarse.counts[0]);
         layers_mut(into, coarse.layer_len(), |layer, into| {
             into.fill(0.0);
             let mut residual = vec![0.0; len];
             for number in layer * steps[2]..nz.min((layer + 1) * steps[2]) {
                 let (given, out) = ([&rhs[number * len..][..len]], &mut residual[..]);
                 widest(Layer { links: self, number, u: x, given, out, of: |_, [rhs]: [f32; 1], flux| rhs - flux });
-                widest(Blocks { steps, counts: self.counts, residual: &mut residual, into });
+                for (j, row) in residual.chunks_exact(nx).enumerate() {
+                    let into = &mut into[j / steps[1] * cx..][..cx];
+                    let (pairs, last) = row.as_chunks::<2>();
+                    into.iter_mut().zip(pairs).for_each(|(sum, [a, b])| *sum += a + b);
+                    into.last_mut().into_iter().zip(last).for_each(|(sum, last)| *sum += last);
+                }
             }
         });
     }
 
     fn correct(&self, coarse: &Self, x: &mut [f32], correction: &[f32]) {
-        let (steps, len) = (self.steps(), coarse.layer_len());
+        let (steps, nx, cx) = (self.steps(), self.counts[0], coarse.counts[0]);
         layers_mut(x, self.layer_len(), |k, x| {
-            let from = &correction[k / steps[2] * len..][..len];
-            widest(Spread { steps, counts: self.counts, from, x });
+            let from = &correction[k / steps[2] * coarse.layer_len()..][..coarse.layer_len()];
+            for (j, row) in x.chunks_exact_mut(nx).enumerate() {
+                let from = &from[j / steps[1] * cx..][..cx];
+                let (pairs, last) = row.as_chunks_mut::<2>();
+                pairs.iter_mut().zip(from).for_each(|(pair, from)| *pair = pair.map(|x| x + from));
+                last.iter_mut().zip(from.last()).for_each(|(x, from)| *x += from);
+            }
         });
-    }
-}
-
-/// Adds the residuals of a layer to their blocks; the first row of a block is overwritten.
-struct Blocks<'a> {
-    steps: [usize; 3],
-    counts: [usize; 3],
-    residual: &'a mut [f32],
-    into: &'a mut [f32],
-}
-
-impl Wide for Blocks<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let (nx, [step, rows, _]) = (self.counts[0], self.steps);
-        let into = self.into.chunks_exact_mut(nx.div_ceil(step));
-        for (into, block) in into.zip(self.residual.chunks_mut(nx * rows)) {
-            let (sum, other) = block.split_at_mut(nx);
-            sum.iter_mut().zip(&*other).for_each(|(sum, other)| *sum += other);
-            let (pairs, last) = sum.as_chunks::<2>();
-            if step == 1 {
-                into[0] += sum[0];
-                continue;
-            }
-            into.iter_mut().zip(pairs).for_each(|(into, [a, b])| *into += a + b);
-            if let ([last], Some(into)) = (last, into.last_mut()) {
-                *into += last;
-            }
-        }
-    }
-}
-
-/// Adds the corrections of blocks to a layer.
-struct Spread<'a> {
-    steps: [usize; 3],
-    counts: [usize; 3],
-    from: &'a [f32],
-    x: &'a mut [f32],
-}
-
-impl Wide for Spread<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let (nx, [step, rows, _]) = (self.counts[0], self.steps);
-        let mut row = vec![0.0; nx + 1];
-        for (block, from) in self.x.chunks_mut(nx * rows).zip(self.from.chunks_exact(nx.div_ceil(step))) {
-            let (pairs, _) = row.as_chunks_mut::<2>();
-            pairs.iter_mut().zip(from).for_each(|(pair, from)| *pair = [*from; 2]);
-            for x in block.chunks_exact_mut(nx) {
-                x.iter_mut().zip(&row).for_each(|(x, correction)| *x += correction);
-            }
-        }
     }
 }
 
