@@ -68,7 +68,7 @@ impl EffectiveOptions {
     }
 }
 
-/// Bytes a voxel without fields, by count 60.
+/// Bytes a voxel without fields: 57 were measured with 300^3 voxels, 69 with 99^3.
 const BYTES: f64 = 72.0;
 
 /// A phase in the result.
