@@ -100,9 +100,10 @@ pub(crate) fn solve_equations<E: Equations>(
         let z = equations.correction(&r);
         let [rz, pz] = if iterations == 0 { [dot(&r, z, len), 0.0] } else { dots([&r, &product], z, len) };
         let error = rz / left.max(BLOCKED * energy);
-        if rz <= 0.0 {
+        // A first residual of rounding alone has no step: it may lie where no link leads away.
+        if rz <= 0.0 || iterations == 0 && error <= tolerance {
             potential.resize(r.len(), 0.0);
-            return Ok(Solution { potential, iterations, error: 0.0 });
+            return Ok(Solution { potential, iterations, error: error.max(0.0) });
         }
         report(iterations, error);
         if iterations == MOST {
@@ -121,12 +122,12 @@ pub(crate) fn solve_equations<E: Equations>(
             0 => potential = parallel::map_short(r.len(), |i| step * p[i].into()),
             _ => add(&mut potential, step, &p, len),
         }
-        equations.lower(&mut r, step, &product, &potential);
-        left -= step * step * curvature;
         iterations += 1;
         if error <= tolerance {
             return Ok(Solution { potential, iterations, error });
         }
+        equations.lower(&mut r, step, &product, &potential);
+        left -= step * step * curvature;
     }
 }
 
