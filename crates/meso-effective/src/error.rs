@@ -1,7 +1,7 @@
 //! Why effective properties are refused.
 
-use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::MeshError;
 use std::borrow::Cow;
 
@@ -59,7 +59,7 @@ pub enum EffectiveError {
     /// Only zeros.
     #[error("all labels of the volume have the value 0 in [{0}]; one must have more")]
     Nothing(&'static str),
-    /// The iterations did not reach the accuracy.
+    /// The iterations did not reach the tolerance.
     #[error("after {iterations} iterations the error of the equations is still {reached:.1e} of the result; {fix}")]
     Diverged {
         /// Iterations done.
@@ -69,6 +69,14 @@ pub enum EffectiveError {
         /// Remedy.
         fix: &'static str,
     },
+}
+
+/// Refuses a tolerance of the equations out of its range: below, single precision leaves nothing to improve.
+///
+/// # Errors
+/// The range.
+pub(crate) fn accept_tolerance(tolerance: f64) -> Result<(), OutOfRange> {
+    Ranges("effective").require("tolerance", tolerance, (1e-13..=1e-2).contains(&tolerance), "it must be 1e-13 to 0.01")
 }
 
 fn example(table: &str) -> &'static str {
