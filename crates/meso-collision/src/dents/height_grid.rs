@@ -52,9 +52,9 @@ impl HeightGrid {
         let height = |k: usize| -surface.depth(&(low + Vec3::from(number(k).map(|i| i as f64)) * spacing)) as f32;
         let heights: Vec<f32> = (0..counts.iter().product()).map(height).collect();
         let (mut starts, mut triangles) = (vec![0], Vec::new());
-        for cell in 0..heights.len() {
+        for (cell, height) in heights.iter().enumerate() {
             let middle = low + Vec3::from(number(cell).map(|i| i as f64 + 0.5)) * spacing;
-            if heights[cell].abs() <= (NEAR + 1.0) * spacing as f32 {
+            if height.abs() <= (NEAR + 1.0) * spacing as f32 {
                 triangles.extend(candidates(surface, &middle, spacing));
             }
             starts.push(triangles.len() as u32);
