@@ -26,7 +26,7 @@ LEANING = re.compile(r"(?:The same|Those|That of|Of|As \[`)\b|As \[`")
 
 
 # Figures above their bars, as they were last reached.
-REACHED = {"lines outside unit tests": 85_621}
+REACHED = {"lines outside unit tests": 86_560}
 
 
 class Figure(NamedTuple):

@@ -95,7 +95,7 @@ impl<'a> Bodies<'a> {
     fn add(&mut self, body: &Aggregate, fills_voids: bool) {
         let (mut body, phase, mut film) = (body.clone(), Phase::of(body.kind), 0.0);
         if phase == Phase::Aggregate && body.itz_thickness_mm > 0.0 {
-            match body.core() {
+            match body.inner_surface() {
                 Err(_) => body.itz_thickness_mm = 0.0,
                 Ok(None) if self.itz == Itz::Mortar => return,
                 Ok(None) => film = body.body.volume(),
