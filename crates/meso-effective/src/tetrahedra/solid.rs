@@ -39,7 +39,7 @@ pub fn stiffness_in_tetrahedra<'a>(
     let solve = |domain: &Domain, is_fine: bool| {
         let report = |share| {
             if is_fine {
-                watch.stage(Stage::Solve, share)
+                watch.stage(Stage::Solve, share);
             }
         };
         let fields = is_fine && options.fields;
