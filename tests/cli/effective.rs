@@ -180,6 +180,8 @@ fn refusals_name_the_flag_and_the_range() {
         (&["--method", "lattice", "--voxel-size-mm", "2"], "--method lattice takes --element-size-mm"),
         (&["--element-size-mm", "2"], "--element-size-mm needs --method lattice"),
         (&["--method", "lattice", "--element-size-mm", "30"], "--element-size-mm is 30; it must be 0.04 to 10 mm"),
+        (&["--tolerance", "0.1"], "--tolerance is 0.1; it must be 1e-13 to 0.01"),
+        (&["--what", "stiffness", "--tolerance", "0"], "--tolerance is 0; it must be 1e-13 to 0.01"),
         (&["--what", "strength"], "it must be diffusivity, conductivity, stiffness or all"),
         (&["--what", "stiffness", "--axes", "x"], "--axes needs --what diffusivity, conductivity or all"),
         (&["--eigenstrain", "mortar=-4e-4"], "--eigenstrain needs --what stiffness or all"),

@@ -83,6 +83,22 @@ fn a_fitted_lattice_of_rings_has_no_inverted_cells_and_volumes_within_half_a_per
     }
 }
 
+#[test]
+fn a_solid_itz_of_rings_has_the_volume_of_their_shells() {
+    let model = packed(CUBE);
+    let options =
+        MeshOptions { method: Method::FITTED, itz: ItzForm::Solid, element_size_mm: 1.25, ..Default::default() };
+    let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+    assert_eq!(figures::CellQuality::below(&figures::CellQuality::of_cells(&mesh), 0.0), [0; 0]);
+    let shells =
+        |ring: &meso_core::aggregate::Aggregate| ring.body.volume() - ring.core_volume(ring.itz_thickness_mm).unwrap();
+    let exact: f64 = model.aggregates.iter().map(shells).sum();
+    let volumes = PhaseVolumes::of_mesh(&mesh);
+    assert!((volumes.itz / exact - 1.0).abs() < 0.05, "{} {exact}", volumes.itz);
+    let both = volumes.itz + volumes.aggregate;
+    assert!((both / volume(&model) - 1.0).abs() < 0.01, "{both} {}", volume(&model));
+}
+
 fn assert_fitted(model: &Model, options: &MeshOptions, tolerance: f64) {
     let mesh = mesh::build(model, options, &Tools::default()).unwrap();
     let cells = figures::CellQuality::of_cells(&mesh);

@@ -210,6 +210,27 @@ fn stones_of_harmonics_are_packed_with_their_dents_and_proved_apart() {
     }
 }
 
+/// Coefficients of a stone with eight dents between six bumps.
+fn bumpy() -> String {
+    let value = |at: (u32, u32)| [((0, 0), 10.0), ((4, 0), 2.0), ((4, 4), 1.195)].iter().find(|row| row.0 == at);
+    let orders = (0..=4).flat_map(|n| (0..=n).map(move |m| (n, m)));
+    orders.map(|(n, m)| format!("{n} {m} {} 0\n", value((n, m)).map_or(0.0, |row| row.1))).collect()
+}
+
+#[test]
+fn stones_whose_hulls_would_wedge_are_moved_into_the_dents_of_each_other() {
+    let text = "fraction = 0.5\nspecimen = { kind = 'cube', side_mm = 26, periodic = ['x', 'y', 'z'] }\n\
+                grading = { d_min_mm = 8, d_max_mm = 12 }\n\
+                shape = { kind = 'harmonics', path = 'a.dat', triangles = 120 }\n";
+    let spec = Spec::from_toml_with(text, &mut Folder(&[("a.dat", bumpy().as_bytes())])).unwrap();
+    let model = pack(&spec, &Silent).unwrap();
+    assert_eq!(check::check(&model).findings, []);
+    let hulls: f64 = model.aggregates.iter().map(|stone| stone.body.hull().unwrap().volume()).sum();
+    // Balls of such a narrow grading jam at 0.64.
+    assert!(hulls / 26.0_f64.powi(3) > 0.68, "{hulls}");
+    assert!((model.report.fraction - 0.5).abs() < 0.01, "{}", model.report.fraction);
+}
+
 #[test]
 fn coefficients_that_make_no_stone_are_refused_with_the_place() {
     let stone = |text: &str, options: &str| {

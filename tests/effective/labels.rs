@@ -1,5 +1,6 @@
 //! Label volumes: layers, resistors, own images, periods, threads.
 
+use meso_collision::simd::{Isa, choose};
 use meso_core::Silent;
 use meso_core::import::volume::Volume;
 use meso_effective::{
@@ -72,9 +73,41 @@ fn a_period_joins_the_ends_of_a_volume() {
     assert_eq!(periodic.resolution.boundary, ["periodic"; 3]);
 }
 
+/// Voxels without order, of values 1, 0 and 30.
+fn scan() -> LabelSpecimen {
+    specimen([24, 24, 24], |[i, j, k]| ((i * 7919 + j * 104_729 + k * 1_299_709) / 1000 % 3) as i64)
+}
+
+#[test]
+fn results_of_labels_are_the_same_with_any_vector_instructions() {
+    let found = Isa::ALL.map(|isa| {
+        choose(isa);
+        serde_json::to_vec(&solve(&scan(), &phases(&[("0", 1.0), ("1", 0.0), ("2", 30.0)]))).unwrap()
+    });
+    choose(Isa::best());
+    assert!(found[0] == found[1] && found[0] == found[2]);
+}
+
+#[test]
+fn a_looser_tolerance_takes_fewer_iterations_and_keeps_its_error() {
+    let phases = phases(&[("0", 1.0), ("1", 0.0), ("2", 30.0)]);
+    let [loose, tight] = [1e-4, 1e-12].map(|tolerance| {
+        let options = EffectiveOptions { tolerance, ..EffectiveOptions::new(Property::Diffusivity, 1.0) };
+        effective_of_labels(&scan(), &phases, &options, &Silent).unwrap().0
+    });
+    for axis in 0..3 {
+        let error = loose.fine[axis][axis].unwrap() / tight.fine[axis][axis].unwrap() - 1.0;
+        assert!(error > 0.0 && error < loose.resolution.solver_error, "{error} along {axis}");
+        assert!(2 * loose.resolution.iterations[axis] < tight.resolution.iterations[axis]);
+    }
+    let options = EffectiveOptions { tolerance: 0.1, ..EffectiveOptions::new(Property::Diffusivity, 1.0) };
+    let refused = effective_of_labels(&scan(), &phases, &options, &Silent).err().unwrap().to_string();
+    assert_eq!(refused, "effective.tolerance is 0.1; it must be 1e-13 to 0.01");
+}
+
 #[test]
 fn results_of_labels_are_the_same_on_any_number_of_threads() {
-    let scan = specimen([24, 24, 24], |[i, j, k]| ((i * 7919 + j * 104_729 + k * 1_299_709) / 1000 % 3) as i64);
+    let scan = scan();
     let [one, other, many] = [1, 2, 8].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| solve(&scan, &phases(&[("0", 1.0), ("1", 0.0), ("2", 30.0)])));

@@ -11,7 +11,8 @@ use meso_core::watch::Silent;
 use meso_solve::law::point::{self, HeldStress};
 use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
 use meso_solve::{
-    Along, Control, Expansion, Frame, Gauge, LawName, Observer, Response, Run, Smoothing, Test, TestKind, Turn, TurnOf,
+    Along, Control, Expansion, Frame, Gauge, LawName, Observer, Response, Rule, Run, Side, Smoothing, Strip,
+    SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -68,6 +69,10 @@ fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
             let begun = response.curve.iter().position(|row| row.strain > 1e-6).unwrap();
             let before = response.curve[begun].stress_mpa;
             assert!((before / pressure / filled - 1.0).abs() < 0.03, "{law:?} {pressure}: {before}");
+            // From there the modulus and Poisson's ratio count.
+            let stiffness = response.result.figures.modulus_mpa / brittle().mortar.youngs_modulus_mpa / filled;
+            let ratio = response.result.lateral.poisson_ratio.unwrap();
+            assert!((0.9..1.02).contains(&stiffness) && (ratio - 0.2).abs() < 0.03, "{law:?} {stiffness} {ratio}");
         }
     }
 }
@@ -190,6 +195,17 @@ fn cycles_of_concrete_keep_their_energy_balance() {
     assert!((0.93..1.03).contains(&ratio), "{ratio}");
     let turns = response.curve.windows(3).filter(|w| w[1].strain > w[0].strain && w[1].strain >= w[2].strain).count();
     assert_eq!(turns, 4, "{:?}", response.result.figures);
+    // They turn back at 1 MPa; rows are means over some steps.
+    let lowest = response.curve.windows(3).filter(|w| w[1].strain < w[0].strain && w[1].strain <= w[2].strain);
+    let lowest: Vec<f64> = lowest.map(|w| w[1].stress_mpa).collect();
+    assert!(lowest.len() == 4 && lowest.iter().all(|stress| (stress - 1.0).abs() < 0.3), "{lowest:?}");
+    // The legs back are no softening.
+    let (half, figures) = (response.result.beyond_peak, response.result.figures);
+    assert!(
+        half.displacement_to_half_mm.is_none_or(|way| way > 0.0) && half.energy_beyond_peak_n_per_mm > 0.0,
+        "{half:?}"
+    );
+    assert_eq!(figures.softened, figures.stress_at_end_mpa < 0.8 * figures.peak_mpa, "{figures:?}");
 }
 
 /// Stresses xx and yy of the cells around the middle of a disc, over the stresses of a disc that is pressed along x at two
@@ -331,6 +347,9 @@ fn a_notched_beam_spends_its_fracture_energy_over_its_ligament() {
     let ligament = 18.0 * 9.0;
     let work = response.result.energies.external / ligament / materials.mortar_strength.fracture_energy_n_per_mm;
     assert!((0.88..1.05).contains(&work), "{work}");
+    // Its energy beyond the peak is a part of that work, over the ligament, too.
+    let beyond = response.result.beyond_peak.energy_beyond_peak_n_per_mm * ligament / response.result.energies.external;
+    assert!((0.3..0.95).contains(&beyond), "{beyond}");
     assert!(response.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", response.result);
 }
 
@@ -513,6 +532,29 @@ fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame() {
     assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
 }
 
+/// The case: plates stood off a specimen that had shrunk, so that its modulus was half of its own, and its test a fast one.
+#[test]
+fn a_specimen_that_shrank_or_swelled_freely_is_pressed_as_one_that_did_not() {
+    let meshed = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
+    let strained = |mortar: f64| {
+        let expansion = (mortar != 0.0).then(|| Expansion { mortar, ..Expansion::default() });
+        meshed.solve(&brittle(), &Test { expansion, ..Test::default() }).result
+    };
+    let (plain, moving) = (strained(0.0).figures, strained(0.0).kinetic_over_internal_to_half_peak);
+    for mortar in [-5e-4, 1e-4] {
+        let result = strained(mortar);
+        let [modulus, peak] =
+            [(result.figures.modulus_mpa, plain.modulus_mpa), (result.figures.peak_mpa, plain.peak_mpa)]
+                .map(|(found, expected)| found / expected - 1.0);
+        assert!(modulus.abs() < 0.01 && peak.abs() < 0.01, "{mortar}: {modulus} {peak}");
+        assert!((result.figures.peak_strain / plain.peak_strain - 1.0).abs() < 0.03, "{mortar}: {result:?}");
+        assert!(
+            result.kinetic_over_internal_to_half_peak < 1.1 * moving && result.errors.is_empty(),
+            "{mortar}: {result:?}"
+        );
+    }
+}
+
 #[test]
 fn a_killed_test_of_every_kind_goes_on_to_the_same_curve() {
     let meshed = cylinder(12.0, 12.0, 3.0);
@@ -538,8 +580,29 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         refused.or_else(|| test.suits(specimen).map_err(|error| error.to_string()).err()).expect("a refusal")
     };
     let of = |kind| Test { kind, ..Test::default() };
+    let turning = |at, of| Test { turns: vec![Turn { at, of }], ..Test::default() };
+    let lvdt = |from_mm, to_mm| Gauge::Lvdt { name: "far".to_owned(), axis: Along::Z, from_mm, to_mm };
     let cube = Specimen::cube(50.0);
     let cylinder = Specimen::Cylinder { diameter_mm: 50.0, height_mm: 100.0 };
+    let beam = Specimen::NotchedPrism {
+        length_mm: 80.0,
+        width_mm: 10.0,
+        depth_mm: 20.0,
+        notch_depth_mm: 5.0,
+        notch_width_mm: 4.0,
+        upper_notch_depth_mm: 0.0,
+    };
+    let strip = Some(Strip { axis: Along::X, at_mm: 40.0, width_mm: 4.0 });
+    let beside = SupportSpec {
+        name: "beside".to_owned(),
+        on: Side::ZMax,
+        strip,
+        rule: Rule::Plate,
+        friction: 0.1,
+        moves: -1.0,
+        pressure_mpa: 0.0,
+        stress_ratio: None,
+    };
     for (test, specimen, text) in [
         (of(TestKind::Bending), &cube, "the specimen has no notch"),
         (Test { span_mm: Some(60.0), ..of(TestKind::Bending) }, &cube, "the rollers must stand on the beam"),
@@ -552,12 +615,28 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
             "test.control is crack-mouth; the specimen has no notch",
         ),
         (Test { pressure_mpa: Some(-1.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -1"),
+        (Test { pressure_mpa: Some(4.0), ..Test::default() }, &cube, "only triaxial has it"),
+        (Test { strip_mm: Some(4.0), ..Test::default() }, &cube, "only splitting and bending has it"),
+        (Test { strip_mm: Some(30.0), ..of(TestKind::Splitting) }, &cube, "a strip must leave half of the side free"),
+        (of(TestKind::Splitting), &beam, "the specimen has a notch where it splits"),
+        (Test { span_mm: Some(2.0), ..of(TestKind::Bending) }, &beam, "its depth of 20 mm apart"),
+        (Test { strip_mm: Some(40.0), ..of(TestKind::Bending) }, &beam, "narrower than half of the span"),
+        (Test { gauges: vec![lvdt(1.0, 60.0)], ..Test::default() }, &cube, "the specimen is 50 mm long there"),
+        (Test { supports: vec![beside], ..Test::default() }, &cube, "the strip lies beside the specimen"),
+        (turning(0.1, TurnOf::Opening), &cube, "test.turns.of is opening; the specimen has no notch"),
+        (turning(-0.01, TurnOf::Strain), &cube, "plates that press cannot pull"),
+        (turning(-5.0, TurnOf::Stress), &cube, "plates that press cannot pull"),
+        (
+            Test { strain: Some(0.003), ..turning(0.01, TurnOf::Strain) },
+            &cube,
+            "the test goes no further than its strain",
+        ),
     ] {
         let error = refusal(test, specimen);
         assert!(error.contains(text), "{error}");
     }
     let meshed = Meshed::mortar([6.0; 3], Method::FITTED, 3.0);
-    let gauge = Gauge::Lvdt { name: "far".to_owned(), axis: Along::Z, from_mm: 1.0, to_mm: 8.0 };
-    let error = Run::new(meshed.sample(), &brittle(), &Test { gauges: vec![gauge], ..Test::default() }).err().unwrap();
-    assert!(error.to_string().contains("the specimen is 6 mm long there"), "{error}");
+    let near = Test { gauges: vec![lvdt(2.0, 2.1)], ..Test::default() };
+    let error = Run::new(meshed.sample(), &brittle(), &near).err().unwrap();
+    assert!(error.to_string().contains("its planes meet the same nodes"), "{error}");
 }

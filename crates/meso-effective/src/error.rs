@@ -1,7 +1,7 @@
 //! Why effective properties are refused.
 
-use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{OutOfRange, Ranges, parallel};
 use meso_mesh::MeshError;
 use std::borrow::Cow;
 
@@ -33,11 +33,12 @@ pub enum EffectiveError {
         /// Its volume in the packing over the specimen's.
         exact: f64,
     },
-    /// A body whose layers no planes bound.
+    /// A body with dents that is too thin for its ITZ.
     #[error(
-        "aggregate {0} has dents; effective properties need convex aggregates: shape.hull = true packs their hulls"
+        "aggregate {0} has dents and parts that are thinner than two of its ITZ ({1} mm); pack with a thinner ITZ, or the hulls by \
+         shape.hull = true"
     )]
-    Dents(u32),
+    Dents(u32, f64),
     /// A label of a volume that no table has.
     #[error("label {label} has no value; give it in [{table}] of a phases file, as in {label} = {example}", example = example(table))]
     Unlabelled {
@@ -59,7 +60,7 @@ pub enum EffectiveError {
     /// Only zeros.
     #[error("all labels of the volume have the value 0 in [{0}]; one must have more")]
     Nothing(&'static str),
-    /// The iterations did not reach the accuracy.
+    /// The iterations did not reach the tolerance.
     #[error("after {iterations} iterations the error of the equations is still {reached:.1e} of the result; {fix}")]
     Diverged {
         /// Iterations done.
@@ -71,6 +72,14 @@ pub enum EffectiveError {
     },
 }
 
+/// Refuses a tolerance of the equations out of its range: below, single precision leaves nothing to improve.
+///
+/// # Errors
+/// The range.
+pub(crate) fn accept_tolerance(tolerance: f64) -> Result<(), OutOfRange> {
+    Ranges("effective").require("tolerance", tolerance, (1e-13..=1e-2).contains(&tolerance), "it must be 1e-13 to 0.01")
+}
+
 fn example(table: &str) -> &'static str {
     if table == "stiffness" { "{ youngs_modulus_mpa = 20000, poisson_ratio = 0.2 }" } else { "1.0" }
 }
@@ -78,10 +87,12 @@ fn example(table: &str) -> &'static str {
 /// The bodies as properties are computed for them: balls and ellipsoids become polyhedra of their volume.
 ///
 /// # Errors
-/// A body with dents.
+/// A body with dents that is too thin for its ITZ.
 pub(crate) fn accepted(bodies: Cow<'_, [Aggregate]>) -> Result<Cow<'_, [Aggregate]>, EffectiveError> {
-    if let Some(body) = bodies.iter().find(|body| !body.body.is_convex()) {
-        return Err(EffectiveError::Dents(body.id));
+    let is_thin = |body: &Aggregate| !body.body.is_convex() && body.inner_surface().is_err();
+    if let Some(body) = parallel::filter(bodies.len(), |number| is_thin(&bodies[number])).first() {
+        let body = &bodies[*body as usize];
+        return Err(EffectiveError::Dents(body.id, body.itz_thickness_mm));
     }
     if bodies.iter().all(|body| body.body.round().is_none()) {
         return Ok(bodies);

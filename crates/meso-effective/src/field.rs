@@ -2,6 +2,7 @@
 
 use crate::grid::{End, Grid};
 use crate::links::Links;
+use meso_collision::simd::{Wide, widest};
 use std::io::{self, BufWriter, Write};
 
 /// Potential and flux at every voxel, for a unit gradient along one axis.
@@ -68,18 +69,42 @@ impl Flow<'_> {
     /// Sums over the links of a layer: flux times length, along the grid's axes, and flux times difference of potential, the
     /// energy. The last layer has the links above it, too.
     pub(crate) fn sums(&self, k: usize) -> [f64; 4] {
-        let [nx, ny, nz] = self.links.counts;
+        let [_, ny, nz] = self.links.counts;
         let mut sums = [0.0; 4];
         let last = k + 1 == nz && self.grid.ends[2] == End::Fixed;
-        for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
-            let above = last.then_some((2, [i, j, nz]));
-            for (axis, at) in (0..3).map(|axis| (axis, [i, j, k])).chain(above) {
-                let (flux, energy) = self.through(axis, at);
-                sums[axis] += flux * self.length(axis, at[axis]);
+        for j in 0..ny {
+            let above = last.then_some((2, k + 1));
+            for (axis, layer) in [(0, k), (1, k), (2, k)].into_iter().chain(above) {
+                let length = self.length(axis, if axis == 2 { layer } else { 1 });
+                let [flux, energy] = self.row_sums(axis, j, layer, if axis == self.axis { length } else { 0.0 });
+                sums[axis] += flux * length;
                 sums[3] += energy;
             }
         }
         sums
+    }
+
+    /// Sums of the fluxes through the links along `axis` below a row of voxels, and of their energies.
+    fn row_sums(&self, axis: usize, j: usize, k: usize, given: f64) -> [f64; 2] {
+        let [nx, ny, nz] = self.links.counts;
+        let outside = vec![0.0; nx];
+        let start = |j: usize, k: usize| (k * ny + j) * nx;
+        let row = |j: usize, k: usize| &self.potential[start(j, k)..][..nx];
+        let links = &self.links.across[axis][start(j, k)..][..nx];
+        let before = |i: usize, n: usize| if i == 0 { n - 1 } else { i - 1 };
+        let walled = self.grid.ends[2] == End::Fixed;
+        let own = if k == nz { &outside[..] } else { row(j, k) };
+        let sums = |own, below, links| widest(Fluxes { own, below, links, given });
+        match axis {
+            0 => {
+                let [ends, inner] =
+                    [sums(&own[..1], &own[nx - 1..], &links[..1]), sums(&own[1..], &own[..nx - 1], &links[1..])];
+                [ends[0] + inner[0], ends[1] + inner[1]]
+            }
+            1 => sums(own, row(before(j, ny), k), links),
+            _ if k == 0 && walled => sums(own, &outside, links),
+            _ => sums(own, row(j, before(k, nz)), links),
+        }
     }
 
     /// The field in the specimen's axes, of which `last` is the grid's third.
@@ -114,6 +139,36 @@ impl Flow<'_> {
             potential: (0..nx * ny * nz).map(total).collect(),
             flux: (0..nx * ny * nz).map(flux).collect(),
         }
+    }
+}
+
+/// A run of links with the potentials at their ends and the given difference.
+pub(crate) struct Fluxes<'a> {
+    pub(crate) own: &'a [f64],
+    pub(crate) below: &'a [f64],
+    pub(crate) links: &'a [f32],
+    pub(crate) given: f64,
+}
+
+impl Wide for Fluxes<'_> {
+    type Output = [f64; 2];
+    #[inline(always)]
+    fn run(self) -> [f64; 2] {
+        let (mut flux, mut energy) = ([0.0; 8], [0.0; 8]);
+        let mut add = |i: usize, link: f32, own: f64, below: f64| {
+            let difference = self.given + own - below;
+            let through = f64::from(link) * difference;
+            flux[i] += through;
+            energy[i] += through * difference;
+        };
+        let (links, links_rest) = self.links.as_chunks::<8>();
+        let (own, own_rest) = self.own.as_chunks::<8>();
+        let (below, below_rest) = self.below.as_chunks::<8>();
+        for ((links, own), below) in links.iter().zip(own).zip(below) {
+            (0..8).for_each(|i| add(i, links[i], own[i], below[i]));
+        }
+        (0..links_rest.len()).for_each(|i| add(i, links_rest[i], own_rest[i], below_rest[i]));
+        [flux.iter().sum(), energy.iter().sum()]
     }
 }
 

@@ -234,22 +234,33 @@ fn along(grid: &Grid, labels: &[u8], values: &[f64], axis: usize) -> Vec<f32> {
     let of = |a: f64, b: f64| (over / (1.0 / a + 1.0 / b)) as f32;
     let pairs: Vec<f32> = values.iter().flat_map(|a| values.iter().map(move |b| of(*a, *b))).collect();
     let ends: Vec<f32> = values.iter().map(|a| (over * a) as f32).collect();
-    let label = |number: usize| usize::from(labels[number]);
-    let stride = [1, nx, nx * ny][axis];
-    let count = grid.counts[axis];
-    let link = |number: usize| {
-        let at = number / stride % if axis == 2 { count + 1 } else { count };
-        match grid.ends[axis] {
-            _ if at > 0 && at < count => pairs[label(number) * values.len() + label(number - stride)],
-            End::Periodic => {
-                let (first, last) = (number - at * stride, number - at * stride + (count - 1) * stride);
-                pairs[label(first) * values.len() + label(last)]
+    let row = |j: usize, k: usize| &labels[(k * ny + j) * nx..][..nx];
+    let pair = |a: u8, b: u8| pairs[usize::from(a) * values.len() + usize::from(b)];
+    let mut links = vec![0.0; nx * ny * (nz + usize::from(axis == 2))];
+    parallel::chunks_mut(&mut links, nx * ny, |k, layer| {
+        for (j, links) in layer.chunks_mut(nx).enumerate() {
+            let between = |links: &mut [f32], above: &[u8], below: &[u8]| {
+                links.iter_mut().zip(above.iter().zip(below)).for_each(|(link, (a, b))| *link = pair(*a, *b));
+            };
+            let (at, count) = ([0, j, k][axis], grid.counts[axis]);
+            let on = |at: usize| if axis == 1 { row(at, k) } else { row(j, at) };
+            match grid.ends[axis] {
+                end if axis == 0 => {
+                    let own = row(j, k);
+                    between(&mut links[1..], &own[1..], own);
+                    links[0] = if end == End::Periodic { pair(own[0], own[nx - 1]) } else { 0.0 };
+                }
+                _ if at > 0 && at < count => between(links, on(at), on(at - 1)),
+                End::Periodic => between(links, on(0), on(count - 1)),
+                End::Fixed => {
+                    let own = on(if at == 0 { 0 } else { count - 1 });
+                    links.iter_mut().zip(own).for_each(|(link, label)| *link = ends[usize::from(*label)]);
+                }
+                End::Insulated => (),
             }
-            End::Fixed => ends[label(if at == 0 { number } else { number - stride })],
-            End::Insulated => 0.0,
         }
-    };
-    parallel::map_short(nx * ny * (nz + usize::from(axis == 2)), link)
+    });
+    links
 }
 
 impl ElasticMedium for Labelled<'_, Moduli> {

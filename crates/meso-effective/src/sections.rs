@@ -1,4 +1,4 @@
-//! The area of a plane section of a convex body in every square of a grid, exact to rounding.
+//! The area of a plane section of a body in every square of a grid, exact to rounding.
 
 use crate::grid::Grid;
 use meso_collision::geometry::Polyhedron;
@@ -58,6 +58,9 @@ impl Section {
         squares: &Squares,
         mut visit: impl FnMut(usize, f64),
     ) {
+        if !body.is_convex() {
+            return shares_with_dents(body, axis, at, squares, visit);
+        }
         self.cut(body, axis, at);
         if self.corners.len() < 3 {
             return;
@@ -105,6 +108,72 @@ impl Section {
         }
         hull(points, &mut self.corners);
     }
+}
+
+/// [`Section::shares`] of a body with dents, whose section may have any number of loops.
+///
+/// By Green's theorem the area in a square is the sum over the section's edges of the integral of x dy, with x clamped
+/// to the square's width and counted from its left side, over the square's height.
+fn shares_with_dents(body: &Polyhedron, axis: usize, at: f64, squares: &Squares, mut visit: impl FnMut(usize, f64)) {
+    let edges = edges_of_section(body, axis, at);
+    let (low, high) = extent(edges.as_flattened(), 1);
+    let (left, right) = extent(edges.as_flattened(), 0);
+    let (rows, columns) = (squares.touched(1, low, high), squares.touched(0, left, right));
+    let mut areas = vec![0.0; rows.len() * columns.len()];
+    for [from, to] in &edges {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        for row in squares.touched(1, from[1].min(to[1]), from[1].max(to[1])) {
+            let (bottom, top) = (squares.side(1, row), squares.side(1, row + 1));
+            // The part of the edge within the row; a level edge adds nothing.
+            let share = |y: f64| if way[1] == 0.0 { 0.0 } else { (y.clamp(bottom, top) - from[1]) / way[1] };
+            let [first, last] = [share(from[1]), share(to[1])].map(|share| from[0] + share * way[0]);
+            let rise = to[1].clamp(bottom, top) - from[1].clamp(bottom, top);
+            for column in columns.clone() {
+                let width = mean_clamped(first, last, squares.side(0, column), squares.side(0, column + 1));
+                areas[(row - rows.start) * columns.len() + column - columns.start] += width * rise;
+            }
+        }
+    }
+    let whole = squares.spacing[0] * squares.spacing[1];
+    for (number, area) in areas.iter().enumerate().filter(|(_, area)| **area > 0.0) {
+        let (row, column) = (rows.start + number / columns.len(), columns.start + number % columns.len());
+        visit(row * squares.counts[0] + column, (area / whole).min(1.0));
+    }
+}
+
+/// The edges of a section just above the plane, with the section on their left.
+fn edges_of_section(body: &Polyhedron, axis: usize, at: f64) -> Vec<[Point; 2]> {
+    let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+    let vertices = body.vertices();
+    let mut edges = Vec::new();
+    for triangle in body.triangles() {
+        let (mut upwards, mut downwards) = (None, None);
+        for k in 0..3 {
+            let [p, q] = [triangle[k], triangle[(k + 1) % 3]].map(|corner| &vertices[corner as usize]);
+            if (p[axis] <= at) != (q[axis] <= at) {
+                let (low, high) = if p[axis] <= at { (p, q) } else { (q, p) };
+                let t = (at - low[axis]) / (high[axis] - low[axis]);
+                let point = Some([low[b] + t * (high[b] - low[b]), low[c] + t * (high[c] - low[c])]);
+                *(if p[axis] <= at { &mut upwards } else { &mut downwards }) = point;
+            }
+        }
+        edges.extend(downwards.zip(upwards).map(|(from, to)| [from, to]));
+    }
+    edges
+}
+
+/// Mean over x from `first` to `last` of x clamped to `left` and `right`, counted from `left`.
+fn mean_clamped(first: f64, last: f64, left: f64, right: f64) -> f64 {
+    let width = right - left;
+    let sum = |x: f64| {
+        let within = (x - left).clamp(0.0, width);
+        within * within / 2.0 + width * (x - right).max(0.0)
+    };
+    let way = last - first;
+    if way.abs() < 1e-6 * width {
+        return ((first + last) / 2.0 - left).clamp(0.0, width);
+    }
+    (sum(last) - sum(first)) / way
 }
 
 /// Least and largest coordinate.

@@ -1,4 +1,4 @@
-//! The bodies of a packing as nested convex regions, each with the phases on both sides of its surface.
+//! The bodies of a packing as nested regions, each with the phases on both sides of its surface.
 
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
@@ -32,7 +32,7 @@ impl Phase {
     }
 }
 
-/// A convex region whose surface separates two phases.
+/// A region whose surface separates two phases.
 pub(crate) struct Surface {
     pub(crate) body: Polyhedron,
     pub(crate) outside: Phase,
@@ -55,7 +55,7 @@ impl Surface {
         if kind != Phase::Aggregate || body.itz_thickness_mm <= 0.0 || !has_itz {
             return vec![new(outer, Phase::Mortar, kind)];
         }
-        match body.core() {
+        match body.inner_surface() {
             Err(_) => vec![new(outer, Phase::Mortar, kind)],
             Ok(None) => vec![new(outer, Phase::Mortar, Phase::Itz)],
             Ok(Some(core)) => {

@@ -79,17 +79,9 @@ fn accepts_bodies(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError>
     if parts.bodies.iter().all(|body| body.body.is_convex()) {
         return Ok(());
     }
-    let (name, itz) = (options.method.name(), options.itz);
-    let is_fitted = matches!(options.method, Method::Lattice { fit: Fit::Fitted, .. });
-    if name == MethodName::Conforming {
+    if options.method.name() == MethodName::Conforming {
         let way = "aggregates with dents take lattice or voxel; shape.hull = true packs their hulls";
         return Err(MeshError::option("method", "conforming", way));
-    }
-    let has_shell = |body: &Aggregate| !body.body.is_convex() && body.itz_thickness_mm > 0.0;
-    if is_fitted && itz == ItzForm::Solid && parts.bodies.iter().any(has_shell) {
-        let way =
-            "in a fitted lattice of aggregates with dents it must be cohesive, smeared or none; voxels take solid";
-        return Err(MeshError::option("itz", "solid", way));
     }
     Ok(())
 }

@@ -77,6 +77,9 @@ pub(crate) struct Locator<'a> {
     buckets: Vec<Vec<u32>>,
 }
 
+/// Points this far from a body's box lie outside the body whatever the rounding.
+const BEYOND_MM: f64 = 1e-6;
+
 /// Longest edge of a locator's cell, mm, in bodies' mean box sizes.
 const CELL_PER_BODY: f64 = 0.5;
 
@@ -104,7 +107,8 @@ impl<'a> Locator<'a> {
     /// The body that holds `x`, as an index, with the point's (negative) height; of several the first.
     pub(crate) fn find(&self, x: &Vec3) -> Option<(usize, f64)> {
         let bucket = &self.buckets[self.bucket(self.cell_of(x))];
-        let heights = bucket.iter().map(|&g| (g as usize, self.bodies[g as usize].height(x)));
+        let near = bucket.iter().filter(|&&g| self.bodies[g as usize].aabb.distance(x) < BEYOND_MM);
+        let heights = near.map(|&g| (g as usize, self.bodies[g as usize].height(x)));
         heights.into_iter().find(|(_, height)| *height <= 0.0)
     }
 

@@ -45,16 +45,25 @@ impl Triangles {
 
     /// The parts of the line through (y, z) along x that lie in the body, ascending: pairs of coordinates, mm.
     pub fn row(&self, y: f64, z: f64) -> Vec<[f64; 2]> {
-        let at = Vec3::new(f64::NEG_INFINITY, y, z);
-        let line = Aabb { min: at, max: Vec3::new(f64::INFINITY, y, z) };
-        let mut crossings: Vec<f64> = Vec::new();
-        for t in self.meeting(line) {
-            if turns_around(self.of(t), &at, 0) != 0 {
-                crossings.push(crossing(self.of(t), y, z));
+        let crossings = self.crossings(0, &Vec3::new(0.0, y, z), [f64::NEG_INFINITY, f64::INFINITY]);
+        let crossings: Vec<f64> = crossings.into_iter().map(|(at, _)| at).collect();
+        crossings.as_chunks().0.to_vec()
+    }
+
+    /// Where the line through a point along an axis crosses the surface within a range of that axis, ascending: the
+    /// coordinate, mm, and the component of the outward normal along the axis.
+    pub fn crossings(&self, axis: usize, through: &Vec3, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
+        let (mut from, mut to) = (*through, *through);
+        (from[axis], to[axis]) = (low, high);
+        let mut crossings: Vec<(f64, f64)> = Vec::new();
+        for t in self.meeting(Aabb { min: from, max: to }) {
+            if turns_around(self.of(t), through, axis) != 0 {
+                let crossing = crossing(self.of(t), axis, through);
+                crossings.extend((low..=high).contains(&crossing.0).then_some(crossing));
             }
         }
-        crossings.sort_unstable_by(f64::total_cmp);
-        crossings.as_chunks().0.to_vec()
+        crossings.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
+        crossings
     }
 
     /// The part of the segment from `inside` to `outside` before it first leaves the body, 0 to 1.
@@ -192,13 +201,16 @@ pub(super) fn is_beside(points: &[Vec3], [a, b, c]: &[Vec3; 3]) -> bool {
     first != 0.0 && sides.all(|side| side * first > 0.0)
 }
 
-/// Where the line through (y, z) along x meets the plane of a triangle, within the triangle's extent, mm.
-fn crossing([a, b, c]: &[Vec3; 3], y: f64, z: f64) -> f64 {
+/// Where the line through a point along an axis meets the plane of a triangle, within the triangle's extent, mm, and the
+/// component of the unit normal along the axis.
+fn crossing([a, b, c]: &[Vec3; 3], axis: usize, through: &Vec3) -> (f64, f64) {
     let normal = (b - a).cross(&(c - a));
-    let x = a.x - (normal.y * (y - a.y) + normal.z * (z - a.z)) / normal.x;
+    let [v, w] = [(axis + 1) % 3, (axis + 2) % 3];
+    let at = a[axis] - (normal[v] * (through[v] - a[v]) + normal[w] * (through[w] - a[w])) / normal[axis];
     // A triangle that is seen edge-on has no slope to speak of.
-    let x = if x.is_finite() { x } else { a.x };
-    x.clamp(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x))
+    let at = if at.is_finite() { at } else { a[axis] };
+    let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
+    (at.clamp(low, high), normal[axis] / normal.norm())
 }
 
 /// A point as it is seen along an axis, from its upper end.

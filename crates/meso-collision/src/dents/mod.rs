@@ -3,8 +3,11 @@
 
 mod bodies;
 mod closed;
+mod height_grid;
+mod inset;
 mod reduced;
 mod self_crossing;
 
+pub use height_grid::{Height, HeightGrid};
 pub use reduced::NotReduced;
 pub use self_crossing::SelfCrossing;

@@ -51,6 +51,8 @@ pub struct Grain {
     pub class: u16,
     /// Number within its class; with the class it names the grain's random streams.
     pub index: u32,
+    /// Number in the library of the surface that a grain with dents is a copy of; 0 for all others.
+    pub template: u32,
     /// Thickness of its ITZ, mm.
     pub itz_thickness_mm: f64,
     /// True when the drawn thickness was too large for the grain and was limited.
@@ -181,6 +183,7 @@ impl Grain {
             kind,
             class,
             index,
+            template: 0,
             itz_thickness_mm: 0.0,
             itz_limited: false,
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),

@@ -46,6 +46,17 @@ impl Aggregate {
         self.body.inward_offset(self.itz_thickness_mm)
     }
 
+    /// The body inside the ITZ shell as a polyhedron, also where the outer one has dents: see [`Polyhedron::inset`].
+    ///
+    /// # Errors
+    /// Fails like [`core`](Self::core), and where a body with dents is too thin for its shell.
+    pub fn inner_surface(&self) -> Result<Option<Polyhedron>, OffsetError> {
+        if self.body.is_convex() || self.itz_thickness_mm <= 0.0 {
+            return self.core();
+        }
+        self.body.inset(self.itz_thickness_mm).map(Some).ok_or(OffsetError::NotConvex)
+    }
+
     /// The volume inside a shell of `thickness` mm, mm3; sampled to some 1e-3 of the body where that has dents or is an
     /// ellipsoid.
     ///

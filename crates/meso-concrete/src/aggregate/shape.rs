@@ -102,8 +102,8 @@ const LEAST_DEPTH: f64 = 0.75;
 pub enum Outline<'a> {
     /// Vertices of a convex polyhedron, mm.
     Hull(Vec<Vec3>),
-    /// A surface with dents, of length 1.
-    Dents(&'a Dents),
+    /// A surface with dents, of length 1, and its number in the library.
+    Dents(u32, &'a Dents),
     /// A ball or an ellipsoid, by its semi-axes, mm.
     Round(Vec3),
 }
@@ -119,8 +119,10 @@ impl Shape {
     /// `class_limit / vertex count` (mm) is the least spacing of the paper's random vertices.
     pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Outline<'_> {
         if self.kind == ShapeKind::Library {
-            let grain = &self.grains[stream.integer(0, self.grains.len() as u32 - 1) as usize];
-            return grain.dents().map_or_else(|| Outline::Hull(grain.scaled_to(length)), Outline::Dents);
+            let number = stream.integer(0, self.grains.len() as u32 - 1);
+            let grain = &self.grains[number as usize];
+            let hull = || Outline::Hull(grain.scaled_to(length));
+            return grain.dents().map_or_else(hull, |dents| Outline::Dents(number, dents));
         }
         match self.kind {
             ShapeKind::Sphere => Outline::Round(Vec3::repeat(length / 2.0)),

@@ -100,9 +100,9 @@ fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result
             }
             Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?
         }
-        Outline::Dents(dents) => {
+        Outline::Dents(template, dents) => {
             let length = if is_sieved { size / dents.sieve_size } else { size };
-            Grain::dented((class, index), &dents.body, length, stream)
+            Grain { template, ..Grain::dented((class, index), &dents.body, length, stream) }
         }
         Outline::Round(semi_axes) => {
             let scale = if is_sieved { size / Round::of_semi_axes(&semi_axes).sieve_size() } else { 1.0 };

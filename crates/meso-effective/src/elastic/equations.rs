@@ -37,6 +37,8 @@ pub(super) struct Elastic<'a> {
     networks: [(Links, Multigrid<Links>); 3],
     /// Nodes without displacement.
     clamped: Vec<u32>,
+    /// Residual of a component.
+    own: Vec<f32>,
     correction: Vec<f32>,
 }
 
@@ -54,7 +56,8 @@ impl<'a> Elastic<'a> {
             let multigrid = Multigrid::new(&links);
             (links, multigrid)
         });
-        Self { grid, voxels, networks, clamped, correction: vec![0.0; 3 * nx * ny * nz] }
+        let own = vec![0.0; nx * ny * nz];
+        Self { grid, voxels, networks, clamped, own, correction: vec![0.0; 3 * nx * ny * nz] }
     }
 
     fn nodes(&self) -> usize {
@@ -166,6 +169,8 @@ impl<'a> Elastic<'a> {
 }
 
 impl Equations for Elastic<'_> {
+    type Number = f64;
+
     fn layer_len(&self) -> usize {
         self.grid.counts[0] * self.grid.counts[1]
     }
@@ -176,25 +181,24 @@ impl Equations for Elastic<'_> {
     }
 
     /// Clamped nodes move together in the networks: they receive the reaction, and the rest moves relative to them.
-    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
-        let (nodes, layer) = (self.nodes(), self.layer_len());
+    fn correction(&mut self, r: &[f64]) -> &[f32] {
+        let nodes = self.nodes();
+        let count = self.clamped.len() as f64;
         for (component, (links, multigrid)) in self.networks.iter_mut().enumerate() {
             let own = &r[component * nodes..][..nodes];
             let to = &mut self.correction[component * nodes..][..nodes];
+            self.own.iter_mut().zip(own).for_each(|(to, from)| *to = *from as f32);
+            let reaction = -own.iter().sum::<f64>() / count;
+            self.clamped.iter().for_each(|node| self.own[*node as usize] = reaction as f32);
+            to.copy_from_slice(multigrid.cycle(links, &self.own));
             if self.clamped.is_empty() {
-                to.copy_from_slice(multigrid.cycle(links, own).0);
                 continue;
             }
-            let mut own = own.to_vec();
-            let count = self.clamped.len() as f64;
-            let reaction = -own.iter().sum::<f64>() / count;
-            self.clamped.iter().for_each(|node| own[*node as usize] = reaction);
-            to.copy_from_slice(multigrid.cycle(links, &own).0);
             let rigid = self.clamped.iter().map(|node| f64::from(to[*node as usize])).sum::<f64>() / count;
             to.iter_mut().for_each(|to| *to -= rigid as f32);
             self.clamped.iter().for_each(|node| to[*node as usize] = 0.0);
         }
-        (&self.correction, dot(r, &self.correction, layer))
+        &self.correction
     }
 }
 

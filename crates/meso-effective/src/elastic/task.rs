@@ -27,7 +27,7 @@ pub struct StiffnessOptions {
     /// Edge of a voxel, mm; an even number of voxels that is nearest to it is taken along each axis.
     pub voxel_size_mm: f64,
     /// Error of the equations, over the result.
-    pub accuracy: f64,
+    pub tolerance: f64,
     /// Whether to return the stresses.
     pub fields: bool,
 }
@@ -40,14 +40,15 @@ const BYTES: f64 = 350.0;
 impl StiffnessOptions {
     /// Stiffness to twelve digits of the energy, six of a strain.
     pub fn new(voxel_size_mm: f64) -> Self {
-        Self { voxel_size_mm, accuracy: 1e-12, fields: false }
+        Self { voxel_size_mm, tolerance: 1e-12, fields: false }
     }
 
     /// Memory that a specimen takes at most, bytes.
     ///
     /// # Errors
-    /// A voxel size out of its range.
+    /// A voxel size or a tolerance out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
+        error::accept_tolerance(self.tolerance)?;
         Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
     }
 
@@ -151,11 +152,12 @@ pub(crate) fn of_medium(
     options: &StiffnessOptions,
     watch: &dyn Watch,
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+    error::accept_tolerance(options.tolerance)?;
     let space = medium.space();
     let on = |counts: [usize; 3], fields: bool, report: &dyn Fn(f64)| {
         let grid = Grid::new(&space, counts, 2, false);
         let voxels = medium.voxels(&grid);
-        Solved::of(&mut Elastic::new(&grid, &voxels), options.accuracy, fields, report)
+        Solved::of(&mut Elastic::new(&grid, &voxels), options.tolerance, fields, report)
     };
     let coarse = on(counts.map(|count| count.div_ceil(2)), false, &|_| ())?;
     let mut fine = on(counts, options.fields, &|share| watch.stage(Stage::Solve, share))?;
@@ -232,7 +234,7 @@ pub(crate) struct Solved<F> {
 }
 
 /// Elastic equations of a specimen with a mean strain.
-pub(crate) trait Strained: Equations {
+pub(crate) trait Strained: Equations<Number = f64> {
     /// A component of the field for viewers.
     type Field;
     /// Volume of the specimen, mm3.
@@ -254,7 +256,7 @@ impl<F> Solved<F> {
     /// The solutions for six unit strains; `report` receives the share of them that is done.
     pub(crate) fn of(
         strained: &mut impl Strained<Field = F>,
-        accuracy: f64,
+        tolerance: f64,
         fields: bool,
         report: &dyn Fn(f64),
     ) -> Result<Self, EffectiveError> {
@@ -267,7 +269,7 @@ impl<F> Solved<F> {
         };
         for column in 0..6 {
             let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
-            solved.add(strained, column, (accuracy, fields), &|iteration, _| report(share(iteration)))?;
+            solved.add(strained, column, (tolerance, fields), &|iteration, _| report(share(iteration)))?;
         }
         let mean = |i: usize, j: usize| (solved.tensor[i][j] + solved.tensor[j][i]) / 2.0;
         solved.tensor = [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|j| mean(i, j)));
@@ -279,7 +281,7 @@ impl<F> Solved<F> {
         &mut self,
         strained: &mut impl Strained<Field = F>,
         column: usize,
-        (accuracy, fields): (f64, bool),
+        (tolerance, fields): (f64, bool),
         report: &dyn Fn(usize, f64),
     ) -> Result<(), EffectiveError> {
         let mut mean = [0.0; 6];
@@ -290,7 +292,7 @@ impl<F> Solved<F> {
         strained.forces(&nothing, &mean, &mut rhs);
         rhs.iter_mut().for_each(|force| *force = -*force);
         drop(nothing);
-        let found = solve_equations(strained, rhs, energy, accuracy, report)?;
+        let found = solve_equations(strained, rhs, energy, tolerance, report)?;
         let sums = strained.sums(&found.potential, &mean);
         let volume = strained.volume();
         (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);

@@ -2,14 +2,16 @@
 
 use crate::phases::PhaseValues;
 use crate::surfaces::{Phase, Surface};
-use meso_collision::geometry::{Plane, Polyhedron};
+use meso_collision::geometry::{Plane, Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 
-/// A convex region whose surface separates two phases.
+/// A region whose surface separates two phases.
 pub(crate) struct Layer {
     pub(super) surface: Polyhedron,
     pub(super) planes: Vec<Plane>,
+    /// The triangles of a body with dents, whose planes bound nothing.
+    pub(super) dents: Option<Triangles>,
     pub(super) aabb: Aabb,
     /// Value inside less the value outside.
     pub(super) change: f64,
@@ -35,6 +37,7 @@ impl Layer {
         let blocked = |value: f64| f64::from(u8::from(value <= 0.0));
         Self {
             planes: surface.body.planes().collect(),
+            dents: (!surface.body.is_convex()).then(|| surface.body.surface()),
             aabb: surface.body.aabb(),
             change: within - outside,
             resistance: resistance(within) - resistance(outside),

@@ -23,7 +23,7 @@ pub(crate) use layers::Layer;
 
 use crate::grid::{End, Grid};
 use crate::sections::{Section, Squares};
-use meso_collision::geometry::Plane;
+use meso_collision::geometry::{Plane, Triangles};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
 
@@ -148,8 +148,12 @@ impl<'a> Planes<'a> {
             centre[self.axis] = at;
             centre[b] = origin[0] + (column as f64 + 0.5) * spacing[0];
             centre[c] = origin[1] + (row as f64 + 0.5) * spacing[1];
-            let met = Met::new(&layer.planes, self.axis, &centre, ends);
-            let (share, along) = (shares[square], met.share);
+            let share = shares[square];
+            let met = match &layer.dents {
+                None => Met::new(&layer.planes, self.axis, &centre, ends),
+                Some(surface) => Met::with_dents(surface, self.axis, &centre, ends, share),
+            };
+            let along = met.share;
             let weight = share * (1.0 - share) + along * (1.0 - along);
             let sum = &mut sums[square];
             sum.resistance += layer.resistance * along;
@@ -175,7 +179,7 @@ impl Sums {
     }
 }
 
-/// A link on its way through a convex body.
+/// A link on its way through a body.
 struct Met {
     /// Share of the link inside.
     share: f64,
@@ -184,6 +188,29 @@ struct Met {
 }
 
 impl Met {
+    /// Through a body with dents, which covers this `share` of the face at the `centre` of the link.
+    fn with_dents(surface: &Triangles, axis: usize, centre: &Vec3, [low, high]: [f64; 2], share: f64) -> Self {
+        let crossings = surface.crossings(axis, centre, [low, high]);
+        let square = |along: f64| (along * along).min(1.0);
+        let Some(first) = crossings.first() else {
+            let is_inside = share >= 1.0 || share > 0.0 && surface.contains(centre);
+            let arm = surface.nearest(centre).map_or(Vec3::zeros(), |(nearest, _)| centre - nearest);
+            let normal = arm.try_normalize(0.0).unwrap_or_default();
+            return Self { share: f64::from(u8::from(is_inside)), normal2: square(normal[axis]) };
+        };
+        // A surface that is left first was around the link's beginning.
+        let (mut inside, mut from) = (0.0, (first.1 > 0.0).then_some(low));
+        for (at, along) in &crossings {
+            match from.take() {
+                Some(entered) if *along > 0.0 => inside += at - entered,
+                _ => from = Some(*at),
+            }
+        }
+        inside += from.map_or(0.0, |entered| high - entered);
+        let normal2 = crossings.iter().map(|(_, along)| square(*along)).sum::<f64>() / crossings.len() as f64;
+        Self { share: inside / (high - low), normal2 }
+    }
+
     fn new(planes: &[Plane], axis: usize, centre: &Vec3, [low, high]: [f64; 2]) -> Self {
         let (mut from, mut to) = (low, high);
         let mut ends: [Option<f64>; 2] = [None, None];

@@ -3,9 +3,10 @@
 //! A coarse link has the sum of the fine links between two blocks, halved where the blocks' distance has doubled. A gap keeps its
 //! links on every level, and closed voxels stay closed.
 
-use super::network::Network;
-use super::stencil::{Real, layers_mut};
+use super::network::{Network, over};
+use super::stencil::{Layer, layers_mut, layers_mut_sum, product};
 use crate::links::Links;
+use meso_collision::simd::widest;
 
 /// A level of so few voxels is the last.
 const FEWEST: usize = 64;
@@ -19,13 +20,42 @@ impl Network for Links {
         self.counts[0] * self.counts[1]
     }
 
-    #[inline]
-    fn fluxes<T: Real>(&self, u: &[T], k: usize, mut visit: impl FnMut(usize, T, f32)) {
-        let [nx, ny, _] = self.counts;
-        let outside = vec![T::default(); nx];
-        for j in 0..ny {
-            self.row(u, &outside, j, k).fluxes(|i, flux, links| visit(j * nx + i, flux, links));
-        }
+    fn apply(&self, u: &[f32], out: &mut [f32]) -> f64 {
+        let len = self.layer_len();
+        let [sum] = layers_mut_sum(out, len, |number, out| {
+            let own = &u[number * len..][..len];
+            widest(Layer { links: self, number, u, given: [], out: &mut *out, of: |_, _: [f32; 0], flux| flux });
+            [product(own, out)]
+        });
+        sum
+    }
+
+    fn residual(&self, u: &[f64], rhs: &[f64], out: &mut [f32]) {
+        let len = self.layer_len();
+        layers_mut(out, len, |number, out| {
+            let given = [&rhs[number * len..][..len]];
+            widest(Layer { links: self, number, u, given, out, of: |_, [rhs]: [f64; 1], flux| (rhs - flux) as f32 });
+        });
+    }
+
+    fn over_scales(&self) -> Vec<f32> {
+        let mut scales = vec![0.0; self.len()];
+        layers_mut(&mut scales, self.layer_len(), |k, scales| {
+            for (j, row) in scales.chunks_exact_mut(self.counts[0]).enumerate() {
+                self.scales(j, k, row);
+                row.iter_mut().for_each(|scale| *scale = over(*scale));
+            }
+        });
+        scales
+    }
+
+    fn sweep(&self, x: &[f32], rhs: &[f32], over: &[f32], weight: f32, next: &mut [f32]) {
+        let len = self.layer_len();
+        layers_mut(next, len, |number, out| {
+            let given = [rhs, over].map(|given| &given[number * len..][..len]);
+            let of = |own, [rhs, over]: [f32; 2], flux| own + weight * over * (rhs - flux);
+            widest(Layer { links: self, number, u: x, given, out, of });
+        });
     }
 
     fn coarse(&self) -> Option<Self> {
@@ -34,34 +64,32 @@ impl Network for Links {
 
     fn restrict(&self, coarse: &Self, x: &[f32], rhs: &[f32], into: &mut [f32]) {
         let [nx, _, nz] = self.counts;
-        let (steps, len) = (self.steps(), self.layer_len());
-        let [cx, ..] = coarse.counts;
+        let (steps, len, cx) = (self.steps(), self.layer_len(), coarse.counts[0]);
         layers_mut(into, coarse.layer_len(), |layer, into| {
             into.fill(0.0);
-            for k in layer * steps[2]..nz.min((layer + 1) * steps[2]) {
-                let rhs = &rhs[k * len..][..len];
-                let mut residual = vec![0.0; len];
-                self.fluxes(x, k, |at, flux, _| residual[at] = rhs[at] - flux);
-                for (j, row) in residual.chunks(nx).enumerate() {
+            let mut residual = vec![0.0; len];
+            for number in layer * steps[2]..nz.min((layer + 1) * steps[2]) {
+                let (given, out) = ([&rhs[number * len..][..len]], &mut residual[..]);
+                widest(Layer { links: self, number, u: x, given, out, of: |_, [rhs]: [f32; 1], flux| rhs - flux });
+                for (j, row) in residual.chunks_exact(nx).enumerate() {
                     let into = &mut into[j / steps[1] * cx..][..cx];
-                    for (sum, block) in into.iter_mut().zip(row.chunks(steps[0])) {
-                        *sum += block.iter().sum::<f32>();
-                    }
+                    let (pairs, last) = row.as_chunks::<2>();
+                    into.iter_mut().zip(pairs).for_each(|(sum, [a, b])| *sum += a + b);
+                    into.last_mut().into_iter().zip(last).for_each(|(sum, last)| *sum += last);
                 }
             }
         });
     }
 
     fn correct(&self, coarse: &Self, x: &mut [f32], correction: &[f32]) {
-        let (steps, nx) = (self.steps(), self.counts[0]);
-        let [cx, ..] = coarse.counts;
+        let (steps, nx, cx) = (self.steps(), self.counts[0], coarse.counts[0]);
         layers_mut(x, self.layer_len(), |k, x| {
             let from = &correction[k / steps[2] * coarse.layer_len()..][..coarse.layer_len()];
-            for (j, row) in x.chunks_mut(nx).enumerate() {
+            for (j, row) in x.chunks_exact_mut(nx).enumerate() {
                 let from = &from[j / steps[1] * cx..][..cx];
-                for (block, correction) in row.chunks_mut(steps[0]).zip(from) {
-                    block.iter_mut().for_each(|x| *x += correction);
-                }
+                let (pairs, last) = row.as_chunks_mut::<2>();
+                pairs.iter_mut().zip(from).for_each(|(pair, from)| *pair = pair.map(|x| x + from));
+                last.iter_mut().zip(from.last()).for_each(|(x, from)| *x += from);
             }
         });
     }
@@ -93,16 +121,18 @@ impl Links {
             if a == axis { first..first + 1 } else { first..count.min(first + steps[a]) }
         };
         layers_mut(&mut links, cx * cy, |layer, links| {
-            for (number, link) in links.iter_mut().enumerate() {
-                let (i, j) = (number % cx, number / cx);
-                let mut sum = 0.0;
+            let mut sums = vec![0.0_f32; nx];
+            for (j, links) in links.chunks_mut(cx).enumerate() {
+                sums.fill(0.0);
                 for k in range(2, layer, nz) {
                     for j in range(1, j, ny) {
                         let row = &self.across[axis][(k * ny + j) * nx..][..nx];
-                        sum += row[range(0, i, nx)].iter().sum::<f32>();
+                        sums.iter_mut().zip(row).for_each(|(sum, link)| *sum += link);
                     }
                 }
-                *link = sum * weight;
+                for (link, block) in links.iter_mut().zip(sums.chunks(steps[0])) {
+                    *link = weight * if axis == 0 { block[0] } else { block.iter().sum() };
+                }
             }
         });
         links

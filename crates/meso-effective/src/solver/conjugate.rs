@@ -2,8 +2,9 @@
 
 use super::multigrid::Multigrid;
 use super::network::Network;
-use super::stencil::{add, dot, layers_mut};
+use super::stencil::{Real, add, dot, dots, layers_mut};
 use crate::error::EffectiveError;
+use meso_concrete::parallel;
 
 /// Potentials of a network, and the way to them.
 pub(crate) struct Solution {
@@ -20,31 +21,44 @@ const BLOCKED: f64 = 1e-9;
 
 /// Symmetric equations with a preconditioner.
 pub(crate) trait Equations {
+    /// Numbers of residuals and directions.
+    type Number: Real;
     /// Numbers that are added up in one sum.
     fn layer_len(&self) -> usize;
     /// `out = A u`; returns `u . A u`.
-    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64;
-    /// Nearly `A^-1 r`, and its product with `r`.
-    fn correction(&mut self, r: &[f64]) -> (&[f32], f64);
+    fn apply(&self, u: &[Self::Number], out: &mut [Self::Number]) -> f64;
+    /// Nearly `A^-1 r`.
+    fn correction(&mut self, r: &[Self::Number]) -> &[f32];
+    /// The residual after a `step` along a direction whose `product` with `A` is given.
+    fn lower(&self, r: &mut [Self::Number], step: f64, product: &[Self::Number], _potential: &[f64]) {
+        add(r, -step, product, self.layer_len());
+    }
 }
 
 /// Potentials of a network.
 struct Potentials<'a, N> {
     links: &'a N,
     multigrid: Multigrid<N>,
+    rhs: Vec<f64>,
 }
 
 impl<N: Network> Equations for Potentials<'_, N> {
+    type Number = f32;
+
     fn layer_len(&self) -> usize {
         self.links.layer_len()
     }
 
-    fn apply(&self, u: &[f64], out: &mut [f64]) -> f64 {
+    fn apply(&self, u: &[f32], out: &mut [f32]) -> f64 {
         self.links.apply(u, out)
     }
 
-    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
+    fn correction(&mut self, r: &[f32]) -> &[f32] {
         self.multigrid.cycle(self.links, r)
+    }
+
+    fn lower(&self, r: &mut [f32], _step: f64, _product: &[f32], potential: &[f64]) {
+        self.links.residual(potential, &self.rhs, r);
     }
 }
 
@@ -56,53 +70,71 @@ pub(crate) fn solve(
     links: &impl Network,
     rhs: Vec<f64>,
     energy: f64,
-    accuracy: f64,
+    tolerance: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
-    solve_equations(&mut Potentials { links, multigrid: Multigrid::new(links) }, rhs, energy, accuracy, report)
+    let r = parallel::map_short(rhs.len(), |i| rhs[i] as f32);
+    solve_equations(&mut Potentials { links, multigrid: Multigrid::new(links), rhs }, r, energy, tolerance, report)
 }
 
 /// The solution of `A u = rhs`.
 ///
 /// `energy` is that of `u = 0`. Each iteration lowers it by `step^2 p . A p`, and `r . z` bounds the rest but for the
-/// quality of the preconditioner. Stops at `accuracy` of the energy.
+/// quality of the preconditioner. Stops at `tolerance` of the energy, after one more step along the last correction.
 ///
 /// # Errors
 /// Too many iterations.
-pub(crate) fn solve_equations(
-    equations: &mut impl Equations,
-    rhs: Vec<f64>,
+pub(crate) fn solve_equations<E: Equations>(
+    equations: &mut E,
+    rhs: Vec<E::Number>,
     energy: f64,
-    accuracy: f64,
+    tolerance: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
     let len = equations.layer_len();
-    let mut potential = vec![0.0; rhs.len()];
     let mut r = rhs;
-    let mut product = vec![0.0; r.len()];
-    let (z, mut rz) = equations.correction(&r);
-    let mut p: Vec<f64> = z.iter().map(|z| f64::from(*z)).collect();
-    let (mut left, mut iterations) = (energy, 0);
-    while rz > accuracy * left.max(BLOCKED * energy) {
-        report(iterations, rz / left);
+    // Empty before the first step, which only writes: pages that are read first would be mapped twice.
+    let (mut potential, mut p, mut product) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut left, mut curvature, mut iterations) = (energy, 0.0, 0);
+    loop {
+        let z = equations.correction(&r);
+        let [rz, pz] = if iterations == 0 { [dot(&r, z, len), 0.0] } else { dots([&r, &product], z, len) };
+        let error = rz / left.max(BLOCKED * energy);
+        // A first residual of rounding alone has no step: it may lie where no link leads away.
+        if rz <= 0.0 || iterations == 0 && error <= tolerance {
+            potential.resize(r.len(), 0.0);
+            return Ok(Solution { potential, iterations, error: error.max(0.0) });
+        }
+        report(iterations, error);
         if iterations == MOST {
             let fix = "raise the size of voxels or elements, or lower the contrast";
-            return Err(EffectiveError::Diverged { iterations, reached: rz / left, fix });
+            return Err(EffectiveError::Diverged { iterations, reached: error, fix });
         }
-        let curvature = equations.apply(&p, &mut product);
-        let step = dot(&p, &r, len) / curvature;
-        add(&mut potential, step, &p, len);
-        add(&mut r, -step, &product, len);
-        left -= step * step * curvature;
-        let (z, next) = equations.correction(&r);
-        let ratio = -dot(&product, z, len) / curvature;
-        layers_mut(&mut p, len, |k, p| {
-            let z = &z[k * len..][..p.len()];
-            p.iter_mut().zip(z).for_each(|(p, z)| *p = f64::from(*z) + ratio * *p);
-        });
-        rz = next;
+        if iterations == 0 {
+            p = parallel::map_short(r.len(), |i| E::Number::from(z[i]));
+            product = vec![E::Number::default(); r.len()];
+        } else {
+            follow(&mut p, z, -pz / curvature, len);
+        }
+        curvature = equations.apply(&p, &mut product);
+        let step: f64 = E::Number::of(dot(&p, &r, len) / curvature).into();
+        match iterations {
+            0 => potential = parallel::map_short(r.len(), |i| step * p[i].into()),
+            _ => add(&mut potential, step, &p, len),
+        }
         iterations += 1;
+        if error <= tolerance {
+            return Ok(Solution { potential, iterations, error });
+        }
+        equations.lower(&mut r, step, &product, &potential);
+        left -= step * step * curvature;
     }
-    let left = left.max(BLOCKED * energy);
-    Ok(Solution { potential, iterations, error: if left > 0.0 { rz / left } else { 0.0 } })
+}
+
+/// `p = z + ratio p`.
+fn follow<T: Real>(p: &mut [T], z: &[f32], ratio: f64, len: usize) {
+    layers_mut(p, len, |k, p| {
+        let z = &z[k * len..][..p.len()];
+        p.iter_mut().zip(z).for_each(|(p, z)| *p = T::from(*z) + T::of(ratio) * *p);
+    });
 }

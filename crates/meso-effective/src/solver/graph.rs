@@ -1,8 +1,8 @@
 //! Networks of any shape. Groups of a coarse level are pairs of pairs of pairs along the strongest links (Notay, Electron. Trans.
 //! Numer. Anal. 37, 2010, 123).
 
-use super::network::Network;
-use super::stencil::{Real, layers_mut};
+use super::network::{Network, over};
+use super::stencil::{Real, dot, layers_mut};
 use meso_concrete::parallel;
 
 /// Unknowns of a layer.
@@ -21,8 +21,6 @@ pub(crate) struct Graph {
     rows: Rows<f32>,
     /// Links to given potentials.
     ground: Vec<f32>,
-    /// Sum of the amounts of an unknown's links.
-    scale: Vec<f32>,
     /// Unknowns of the finer level by their group.
     groups: Groups,
 }
@@ -129,12 +127,12 @@ impl Groups {
 impl Graph {
     /// The network of some links, and of the links to given potentials.
     pub(crate) fn new(rows: Rows<f32>, ground: Vec<f32>) -> Self {
-        Self::grouped(rows, ground, Groups::default())
+        Self { rows, ground, groups: Groups::default() }
     }
 
-    fn grouped(rows: Rows<f32>, ground: Vec<f32>, groups: Groups) -> Self {
-        let scale = |number: usize| rows.row(number).1.iter().fold(ground[number].abs(), |sum, link| sum + link.abs());
-        Self { scale: parallel::map_short(rows.len(), scale), rows, ground, groups }
+    /// Sum of the amounts of an unknown's links.
+    fn scale(&self, number: usize) -> f32 {
+        self.rows.row(number).1.iter().fold(self.ground[number].abs(), |sum, link| sum + link.abs())
     }
 
     /// Pairs of unknowns along strong links; unknowns without links are in none.
@@ -142,7 +140,7 @@ impl Graph {
         let mut group = vec![NONE; self.len()];
         let mut count = 0;
         for unknown in 0..self.len() {
-            if group[unknown] != NONE || self.scale[unknown] == 0.0 {
+            if group[unknown] != NONE || self.scale(unknown) == 0.0 {
                 continue;
             }
             let (columns, links) = self.rows.row(unknown);
@@ -177,7 +175,22 @@ impl Graph {
         let rows = rows.map(|link| *link as f32);
         let ground = |group: usize| groups.members(group).iter().map(|member| self.ground[*member as usize]).sum();
         let ground = parallel::map_short(count, ground);
-        Self::grouped(rows, ground, groups)
+        Self { rows, ground, groups }
+    }
+
+    /// Calls `visit` with every unknown of layer `k`: its number in the layer, and the flux out of it.
+    #[inline]
+    fn fluxes<T: Real>(&self, u: &[T], k: usize, mut visit: impl FnMut(usize, f64)) {
+        let first = k * LAYER;
+        for number in first..self.len().min(first + LAYER) {
+            let own: f64 = u[number].into();
+            let mut flux = f64::from(self.ground[number]) * own;
+            let (columns, links) = self.rows.row(number);
+            for (column, link) in columns.iter().zip(links) {
+                flux += f64::from(*link) * (own - u[*column as usize].into());
+            }
+            visit(number - first, flux);
+        }
     }
 }
 
@@ -190,18 +203,24 @@ impl Network for Graph {
         LAYER
     }
 
-    #[inline]
-    fn fluxes<T: Real>(&self, u: &[T], k: usize, mut visit: impl FnMut(usize, T, f32)) {
-        let first = k * LAYER;
-        for number in first..self.len().min(first + LAYER) {
-            let own = u[number];
-            let mut flux = T::from(self.ground[number]) * own;
-            let (columns, links) = self.rows.row(number);
-            for (column, link) in columns.iter().zip(links) {
-                flux = flux + T::from(*link) * (own - u[*column as usize]);
-            }
-            visit(number - first, flux, self.scale[number]);
-        }
+    fn apply(&self, u: &[f32], out: &mut [f32]) -> f64 {
+        layers_mut(out, LAYER, |k, out| self.fluxes(u, k, |at, flux| out[at] = flux as f32));
+        dot(u, out, LAYER)
+    }
+
+    fn residual(&self, u: &[f64], rhs: &[f64], out: &mut [f32]) {
+        layers_mut(out, LAYER, |k, out| self.fluxes(u, k, |at, flux| out[at] = (rhs[k * LAYER + at] - flux) as f32));
+    }
+
+    fn over_scales(&self) -> Vec<f32> {
+        parallel::map_short(self.len(), |number| over(self.scale(number)))
+    }
+
+    fn sweep(&self, x: &[f32], rhs: &[f32], over: &[f32], weight: f32, next: &mut [f32]) {
+        layers_mut(next, LAYER, |k, next| {
+            let [own, rhs, over] = [x, rhs, over].map(|all| &all[k * LAYER..]);
+            self.fluxes(x, k, |at, flux| next[at] = own[at] + weight * over[at] * (rhs[at] - flux as f32));
+        });
     }
 
     fn coarse(&self) -> Option<Self> {
@@ -224,7 +243,7 @@ impl Network for Graph {
         let mut residual = vec![0.0; self.len()];
         layers_mut(&mut residual, LAYER, |k, residual| {
             let rhs = &rhs[k * LAYER..];
-            self.fluxes(x, k, |at, flux, _| residual[at] = rhs[at] - flux);
+            self.fluxes(x, k, |at, flux| residual[at] = rhs[at] - flux as f32);
         });
         layers_mut(into, LAYER, |k, into| {
             for (number, into) in into.iter_mut().enumerate() {

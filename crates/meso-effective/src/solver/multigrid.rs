@@ -5,7 +5,7 @@
 //! gradients must be flexible.
 
 use super::network::Network;
-use super::stencil::{add, dot, layers_mut};
+use super::stencil::{add, dot, dots, layers_mut};
 
 /// Chebyshev's weights for the eigenvalues 0.5 to 2 of the scaled matrix.
 const WEIGHTS: [f32; 2] = [0.562, 1.392];
@@ -22,71 +22,76 @@ pub(crate) struct Multigrid<N> {
 struct Level<N> {
     /// Links of the level below; none of the last one.
     coarse: Option<N>,
-    rhs: Vec<f32>,
+    /// One over the scales.
+    over: Vec<f32>,
     x: Vec<f32>,
     next: Vec<f32>,
+    /// Vectors of the two steps; the first level has none.
+    steps: Steps,
+}
+
+#[derive(Default)]
+struct Steps {
+    rhs: Vec<f32>,
+    first: Vec<f32>,
+    product: Vec<f32>,
 }
 
 impl<N: Network> Multigrid<N> {
     pub(crate) fn new(links: &N) -> Self {
-        let mut levels = vec![Level::new(links)];
+        let mut levels = vec![Level::new(links, 0)];
         while let Some(last) = levels.last().and_then(|level| level.coarse.as_ref()) {
-            let level = Level::new(last);
+            let level = Level::new(last, last.len());
             levels.push(level);
         }
         Self { levels }
     }
 
-    /// One cycle for the residual `r`; returns the correction and its product with `r`.
-    pub(crate) fn cycle(&mut self, links: &N, r: &[f64]) -> (&[f32], f64) {
-        let fine = &mut self.levels[0];
-        layers_mut(&mut fine.rhs, links.layer_len(), |k, rhs| {
-            let r = &r[k * links.layer_len()..][..rhs.len()];
-            rhs.iter_mut().zip(r).for_each(|(to, from)| *to = *from as f32);
-        });
-        cycle(links, &mut self.levels);
-        let z = &self.levels[0].x;
-        (z, dot(r, z, links.layer_len()))
+    /// The correction of one cycle for the residual `r`.
+    pub(crate) fn cycle(&mut self, links: &N, r: &[f32]) -> &[f32] {
+        cycle(links, r, &mut self.levels);
+        &self.levels[0].x
     }
 }
 
 impl<N: Network> Level<N> {
-    fn new(links: &N) -> Self {
-        let zeros = || vec![0.0; links.len()];
-        let coarse = links.coarse();
-        Self { coarse, rhs: zeros(), x: zeros(), next: zeros() }
+    fn new(links: &N, stepped: usize) -> Self {
+        let zeros = |len: usize| vec![0.0; len];
+        let steps = Steps { rhs: zeros(stepped), first: zeros(stepped), product: zeros(stepped) };
+        let (coarse, over) = (links.coarse(), links.over_scales());
+        Self { coarse, over, x: zeros(links.len()), next: zeros(links.len()), steps }
     }
 
-    /// Smooths by one sweep; the first sweep from zero needs no fluxes.
-    fn sweep(&mut self, links: &N, weight: f32, from_zero: bool) {
-        let (x, rhs, len) = (&self.x, &self.rhs, links.layer_len());
-        layers_mut(&mut self.next, len, |k, next| {
-            let (x_layer, rhs) = (&x[k * len..][..next.len()], &rhs[k * len..][..next.len()]);
-            links.fluxes(x, k, |at, flux, links| {
-                let (start, flux) = if from_zero { (0.0, 0.0) } else { (x_layer[at], flux) };
-                let over = if links > 0.0 { weight / links } else { 0.0 };
-                next[at] = start + over * (rhs[at] - flux);
-            });
+    /// A sweep from zero, which needs no fluxes.
+    fn first_sweep(&mut self, rhs: &[f32], weight: f32, len: usize) {
+        let over = &self.over;
+        layers_mut(&mut self.x, len, |k, x| {
+            let given = rhs[k * len..].iter().zip(&over[k * len..]);
+            x.iter_mut().zip(given).for_each(|(x, (rhs, over))| *x = weight * over * rhs);
         });
+    }
+
+    fn sweep(&mut self, links: &N, rhs: &[f32], weight: f32) {
+        links.sweep(&self.x, rhs, &self.over, weight, &mut self.next);
         std::mem::swap(&mut self.x, &mut self.next);
     }
 }
 
 /// A cycle on the first of `levels`, from zero.
-fn cycle<N: Network>(links: &N, levels: &mut [Level<N>]) {
+fn cycle<N: Network>(links: &N, rhs: &[f32], levels: &mut [Level<N>]) {
     let Some((level, lower)) = levels.split_first_mut() else { return };
+    level.first_sweep(rhs, WEIGHTS[0], links.layer_len());
     let Some(coarse) = level.coarse.take() else {
-        (0..LAST).for_each(|sweep| level.sweep(links, WEIGHTS[sweep % 2], sweep == 0));
-        (0..LAST).for_each(|sweep| level.sweep(links, WEIGHTS[1 - sweep % 2], false));
+        (1..LAST).for_each(|sweep| level.sweep(links, rhs, WEIGHTS[sweep % 2]));
+        (0..LAST).for_each(|sweep| level.sweep(links, rhs, WEIGHTS[1 - sweep % 2]));
         return;
     };
-    level.sweep(links, WEIGHTS[0], true);
-    level.sweep(links, WEIGHTS[1], false);
-    links.restrict(&coarse, &level.x, &level.rhs, &mut lower[0].rhs);
+    level.sweep(links, rhs, WEIGHTS[1]);
+    links.restrict(&coarse, &level.x, rhs, &mut lower[0].steps.rhs);
     twice(&coarse, lower);
     links.correct(&coarse, &mut level.x, &lower[0].x);
-    level.sweep(links, WEIGHTS[1], false);
-    level.sweep(links, WEIGHTS[0], false);
+    level.sweep(links, rhs, WEIGHTS[1]);
+    level.sweep(links, rhs, WEIGHTS[0]);
     level.coarse = Some(coarse);
 }
 
@@ -94,23 +99,22 @@ fn cycle<N: Network>(links: &N, levels: &mut [Level<N>]) {
 /// 2010, 123, algorithm 3.2). The steps scale what the constant groups get wrong.
 fn twice<N: Network>(links: &N, levels: &mut [Level<N>]) {
     let len = links.layer_len();
-    cycle(links, levels);
-    let level = &mut levels[0];
-    let first = level.x.clone();
-    let mut product = vec![0.0; first.len()];
+    let Steps { mut rhs, mut first, mut product } = std::mem::take(&mut levels[0].steps);
+    cycle(links, &rhs, levels);
+    std::mem::swap(&mut first, &mut levels[0].x);
     let rho = links.apply(&first, &mut product);
-    let step = if rho > 0.0 { dot(&first, &level.rhs, len) / rho } else { 0.0 };
-    add(&mut level.rhs, -step as f32, &product, len);
-    cycle(links, levels);
-    let level = &mut levels[0];
-    let gamma = dot(&level.x, &product, len);
-    let alpha = dot(&level.x, &level.rhs, len);
-    let own = links.apply(&level.x, &mut product);
+    let step = if rho > 0.0 { dot(&first, &rhs, len) / rho } else { 0.0 };
+    add(&mut rhs, -step, &product, len);
+    cycle(links, &rhs, levels);
+    let Level { x, next, .. } = &mut levels[0];
+    let [gamma, alpha] = dots([&product, &rhs], x, len);
+    let own = links.apply(x, next);
     let rest = own - if rho > 0.0 { gamma * gamma / rho } else { 0.0 };
     let second = if rest > PARALLEL * own { alpha / rest } else { 0.0 };
     let first_step = if rho > 0.0 { step - gamma * second / rho } else { 0.0 };
-    layers_mut(&mut level.x, len, |k, x| {
+    layers_mut(x, len, |k, x| {
         let first = &first[k * len..][..x.len()];
         x.iter_mut().zip(first).for_each(|(x, first)| *x = second as f32 * *x + first_step as f32 * first);
     });
+    levels[0].steps = Steps { rhs, first, product };
 }

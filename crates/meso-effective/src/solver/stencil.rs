@@ -1,19 +1,54 @@
-//! Fluxes out of a row of voxels through their six links.
+//! Fluxes out of voxels through their six links, row by row, and sums over layers.
 
 use crate::links::Links;
+use meso_collision::simd::{Wide, widest};
 use meso_concrete::parallel;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Mul, Range, Sub};
+use std::sync::{Mutex, PoisonError};
 
 /// `f32` or `f64`.
 pub(crate) trait Real:
     Copy + Default + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + From<f32> + Into<f64>
 {
+    /// The nearest number.
+    fn of(value: f64) -> Self;
 }
-impl Real for f32 {}
-impl Real for f64 {}
+impl Real for f32 {
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+}
+impl Real for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+/// A layer of voxels: `of` maps the potential of each, its `given` numbers, and the flux out of it.
+pub(super) struct Layer<'a, T, F, const N: usize> {
+    pub(super) links: &'a Links,
+    pub(super) number: usize,
+    pub(super) u: &'a [T],
+    pub(super) given: [&'a [T]; N],
+    pub(super) out: &'a mut [f32],
+    pub(super) of: F,
+}
+
+impl<T: Real, F: Fn(T, [T; N], T) -> f32, const N: usize> Wide for Layer<'_, T, F, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let nx = self.links.counts[0];
+        let outside = vec![T::default(); nx];
+        for (j, out) in self.out.chunks_exact_mut(nx).enumerate() {
+            let given = self.given.map(|given| &given[j * nx..][..nx]);
+            self.links.row(self.u, &outside, j, self.number).map(out, given, &self.of);
+        }
+    }
+}
 
 /// The potentials and links around a row of voxels.
-pub(super) struct Row<'a, T> {
+struct Row<'a, T> {
     own: &'a [T],
     sides: [&'a [T]; 4],
     x: &'a [f32],
@@ -21,7 +56,8 @@ pub(super) struct Row<'a, T> {
 }
 
 impl Links {
-    pub(super) fn row<'a, T>(&'a self, u: &'a [T], outside: &'a [T], j: usize, k: usize) -> Row<'a, T> {
+    #[inline(always)]
+    fn row<'a, T>(&'a self, u: &'a [T], outside: &'a [T], j: usize, k: usize) -> Row<'a, T> {
         let [nx, ny, nz] = self.counts;
         let [x, y, z] = &self.across;
         let at = |j: usize, k: usize| (k * ny + j) * nx;
@@ -38,52 +74,130 @@ impl Links {
             links: [link(y, at(j, k)), link(y, at(next(j, ny), k)), link(z, at(j, k)), link(z, at(j, k + 1))],
         }
     }
+
+    /// Sums of the links of every voxel of a row.
+    #[inline(always)]
+    pub(super) fn scales(&self, j: usize, k: usize, out: &mut [f32]) {
+        let row = self.row(&self.across[0], &self.across[0], j, k);
+        let n = out.len();
+        let (x, [a, b, c, d]) = (&row.x[..n], row.links.map(|links| &links[..n]));
+        for i in 0..n - 1 {
+            out[i] = (x[i] + x[i + 1]) + (a[i] + b[i]) + (c[i] + d[i]);
+        }
+        let i = n - 1;
+        out[i] = (x[i] + x[0]) + (a[i] + b[i]) + (c[i] + d[i]);
+    }
 }
 
 impl<T: Real> Row<'_, T> {
-    #[inline]
-    pub(super) fn fluxes(&self, mut visit: impl FnMut(usize, T, f32)) {
-        let nx = self.own.len();
-        let [a, b, c, d] = self.sides.map(|side| &side[..nx]);
-        let [ka, kb, kc, kd] = self.links.map(|links| &links[..nx]);
-        let (own, x) = (self.own, &self.x[..nx]);
-        let mut at = |i: usize, left: T, right: T, next: f32| {
-            let u = own[i];
-            let along = T::from(x[i]) * (u - left) + T::from(next) * (u - right);
-            let rows = T::from(ka[i]) * (u - a[i]) + T::from(kb[i]) * (u - b[i]);
-            let layers = T::from(kc[i]) * (u - c[i]) + T::from(kd[i]) * (u - d[i]);
-            visit(i, along + rows + layers, (x[i] + next) + (ka[i] + kb[i]) + (kc[i] + kd[i]));
-        };
-        if nx == 1 {
-            return at(0, own[0], own[0], x[0]);
+    /// The ends come last: then the loop, whose accesses are foreseen, has brought them into the cache.
+    #[inline(always)]
+    fn map<const N: usize>(&self, out: &mut [f32], given: [&[T]; N], of: &impl Fn(T, [T; N], T) -> f32) {
+        let nx = out.len();
+        if nx > 2 {
+            self.middle(&mut out[1..nx - 1], given.map(|given| &given[1..nx - 1]), of);
         }
-        at(0, own[nx - 1], own[1], x[1]);
-        for i in 1..nx - 1 {
-            at(i, own[i - 1], own[i + 1], x[i + 1]);
+        self.voxel(0, [nx - 1, usize::from(nx > 1)], out, given, of);
+        if nx > 1 {
+            self.voxel(nx - 1, [nx - 2, 0], out, given, of);
         }
-        at(nx - 1, own[nx - 2], own[0], x[0]);
     }
+
+    /// All voxels but the ends: slices of one length, so that the loop has no checks and becomes vector instructions.
+    #[inline(always)]
+    fn middle<const N: usize>(&self, out: &mut [f32], given: [&[T]; N], of: &impl Fn(T, [T; N], T) -> f32) {
+        let n = out.len();
+        let given = given.map(|given| &given[..n]);
+        let (u, left, right) = (&self.own[1..=n], &self.own[..n], &self.own[2..2 + n]);
+        let [a, b, c, d] = self.sides.map(|side| &side[1..=n]);
+        let (x, next) = (&self.x[1..=n], &self.x[2..2 + n]);
+        let [ka, kb, kc, kd] = self.links.map(|links| &links[1..=n]);
+        for i in 0..n {
+            let links = [x[i], next[i], ka[i], kb[i], kc[i], kd[i]];
+            let flux = through(u[i], [left[i], right[i], a[i], b[i], c[i], d[i]], links);
+            out[i] = of(u[i], given.map(|given| given[i]), flux);
+        }
+    }
+
+    /// A voxel at an end of the row, whose neighbours along it are `left` and `right`.
+    #[inline(always)]
+    fn voxel<const N: usize>(
+        &self,
+        i: usize,
+        [left, right]: [usize; 2],
+        out: &mut [f32],
+        given: [&[T]; N],
+        of: &impl Fn(T, [T; N], T) -> f32,
+    ) {
+        let ([a, b, c, d], [ka, kb, kc, kd]) = (self.sides.map(|side| side[i]), self.links.map(|links| links[i]));
+        let around = [self.own[left], self.own[right], a, b, c, d];
+        let flux = through(self.own[i], around, [self.x[i], self.x[right], ka, kb, kc, kd]);
+        out[i] = of(self.own[i], given.map(|given| given[i]), flux);
+    }
+}
+
+/// The flux out of a voxel.
+#[inline(always)]
+fn through<T: Real>(u: T, [left, right, a, b, c, d]: [T; 6], links: [f32; 6]) -> T {
+    let [x, next, ka, kb, kc, kd] = links.map(T::from);
+    let along = x * (u - left) + next * (u - right);
+    let rows = ka * (u - a) + kb * (u - b);
+    let layers = kc * (u - c) + kd * (u - d);
+    along + rows + layers
 }
 
 /// The scalar product, by layers of `len`.
 pub(crate) fn dot<S: Real, T: Real>(a: &[S], b: &[T], len: usize) -> f64 {
-    let layer = |k: usize| {
-        let range = k * len..a.len().min((k + 1) * len);
-        // Eight sums side by side.
-        let (a, b) = (&a[range.clone()], &b[range]);
-        let mut sums = [0.0_f64; 8];
-        for (a, b) in a.chunks(8).zip(b.chunks(8)) {
-            a.iter().zip(b).zip(&mut sums).for_each(|((a, b), sum)| *sum += (*a).into() * (*b).into());
+    let [sum] = layers_sum(a.len(), len, |range| [product(&a[range.clone()], &b[range])]);
+    sum
+}
+
+/// Two scalar products with `b`, by layers of `len`.
+pub(super) fn dots<S: Real, T: Real>(a: [&[S]; 2], b: &[T], len: usize) -> [f64; 2] {
+    layers_sum(b.len(), len, |range| a.map(|a| product(&a[range.clone()], &b[range.clone()])))
+}
+
+/// The scalar product of a layer.
+pub(super) fn product<S: Real, T: Real>(a: &[S], b: &[T]) -> f64 {
+    widest(Product(a, b))
+}
+
+/// Sums side by side in a scalar product.
+const SIDES: usize = 16;
+
+struct Product<'a, S, T>(&'a [S], &'a [T]);
+
+impl<S: Real, T: Real> Wide for Product<'_, S, T> {
+    type Output = f64;
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let (a, a_rest) = self.0.as_chunks::<SIDES>();
+        let (b, b_rest) = self.1.as_chunks::<SIDES>();
+        let mut sums = [0.0_f64; SIDES];
+        for (a, b) in a.iter().zip(b) {
+            for i in 0..SIDES {
+                sums[i] += a[i].into() * b[i].into();
+            }
         }
-        sums.iter().sum::<f64>()
-    };
-    let count = a.len().div_ceil(len);
-    if a.len() < FEW { (0..count).map(layer).sum() } else { parallel::map(count, layer).iter().sum() }
+        let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * (*b).into());
+        sums.iter().sum::<f64>() + rest.sum::<f64>()
+    }
 }
 
 /// Fewer values than this are handled by one thread: threads that wake up for less take longer than the work, and coarse
 /// levels are visited hundreds of times.
 const FEW: usize = 1 << 15;
+
+/// Sums over the layers of `len` among `count` values, in their order.
+fn layers_sum<const N: usize>(count: usize, len: usize, of: impl Fn(Range<usize>) -> [f64; N] + Sync) -> [f64; N] {
+    let layers = count.div_ceil(len);
+    let layer = |k: usize| of(k * len..count.min((k + 1) * len));
+    let add = |sums: [f64; N], layer: [f64; N]| std::array::from_fn(|i| sums[i] + layer[i]);
+    if count < FEW {
+        return (0..layers).map(layer).fold([0.0; N], add);
+    }
+    parallel::map(layers, layer).into_iter().fold([0.0; N], add)
+}
 
 /// Calls `of` for every layer of `len` values, and its number.
 pub(crate) fn layers_mut<T: Send>(values: &mut [T], len: usize, of: impl Fn(usize, &mut [T]) + Sync) {
@@ -94,10 +208,22 @@ pub(crate) fn layers_mut<T: Send>(values: &mut [T], len: usize, of: impl Fn(usiz
     }
 }
 
+/// Calls `of` like [`layers_mut`]; returns the sums of its results in the order of the layers.
+pub(super) fn layers_mut_sum<T: Send, const N: usize>(
+    values: &mut [T],
+    len: usize,
+    of: impl Fn(usize, &mut [T]) -> [f64; N] + Sync,
+) -> [f64; N] {
+    let sums: Vec<Mutex<[f64; N]>> = (0..values.len().div_ceil(len)).map(|_| Mutex::new([0.0; N])).collect();
+    let locked = |k: usize| sums[k].lock().unwrap_or_else(PoisonError::into_inner);
+    layers_mut(values, len, |k, layer| *locked(k) = of(k, layer));
+    (0..sums.len()).fold([0.0; N], |sum, k| std::array::from_fn(|i| sum[i] + locked(k)[i]))
+}
+
 /// `to += factor * from`.
-pub(super) fn add<T: Real>(to: &mut [T], factor: T, from: &[T], len: usize) {
+pub(super) fn add<S: Real, T: Real>(to: &mut [S], factor: f64, from: &[T], len: usize) {
     layers_mut(to, len, |k, to| {
         let from = &from[k * len..][..to.len()];
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + factor * *from);
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = S::of((*to).into() + factor * (*from).into()));
     });
 }

@@ -36,14 +36,11 @@ pub fn effective_in_tetrahedra<'a>(
     let itz = Itz::of([values.mortar, values.aggregate, values.itz], values.aggregate == 0.0);
     let meshed = Bodies::new(&bodies, specimen, itz, values.void > 0.0);
     let stages = options.axes.iter().filter(|axis| **axis).count();
-    let on = |size: f64, is_fine: bool| {
-        let domain = meshed.mesh(size, is_fine, watch)?;
+    let solve = |domain: &Domain, is_fine: bool| {
         let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
-        let task = Task { conduction: Conduction::new(&domain, &meshed, &values), options, fields, watch, stages };
-        Ok::<_, EffectiveError>((task.columns()?, domain))
+        Task { conduction: Conduction::new(domain, &meshed, &values), options, fields, watch, stages }.columns()
     };
-    let (coarse, _) = on(2.0 * element_size_mm, false)?;
-    let (mut fine, domain) = on(element_size_mm, true)?;
+    let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
     let boundary = Space::of(specimen).boundary("fixed");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
@@ -58,9 +55,10 @@ impl EffectiveOptions {
     /// Memory that tetrahedra take in a specimen at most, bytes.
     ///
     /// # Errors
-    /// An element size out of its range, and a specimen without flat ends.
+    /// An element size or a tolerance out of its range, and a specimen without flat ends.
     pub fn bytes_in_tetrahedra(&self, specimen: &Specimen, element_size_mm: f64) -> Result<f64, EffectiveError> {
         has_ends(specimen, self.axes)?;
+        error::accept_tolerance(self.tolerance)?;
         Ok(BYTES * cubes(specimen, element_size_mm)?)
     }
 }
@@ -230,7 +228,7 @@ impl Task<'_> {
             }
         };
         let sources = conduction.sources(unknowns, axis);
-        let found = solver::solve(graph, sources, energy, self.options.accuracy, &report)?;
+        let found = solver::solve(graph, sources, energy, self.options.tolerance, &report)?;
         let flux = conduction.mean(&unknowns.of, axis, &found.potential);
         let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &found.potential));
         Ok(Column { axis, flux, iterations: found.iterations, error: found.error, field })

@@ -95,7 +95,7 @@ impl<'a> Bodies<'a> {
     fn add(&mut self, body: &Aggregate, fills_voids: bool) {
         let (mut body, phase, mut film) = (body.clone(), Phase::of(body.kind), 0.0);
         if phase == Phase::Aggregate && body.itz_thickness_mm > 0.0 {
-            match body.core() {
+            match body.inner_surface() {
                 Err(_) => body.itz_thickness_mm = 0.0,
                 Ok(None) if self.itz == Itz::Mortar => return,
                 Ok(None) => film = body.body.volume(),
@@ -116,16 +116,23 @@ impl<'a> Bodies<'a> {
         self.films.push(film);
     }
 
-    /// The mesh of elements of a size; in a fine one every phase has nearly its exact volume.
+    /// The solutions on elements of a size and of twice the size, and the fine mesh; `solve` learns which one it is.
     ///
     /// # Errors
-    /// Bodies and options that cannot be meshed, and elements too large for a phase.
-    pub(super) fn mesh(
+    /// The errors of `solve`, bodies and options that cannot be meshed, and elements too large for a phase.
+    pub(super) fn on_two_sizes<S>(
         &self,
         element_size_mm: f64,
-        is_fine: bool,
         watch: &dyn Watch,
-    ) -> Result<Domain, EffectiveError> {
+        solve: impl Fn(&Domain, bool) -> Result<S, EffectiveError>,
+    ) -> Result<([S; 2], Domain), EffectiveError> {
+        let coarse = solve(&self.mesh(2.0 * element_size_mm, false, watch)?, false)?;
+        let domain = self.mesh(element_size_mm, true, watch)?;
+        Ok(([solve(&domain, true)?, coarse], domain))
+    }
+
+    /// The mesh of elements of a size; in a fine one every phase has nearly its exact volume.
+    fn mesh(&self, element_size_mm: f64, is_fine: bool, watch: &dyn Watch) -> Result<Domain, EffectiveError> {
         let is_layer = self.itz == Itz::Layer;
         let options = MeshOptions {
             method: Method::FITTED,

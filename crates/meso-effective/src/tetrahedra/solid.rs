@@ -36,14 +36,16 @@ pub fn stiffness_in_tetrahedra<'a>(
     let of = |phase: Phase| table[phase as usize];
     let itz = Itz::of([Phase::Mortar, Phase::Aggregate, Phase::Itz].map(of), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
-    let on = |size: f64, is_fine: bool, report: &dyn Fn(f64)| {
-        let domain = meshed.mesh(size, is_fine, watch)?;
+    let solve = |domain: &Domain, is_fine: bool| {
+        let report = |share| {
+            if is_fine {
+                watch.stage(Stage::Solve, share);
+            }
+        };
         let fields = is_fine && options.fields;
-        let solved = Solved::of(&mut Solid::new(&domain, &meshed, &table), options.accuracy, fields, report)?;
-        Ok::<_, EffectiveError>((solved, domain))
+        Solved::of(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, &report)
     };
-    let (coarse, _) = on(2.0 * element_size_mm, false, &|_| ())?;
-    let (mut fine, domain) = on(element_size_mm, true, &|share| watch.stage(Stage::Solve, share))?;
+    let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
@@ -58,11 +60,12 @@ impl StiffnessOptions {
     /// Memory that tetrahedra take in a specimen at most, bytes.
     ///
     /// # Errors
-    /// An element size out of its range, and a specimen that is no box.
+    /// An element size or a tolerance out of its range, and a specimen that is no box.
     pub fn bytes_in_tetrahedra(&self, specimen: &Specimen, element_size_mm: f64) -> Result<f64, EffectiveError> {
         if !specimen.container().is_box() {
             return Err(EffectiveError::Specimen(specimen.kind()));
         }
+        error::accept_tolerance(self.tolerance)?;
         Ok(BYTES * cubes(specimen, element_size_mm)?)
     }
 }
@@ -183,6 +186,8 @@ fn add_product(force: &mut [f64; 3], block: &Block, u: [f64; 3]) {
 }
 
 impl Equations for Solid<'_> {
+    type Number = f64;
+
     fn layer_len(&self) -> usize {
         LAYER
     }
@@ -205,14 +210,13 @@ impl Equations for Solid<'_> {
         dot(u, out, LAYER)
     }
 
-    fn correction(&mut self, r: &[f64]) -> (&[f32], f64) {
+    fn correction(&mut self, r: &[f64]) -> &[f32] {
         for (component, (graph, multigrid)) in self.networks.iter_mut().enumerate() {
-            let own: Vec<f64> = r.iter().skip(component).step_by(3).copied().collect();
-            let (found, _) = multigrid.cycle(graph, &own);
+            let own: Vec<f32> = r.iter().skip(component).step_by(3).map(|r| *r as f32).collect();
             let to = self.correction.iter_mut().skip(component).step_by(3);
-            to.zip(found).for_each(|(to, found)| *to = *found);
+            to.zip(multigrid.cycle(graph, &own)).for_each(|(to, found)| *to = *found);
         }
-        (&self.correction, dot(r, &self.correction, LAYER))
+        &self.correction
     }
 }
 

@@ -56,13 +56,12 @@ impl Bridges {
         let mut bridges = Self { edges: Vec::new(), rank: Vec::new(), owners };
         let sides = Sides::of_points(&mesh.points);
         let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeating(mesh.periodic) != 0;
-        let is_bridge = |edge: [u32; 2]| bridges.parts_two(edge) && !is_fixed(edge);
         let bridges_of = |cell: usize| {
-            let edges = EDGES.map(|[i, j]| ordered(mesh.cell(cell)[i], mesh.cell(cell)[j]));
-            edges
-                .map(|edge| (mesh.phase[cell] == Phase::Mortar && is_bridge(edge)).then_some(edge))
-                .into_iter()
-                .flatten()
+            let nodes = mesh.cell(cell);
+            let only = |i: usize| bridges.owners.only(nodes[i]);
+            let bodies = if mesh.phase[cell] == Phase::Mortar { [0, 1, 2, 3].map(only) } else { [None; 4] };
+            let parting = EDGES.into_iter().filter(move |&[i, j]| are_two(bodies[i], bodies[j]));
+            parting.map(|[i, j]| ordered(nodes[i], nodes[j])).filter(|edge| !is_fixed(*edge))
         };
         let mut edges = parallel::flat_map(mesh.cell_count(), bridges_of);
         edges.sort_unstable();
@@ -72,13 +71,6 @@ impl Bridges {
         bridges
     }
 
-    /// Whether the ends lie on two bodies. A node of several may share one of them with the other end: such an edge may be
-    /// theirs.
-    fn parts_two(&self, edge: [u32; 2]) -> bool {
-        let [a, b] = edge.map(|node| self.owners.only(node));
-        a.is_some() && b.is_some() && a != b
-    }
-
     /// The longest bridge of a cell: its number, and the places of its ends.
     fn longest_of(&self, nodes: &[u32; 4]) -> Option<(u32, [usize; 2])> {
         let found = EDGES.iter().filter_map(|&[i, j]| Some((self.number(nodes[i], nodes[j])?, [i, j])));
@@ -86,9 +78,16 @@ impl Bridges {
     }
 
     fn number(&self, a: u32, b: u32) -> Option<u32> {
-        let place = self.parts_two([a, b]).then(|| self.edges.binary_search(&ordered(a, b)).ok())?;
+        let is_bridge = are_two(self.owners.only(a), self.owners.only(b));
+        let place = is_bridge.then(|| self.edges.binary_search(&ordered(a, b)).ok())?;
         place.map(|place| place as u32)
     }
+}
+
+/// Whether nodes on these bodies lie on two. A node of several has none here: it may share one with the other end, and
+/// such an edge may be theirs.
+fn are_two(a: Option<u32>, b: Option<u32>) -> bool {
+    a.is_some() && b.is_some() && a != b
 }
 
 fn ordered(a: u32, b: u32) -> [u32; 2] {

@@ -40,14 +40,14 @@ impl Owners {
         let mut one = vec![NO_BODY; mesh.points.len()];
         owned().for_each(|(node, owner)| one[node as usize] = owner);
         let (mut other, mut further) = (one.clone(), Vec::new());
-        for (node, owner) in owned().filter(|&(node, owner)| one[node as usize] != owner) {
+        owned().filter(|&(node, owner)| one[node as usize] != owner).for_each(|(node, owner)| {
             let seen = &mut other[node as usize];
             if *seen == one[node as usize] {
                 *seen = owner;
             } else if *seen != owner {
                 further.push((node, owner));
             }
-        }
+        });
         further.sort_unstable();
         further.dedup();
         Self { one, other, further }

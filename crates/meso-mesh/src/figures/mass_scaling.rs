@@ -3,8 +3,8 @@
 //! A cell whose own stable step is shorter by the factor k gets k^2 times its mass, as `*FIXED MASS SCALING, TYPE=BELOW MIN` does
 //! it; its own step is the bound of [`stable_length_mm`](super::CellQuality::stable_length_mm) over the wave speed.
 
-use super::quality::measured;
-use crate::cells::{Mesh, Phase};
+use super::quality::stable_length_mm;
+use crate::cells::{Mesh, Phase, cell_volume};
 use crate::materials::Materials;
 use meso_collision::math::Vec3;
 use serde::Serialize;
@@ -74,9 +74,9 @@ impl Sums {
         let of_run = |_: usize, cells: &[u32], phases: &[Phase]| {
             let mut sums = [Self::NONE; 5];
             for (cell, phase) in cells.chunks_exact(nodes).zip(phases) {
-                let (quality, elastic) = (measured(mesh, cell), materials.elastic(*phase));
-                let own = quality.stable_length_mm / elastic.wave_speed_mm_per_s();
-                sums[*phase as usize].add(quality.volume_mm3 * elastic.density_t_per_mm3, own, step);
+                let (volume, elastic) = (cell_volume(mesh.kind, cell, &mesh.points), materials.elastic(*phase));
+                let own = stable_length_mm(mesh, cell) / elastic.wave_speed_mm_per_s();
+                sums[*phase as usize].add(volume * elastic.density_t_per_mm3, own, step);
             }
             sums
         };

@@ -34,7 +34,12 @@ pub struct CellQuality {
 impl CellQuality {
     /// Every cell's measures, in the cells' order.
     pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
-        parallel::map_short(mesh.cell_count(), |cell| measured(mesh, mesh.by_owner().cell(cell)))
+        Self::each(mesh, |quality| quality)
+    }
+
+    /// Every cell's measures as far as they are `kept`, in the cells' order.
+    pub fn each<T: Copy + Default + Send>(mesh: &Mesh, kept: impl Fn(Self) -> T + Sync) -> Vec<T> {
+        parallel::map_short(mesh.cell_count(), |cell| kept(measured(mesh, mesh.by_owner().cell(cell))))
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
@@ -47,13 +52,28 @@ pub(super) fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
     stop::point();
     match mesh.kind {
         CellKind::Hexahedron => voxel(cell, mesh),
-        _ => {
-            let quality = tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]));
-            // The nodes of a second-order tetrahedron are half as far apart.
-            let halves = if mesh.kind == CellKind::QuadraticTetrahedron { 2.0 } else { 1.0 };
-            CellQuality { stable_length_mm: quality.stable_length_mm / halves, ..quality }
+        kind => {
+            let quality = tetrahedron(corners(mesh, cell));
+            CellQuality { stable_length_mm: quality.stable_length_mm / parts(kind), ..quality }
         }
     }
+}
+
+/// [`CellQuality::stable_length_mm`] of one cell.
+pub(super) fn stable_length_mm(mesh: &Mesh, cell: &[u32]) -> f64 {
+    match mesh.kind {
+        CellKind::Hexahedron => voxel(cell, mesh).stable_length_mm,
+        kind => stable_length(corners(mesh, cell)) / parts(kind),
+    }
+}
+
+fn corners(mesh: &Mesh, cell: &[u32]) -> [Vec3; 4] {
+    [0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])
+}
+
+/// Parts of an edge between neighbouring nodes.
+fn parts(kind: CellKind) -> f64 {
+    if kind == CellKind::QuadraticTetrahedron { 2.0 } else { 1.0 }
 }
 
 /// Measures of the tetrahedron with these corners, mm.

@@ -143,8 +143,7 @@ pub(super) enum Role {
 /// The roles of all nodes.
 ///
 /// Nodes on sides that have to match opposite ones stay where they are, those on other flat sides slide in these.
-pub(super) fn roles(mesh: &TetMesh, domain: &Aabb, boundary: &Boundary) -> Vec<Role> {
-    let owners = Owners::of(mesh.by_body());
+pub(super) fn roles(mesh: &TetMesh, owners: &Owners, domain: &Aabb, boundary: &Boundary) -> Vec<Role> {
     let role = |node: u32| match boundary.hold(node as usize, on_sides(domain, &mesh.position(node))) {
         Some(hold) if boundary.fixes(hold) => Role::Fixed,
         Some(hold) => Role::Boundary(hold),
@@ -161,8 +160,7 @@ fn on_sides(domain: &Aabb, p: &Vec3) -> [bool; 3] {
 
 /// Gives the tetrahedra whose nodes all lie between materials the body of their centroid: no interface moves, but
 /// the mortar gets gaps back that were closed, and a body what lies under its faces.
-pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
-    let owners = Owners::of(mesh.by_body());
+pub(super) fn relabel(mesh: &mut TetMesh, owners: &Owners, locator: &Locator) {
     let between = |node: &u32| owners.are_several(*node);
     let TetMesh { points, cells, owner } = mesh;
     parallel::each_short_mut(owner, |cell, owner| {

@@ -23,6 +23,8 @@ const OTHERS: f64 = -0.5;
 const DEFICIT: f64 = 2.0;
 /// Nodes whose worst angle is below this are smoothed, degrees.
 const POOR_DEG: f64 = 22.0;
+/// Measures of one cell differ by less, whatever the order of its corners.
+const ROUNDING: f64 = 1e-4;
 /// Least gain in the worst cell's measure that is worth a move.
 const GAIN: f64 = 2e-3;
 /// First step along an axis, in elements; shorter by round.
@@ -120,7 +122,17 @@ fn body_under(exact: &Exact, star: &Star) -> Option<u32> {
 
 /// Whether the cells around a node are poor, the worst being `cos2`; closed gaps move only for angles below the guard.
 pub(super) fn is_poor(role: Role, cos2: f64) -> bool {
-    cos2 > cos2_of(if role == Role::Contact { GUARD_DEG } else { POOR_DEG })
+    cos2 > poor(role)
+}
+
+/// The measure below which a cell is not poor, whatever its precision and the order of its corners.
+pub(super) fn clearly_fine(role: Role) -> f64 {
+    poor(role) - ROUNDING
+}
+
+/// The measure above which the cells around a node are poor.
+fn poor(role: Role) -> f64 {
+    cos2_of(if role == Role::Contact { GUARD_DEG } else { POOR_DEG })
 }
 
 /// Smoothing: a position that betters the worst cell, which is `before`; surface nodes stay on their face and lose no volume.

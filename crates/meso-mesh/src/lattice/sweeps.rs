@@ -11,14 +11,16 @@
 use super::boundary::Boundary;
 use super::nodes::{Exact, PeriodicPairs, Role, near_surface, relabel, release, roles};
 use super::repair::repair;
-use super::smoothing::{is_poor, smoothed, snapped};
+use super::smoothing::{clearly_fine, is_poor, smoothed, snapped};
 use super::surface::{Surface, volume_deficits};
+use crate::cells::Owners;
 use crate::location::Locator;
-use crate::tet::{Incidence, Star, TetMesh};
+use crate::tet::{Incidence, LANES, Star, TetMesh, min_dihedral_cos2};
 use meso_collision::math::{Aabb, Vec3};
+use meso_collision::prefetch::prefetch;
 use meso_concrete::parallel;
 use meso_concrete::stop;
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// Rounds of sliding and smoothing.
 const ROUNDS: usize = 5;
@@ -36,24 +38,28 @@ pub(super) fn fit(
     size: f64,
     boundary: &Boundary,
 ) -> usize {
-    let mut roles_now = roles(mesh, domain, boundary);
+    let mut owners = Owners::of(mesh.by_body());
+    let mut roles_now = roles(mesh, &owners, domain, boundary);
     let active = near_surface(mesh, &roles_now);
     let incidence = Incidence::of(&mesh.cells, &active);
     let exact = Exact { surfaces, boundary, size };
-    let mut sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh.points.len());
+    let sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh);
     for round in 0..ROUNDS {
         stop::point();
         if RELABELLED.contains(&round) {
-            relabel(mesh, locator);
-            let before = std::mem::replace(&mut roles_now, roles(mesh, domain, boundary));
+            relabel(mesh, &owners, locator);
+            owners = Owners::of(mesh.by_body());
+            let before = std::mem::replace(&mut roles_now, roles(mesh, &owners, domain, boundary));
             let changed = (0..).zip(roles_now.iter().zip(&before)).filter(|(_, (now, before))| now != before);
-            changed.for_each(|(node, _)| *sweeps.waiting[node].get_mut() = ALL);
+            changed.for_each(|(node, _)| sweeps.waiting[node].store(ALL, Relaxed));
         }
         let deficits = volume_deficits(mesh, surfaces);
         let state = State { exact: &exact, incidence: &incidence, roles: &roles_now, deficits: &deficits };
         sweeps.sweep(mesh, state, |turn, node| turn.slide(node));
         sweeps.sweep(mesh, state, |turn, node| turn.smooth(node, round));
+        parallel::each_short_mut(&mut mesh.points, |node, point| *point = sweeps.points[node].position());
     }
+    drop(sweeps);
     let pairs = PeriodicPairs::of(&mesh.points, domain, boundary.repeats);
     release(&mut roles_now, mesh, &pairs, domain);
     repair(&exact, mesh, incidence, roles_now, &pairs)
@@ -77,25 +83,42 @@ struct State<'a> {
 /// The driver: which nodes are still to be looked at, and by which step.
 struct Sweeps {
     patches: Patches,
+    points: Vec<Spot>,
     waiting: Vec<AtomicU8>,
+    /// The smallest angle of every cell, as [`min_dihedral_cos2`], in single precision: a node whose cells are clearly
+    /// fine needs no star.
+    measures: Vec<AtomicU32>,
 }
 
 impl Sweeps {
-    fn new(patches: Patches, nodes: usize) -> Self {
-        Self { patches, waiting: (0..nodes).map(|_| AtomicU8::new(ALL)).collect() }
+    fn new(patches: Patches, mesh: &TetMesh) -> Self {
+        let measure = |&cell: &[u32; 4]| single(min_dihedral_cos2(mesh.corners(cell)));
+        Self {
+            patches,
+            points: parallel::map_each(&mesh.points, Spot::at),
+            waiting: mesh.points.iter().map(|_| AtomicU8::new(ALL)).collect(),
+            measures: parallel::map_each(&mesh.cells, |cell| AtomicU32::new(measure(cell))),
+        }
     }
 
-    /// Takes one step at every node, colour by colour, and applies the result.
-    fn sweep(&mut self, mesh: &mut TetMesh, state: State, step: impl Fn(&mut Turn, u32) + Sync) {
-        let points = parallel::map_each(&mesh.points, Spot::at);
+    /// Takes one step at every node, colour by colour.
+    fn sweep(&self, mesh: &TetMesh, state: State, step: impl Fn(&mut Turn, u32) + Sync) {
         for colour in &self.patches.colours {
-            let turn = || Turn { state, mesh, points: &points, waiting: &self.waiting, star: Star::default() };
+            let turn = || Turn { state, mesh, sweeps: self, star: Star::default(), memory: Vec::new() };
             parallel::map_with(colour.len(), turn, |turn, i| {
-                self.patches.nodes[colour[i] as usize].iter().for_each(|&node| step(turn, node));
+                let nodes = &self.patches.nodes[colour[i] as usize];
+                for (&node, next) in nodes.iter().zip(1..) {
+                    nodes.get(next).iter().for_each(|&&next| turn.fetch(next));
+                    step(turn, node);
+                }
             });
         }
-        parallel::each_short_mut(&mut mesh.points, |node, point| *point = points[node].position());
     }
+}
+
+/// The bits of a measure in single precision.
+fn single(measure: f64) -> u32 {
+    (measure as f32).to_bits()
 }
 
 /// A position that threads share: the bits of its coordinates.
@@ -118,12 +141,13 @@ impl Spot {
 /// Patches while their nodes move, one after the other.
 struct Turn<'a> {
     state: State<'a>,
-    /// Cells and owners; positions are those before the sweep.
+    /// Cells and owners; positions are those before the round.
     mesh: &'a TetMesh,
-    points: &'a [Spot],
-    waiting: &'a [AtomicU8],
+    sweeps: &'a Sweeps,
     /// The star of the latest node; its memory serves all nodes.
     star: Star,
+    /// Memory for the measures of a star.
+    memory: Vec<[f64; LANES]>,
 }
 
 impl Turn<'_> {
@@ -144,7 +168,7 @@ impl Turn<'_> {
     fn smooth(&mut self, node: u32, round: usize) {
         stop::point();
         let role = self.state.roles[node as usize];
-        if role == Role::Fixed || !self.take(node, SMOOTH) {
+        if role == Role::Fixed || !self.take(node, SMOOTH) || self.cells_are_fine(node, role) {
             return;
         }
         self.look_at(node);
@@ -159,30 +183,51 @@ impl Turn<'_> {
         }
     }
 
+    /// Whether the cells around the node are so good that no rounding makes the node poor.
+    fn cells_are_fine(&self, node: u32, role: Role) -> bool {
+        let limit = clearly_fine(role) as f32;
+        let measure = |&cell: &u32| f32::from_bits(self.sweeps.measures[cell as usize].load(Relaxed));
+        self.state.incidence.cells(node).iter().all(|cell| measure(cell) < limit)
+    }
+
     /// Whether anything around the node has changed since this step last looked at it.
     fn take(&self, node: u32, step: u8) -> bool {
-        let waiting = &self.waiting[node as usize];
+        let waiting = &self.sweeps.waiting[node as usize];
         let steps = waiting.load(Relaxed);
         waiting.store(steps & !step, Relaxed);
         steps & step != 0
     }
 
     fn wakes(&self, node: u32, steps: u8) {
-        self.waiting[node as usize].fetch_or(steps, Relaxed);
+        self.sweeps.waiting[node as usize].fetch_or(steps, Relaxed);
+    }
+
+    /// Begins to bring the cells around a node near.
+    fn fetch(&self, node: u32) {
+        if self.sweeps.waiting[node as usize].load(Relaxed) != 0 {
+            for &cell in self.state.incidence.cells(node) {
+                prefetch(&self.mesh.cells[cell as usize..=cell as usize]);
+                prefetch(&self.mesh.owner[cell as usize..=cell as usize]);
+            }
+        }
     }
 
     fn look_at(&mut self, node: u32) {
-        let Self { state, mesh, points, star, .. } = self;
+        let Self { state, mesh, sweeps, star, .. } = self;
         let cells = state.incidence.cells(node).iter().map(|&cell| mesh.owned(cell));
-        star.refill(node, cells, |node| points[node as usize].position());
+        star.refill(node, cells, |node| sweeps.points[node as usize].position());
     }
 
     /// Moves the node; all around it are to be looked at again.
-    fn move_to(&self, node: u32, to: &Vec3) {
-        self.points[node as usize].move_to(to);
-        for &cell in self.state.incidence.cells(node) {
-            self.mesh.cell(cell).into_iter().for_each(|near| self.waiting[near as usize].store(ALL, Relaxed));
-        }
+    fn move_to(&mut self, node: u32, to: &Vec3) {
+        let Self { state, mesh, sweeps, star, memory } = self;
+        let cells = state.incidence.cells(node);
+        sweeps.points[node as usize].move_to(to);
+        star.each(to, memory, |number, measure| {
+            let cell = cells[number];
+            sweeps.measures[cell as usize].store(single(measure), Relaxed);
+            mesh.cell(cell).into_iter().for_each(|near| sweeps.waiting[near as usize].store(ALL, Relaxed));
+        });
     }
 }
 

@@ -7,7 +7,8 @@
 //!    the nodes of the surface land on the cut of the offset with it.
 //! 2. Where faces do not look away from the centroid ([`use_fallback_directions`]): they stand where a lattice closed a gap, so
 //!    that a body reaches out to its neighbour. Their nodes go along the direction that enters all the faces around the node as steeply as can be, far
-//!    enough for the whole thickness below the least steep of them (at most four times the thickness).
+//!    enough for the whole thickness below the least steep of them (at most four times the thickness). So do all nodes of bodies
+//!    with dents, whose rays may meet several faces.
 //! 3. Onto the offsets of the very faces that meet at the node ([`project`]). A ray may leave the offset through the plane beside:
 //!    then a triangle at an edge ends up across the offset's edge and cuts it off (0.036 mm rms over the layer's inner side in a
 //!    30 mm cube at 2 mm). The projection is the point nearest to the ray's that lies on the offsets of all the node's own faces:
@@ -17,7 +18,7 @@
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
-use meso_collision::geometry::Plane;
+use meso_collision::geometry::{Plane, Triangles};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -38,6 +39,8 @@ pub(super) struct RadialOffset {
     pub(super) thickness: f64,
     /// The faces of a periodic box that the aggregate reaches across.
     across: Flat,
+    /// The triangles of a body with dents, in the order of its planes.
+    dents: Option<Triangles>,
 }
 
 impl RadialOffset {
@@ -45,7 +48,9 @@ impl RadialOffset {
     fn new(aggregate: &Aggregate, thickness: f64, flat: Flat, walls: &Aabb, periodic: [bool; 3]) -> Option<Self> {
         let planes: Vec<Plane> = aggregate.body.bounding_planes();
         let aabb = aggregate.body.aabb();
+        let dents = (!aggregate.body.is_convex()).then(|| aggregate.body.surface());
         let centre = match flat {
+            _ if dents.is_some() => aggregate.body.centroid(),
             Flat::SPACE => aggregate.body.centroid(),
             flat => {
                 let free: Vec<usize> = (0..3).filter(|&axis| !flat.holds(axis)).collect();
@@ -53,14 +58,20 @@ impl RadialOffset {
             }
         };
         let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
-        let shallowest = planes.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+        let shallowest = match dents {
+            Some(_) => f64::INFINITY,
+            None => planes.iter().map(|p| p.1).fold(f64::INFINITY, f64::min),
+        };
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic) })
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic), dents })
     }
 
-    /// The target of a node.
+    /// The target of a node along its ray; where the body has dents, the node itself.
     pub(super) fn apply(&self, x: &Vec3) -> Vec3 {
+        if self.dents.is_some() {
+            return *x;
+        }
         let ray = x - self.centre;
         let (mut surface, mut offset) = (f64::INFINITY, f64::INFINITY);
         for (normal, depth) in &self.planes {
@@ -72,6 +83,19 @@ impl RadialOffset {
         }
         // The centre itself has no ray, and stays.
         if surface.is_finite() { self.centre + ray * (offset / surface) } else { *x }
+    }
+
+    /// The planes of the faces that hold the node at `x`.
+    fn faces_at(&self, x: &Vec3) -> Vec<(Vec3, f64)> {
+        let from_centre = x - self.centre;
+        let near = |plane: &(Vec3, f64), reach: f64| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * reach;
+        let Some(surface) = &self.dents else {
+            return self.planes.iter().filter(|plane| near(plane, plane.1)).copied().collect();
+        };
+        let size = surface.aabb().size().max();
+        let around = Aabb { min: *x, max: *x }.grown(ON * size);
+        let planes = surface.near(&around).into_iter().map(|triangle| self.planes[triangle as usize]);
+        planes.filter(|plane| near(plane, size)).collect()
     }
 }
 
@@ -176,7 +200,7 @@ pub(super) fn use_fallback_directions(
             let (slope, ray) = (flat.along(&normal), flat.along(&(middle - radial.centre)));
             let lead = constraint.lead(copy);
             normals.push((lead, slope));
-            falls_back[lead as usize] |= slope.dot(&ray) < AWAY * ray.norm();
+            falls_back[lead as usize] |= radial.dents.is_some() || slope.dot(&ray) < AWAY * ray.norm();
         }
     }
     normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));
@@ -218,7 +242,7 @@ fn direction_into_all(normals: &[Vec3]) -> Option<(Vec3, f64)> {
     (best.1 > STEEP).then_some(best)
 }
 
-/// Points this far from a plane count as on it, in depths of the centre.
+/// Points this far from a plane count as on it, in depths of the centre, or in sizes of a body with dents.
 const ON: f64 = 1e-9;
 /// Damps a step where the faces hardly decide on it: planes 2 degrees apart and less.
 const DAMPING: f64 = 1e-3;
@@ -256,9 +280,7 @@ pub(super) fn project(
 
 /// The projection within `flat` for the node at `x`, whose target along its ray is `target`; none where no face holds the node.
 fn on_own_faces(radial: &RadialOffset, flat: Flat, x: &Vec3, target: &Vec3) -> Option<Vec3> {
-    let from_centre = x - radial.centre;
-    let holds = |plane: &&(Vec3, f64)| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * plane.1;
-    let own: Vec<&(Vec3, f64)> = radial.planes.iter().filter(holds).collect();
+    let own = radial.faces_at(x);
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
     let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;

@@ -15,10 +15,12 @@ pub(crate) struct Star {
     /// The last eight is filled up with faces that it has already.
     eights: Vec<Eight>,
     owners: Vec<u32>,
+    /// Number of the face that changed places with the first one.
+    first: usize,
 }
 
 /// Faces that are measured together.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// Eight faces: the x, y and z of their corners a, then of b and c.
 #[derive(Clone, Copy)]
@@ -29,6 +31,7 @@ impl Eight {
         [0, 3, 6].map(|at| Vec3::new(self.0[at][lane], self.0[at + 1][lane], self.0[at + 2][lane]))
     }
 
+    #[inline(always)]
     fn set(&mut self, lane: usize, [a, b, c]: [Vec3; 3]) {
         let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
         self.0.iter_mut().zip(all).for_each(|(row, value)| row[lane] = value);
@@ -90,6 +93,24 @@ impl Wide for First<'_> {
     }
 }
 
+/// The measure of every tetrahedron of some faces with a node at `x`, by eights.
+struct Each<'a> {
+    eights: &'a [Eight],
+    x: &'a Vec3,
+    measures: &'a mut [[f64; LANES]],
+}
+
+impl Wide for Each<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (eight, measures) in self.eights.iter().zip(self.measures) {
+            *measures = eight.cos2(self.x);
+        }
+    }
+}
+
 impl Star {
     /// The star of `node` in a mesh, from the numbers of its cells.
     pub(crate) fn of(mesh: &TetMesh, node: u32, cells: &[u32]) -> Self {
@@ -117,16 +138,18 @@ impl Star {
         self.centre = position(node);
         self.eights.clear();
         self.owners.clear();
+        self.first = 0;
         for (nodes, owner) in cells {
             debug_assert!(nodes.contains(&node), "a star's cells hold its node");
             // Without branches: nobody predicts the corner that a node is.
             let at: usize = (1..4).map(|corner| corner * usize::from(nodes[corner] == node)).sum();
-            // Even permutations that bring the node to the front.
-            let [i, j, k] = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][at];
-            self.push([position(nodes[i]), position(nodes[j]), position(nodes[k])], owner);
+            // An even permutation that brings the node to the front.
+            let other = |i: usize| position(nodes[(at ^ i) % 4]);
+            self.push([other(1), other(2), other(3)], owner);
         }
     }
 
+    #[inline(always)]
     fn push(&mut self, face: [Vec3; 3], owner: u32) {
         let lane = self.owners.len() % LANES;
         if lane == 0 {
@@ -171,8 +194,26 @@ impl Star {
             self.eights[0].set(0, other);
             self.eights[at / LANES].set(at % LANES, first);
             self.owners.swap(0, at);
+            self.first = at;
         }
         worst
+    }
+
+    /// Calls `visit` with the measure of every tetrahedron with the node at `x`, in the order in which the cells came;
+    /// `memory` serves further calls. For stars whose worst tetrahedron came first once at most.
+    pub(crate) fn each(&self, x: &Vec3, memory: &mut Vec<[f64; LANES]>, mut visit: impl FnMut(usize, f64)) {
+        memory.resize(self.eights.len(), [0.0; LANES]);
+        widest(Each { eights: &self.eights, x, measures: memory });
+        for number in 0..self.owners.len() {
+            let at = if number == 0 {
+                self.first
+            } else if number == self.first {
+                0
+            } else {
+                number
+            };
+            visit(number, memory[at / LANES][at % LANES]);
+        }
     }
 
     /// The gain of six times the volume of the star's tetrahedra by a unit move of the node, each tetrahedron counted as
@@ -294,6 +335,9 @@ mod tests {
                 let mut star = Star::of_cells(0, cells.iter().map(|&cell| (cell, 7)), at);
                 assert_eq!(star.worst(&points[0], INVERTED).to_bits(), worst.to_bits(), "{count} {isa:?}");
                 assert_eq!(star.worst_first().to_bits(), worst.to_bits());
+                let (mut each, mut measures) = (vec![0.0; one_by_one.len()], Vec::new());
+                star.each(&points[0], &mut measures, |number, measure| each[number] = measure);
+                assert_eq!(each, one_by_one);
                 let [a, b, c] = star.face(0);
                 assert_eq!(min_dihedral_cos2([points[0], a, b, c]), worst, "the worst one comes first");
             }

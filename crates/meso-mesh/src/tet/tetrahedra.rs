@@ -164,6 +164,7 @@ pub(crate) fn cos2_of(degrees: f64) -> f64 {
 ///
 /// With outward face vectors n_i (of twice the area), the angle at the edge shared by faces i and j has the cosine
 /// -n_i . n_j / |n_i| |n_j|.
+#[inline(always)]
 pub(crate) fn dihedral_cosines(p: [Vec3; 4]) -> [f64; 2] {
     let normals = face_vectors(p).map(|n| n / n.norm());
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -177,12 +178,14 @@ pub(crate) fn dihedral_cosines(p: [Vec3; 4]) -> [f64; 2] {
 }
 
 /// Outward vectors of twice the area, the face opposite to node i at i.
+#[inline(always)]
 pub(crate) fn face_vectors([a, b, c, d]: [Vec3; 4]) -> [Vec3; 4] {
     let cross = |u: Vec3, v: Vec3, w: Vec3| (v - u).cross(&(w - u));
     [cross(b, c, d), cross(a, d, c), cross(a, b, d), cross(a, c, b)]
 }
 
 /// Shortest altitude of the tetrahedron with these corners, mm: six times its volume over twice its largest face's area.
+#[inline(always)]
 pub(crate) fn shortest_altitude(p: [Vec3; 4]) -> f64 {
     let six_volumes = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
     six_volumes / face_vectors(p).map(|n| n.norm_squared()).into_iter().fold(0.0, f64::max).sqrt()
@@ -193,6 +196,7 @@ pub(crate) fn shortest_altitude(p: [Vec3; 4]) -> f64 {
 /// With lumped masses m = rho V / 4 its highest frequency w has w^2 <= 4 c^2 sum |grad N|^2 (the trace bounds the largest
 /// eigenvalue, for Poisson's ratios of 0 or more), and central differences are stable up to 2 / w. So L = 1 / sqrt(sum
 /// |grad N|^2), where |grad N| is one over an altitude. The shortest altitude is up to twice as long, and no bound.
+#[inline(always)]
 pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
     6.0 * volume(p) / face_vectors(p).map(|n| n.norm_squared()).into_iter().sum::<f64>().sqrt()
 }

@@ -378,6 +378,7 @@ class Packing:
         phases: Mapping[str, float] | None = None,
         eigenstrain: None = None,
         axes: str = "xyz",
+        tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Effective:
         """Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
@@ -400,6 +401,8 @@ class Packing:
             Strains without stress of the phases by name, for stiffness: shrinkage is negative.
         axes : str
             Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+        tolerance : float, optional
+            Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
         progress : bool or callable, optional
             True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
 
@@ -431,6 +434,7 @@ class Packing:
         phases: Mapping[str, Mapping[str, float]] | None = None,
         eigenstrain: Mapping[str, float] | None = None,
         axes: Literal["xyz"] = "xyz",
+        tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Stiffness: ...
 
@@ -1119,6 +1123,7 @@ def effective(
     phases: Mapping[int, float] | Mapping[str, float] | None = None,
     eigenstrain: None = None,
     axes: str = "xyz",
+    tolerance: float | None = None,
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
 ) -> _results.Effective:
@@ -1142,6 +1147,8 @@ def effective(
         Strains without stress by label, for stiffness.
     axes : str
         Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+    tolerance : float, optional
+        Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
     periodic : str
         Axes along which the volume repeats itself; along others both faces have given values.
     progress : bool or callable, optional
@@ -1169,6 +1176,7 @@ def effective(
     phases: Mapping[int, Mapping[str, float]] | Mapping[str, Mapping[str, float]] | None = None,
     eigenstrain: Mapping[int, float] | Mapping[str, float] | None = None,
     axes: Literal["xyz"] = "xyz",
+    tolerance: float | None = None,
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
 ) -> _results.Stiffness: ...

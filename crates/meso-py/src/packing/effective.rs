@@ -30,6 +30,7 @@ pub(super) struct Asked<'a> {
     pub(super) phases: Option<&'a Bound<'a, PyAny>>,
     pub(super) eigenstrain: Option<&'a Bound<'a, PyAny>>,
     pub(super) axes: &'a str,
+    pub(super) tolerance: Option<f64>,
 }
 
 impl Asked<'_> {
@@ -78,7 +79,13 @@ impl Asked<'_> {
         if axes == [false; 3] {
             return Err(wrong_value("axes is \"\"; it must be some of x, y, z, each once, as in \"xz\""));
         }
-        Ok(EffectiveOptions { axes, ..EffectiveOptions::new(what, voxel_size_mm) })
+        let usual = EffectiveOptions::new(what, voxel_size_mm);
+        Ok(EffectiveOptions { axes, tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual })
+    }
+
+    fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
+        let usual = StiffnessOptions::new(voxel_size_mm);
+        StiffnessOptions { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
     }
 
     /// Strains by the name of their phase.
@@ -146,7 +153,7 @@ pub(super) fn compute<'py>(
         }
         None if asked.in_tetrahedra()? => {
             let (size, moduli) = (asked.size(model), asked.moduli()?);
-            let options = StiffnessOptions::new(size);
+            let options = asked.stiffness_options(size);
             let bytes = options.bytes_in_tetrahedra(&model.spec.specimen, size);
             let model = Arc::clone(model);
             solve(py, bytes, progress, move |watch| {
@@ -162,7 +169,7 @@ pub(super) fn compute<'py>(
             })
         }
         None => {
-            let (options, moduli) = (StiffnessOptions::new(asked.size(model)), asked.moduli()?);
+            let (options, moduli) = (asked.stiffness_options(asked.size(model)), asked.moduli()?);
             let bytes = options.bytes(&model.spec.specimen);
             let model = Arc::clone(model);
             solve(py, bytes, progress, move |watch| {
@@ -192,6 +199,8 @@ pub(super) fn compute<'py>(
 ///     Strains without stress by label, for stiffness.
 /// axes : str
 ///     Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+/// tolerance : float, optional
+///     Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
 /// periodic : str
 ///     Axes along which the volume repeats itself; along others both faces have given values.
 /// progress : bool or callable, optional
@@ -209,7 +218,7 @@ pub(super) fn compute<'py>(
 /// RuntimeError
 ///     Where the equations do not converge.
 #[pyfunction(name = "effective")]
-#[pyo3(signature = (labels, what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", periodic="", progress=None))]
+#[pyo3(signature = (labels, what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", tolerance=None, periodic="", progress=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn of_labels<'py>(
     py: Python<'py>,
@@ -219,10 +228,12 @@ pub(crate) fn of_labels<'py>(
     phases: Option<&Bound<'py, PyAny>>,
     eigenstrain: Option<&Bound<'py, PyAny>>,
     axes: &str,
+    tolerance: Option<f64>,
     periodic: &str,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let asked = Asked { what, voxel_size: None, method: "voxel", element_size: None, phases, eigenstrain, axes };
+    let asked =
+        Asked { what, voxel_size: None, method: "voxel", element_size: None, phases, eigenstrain, axes, tolerance };
     guard(|| {
         let property = asked.property()?;
         let phases = asked.label_phases(property)?;
@@ -240,7 +251,7 @@ pub(crate) fn of_labels<'py>(
             }
             None => {
                 phases.moduli(&specimen.volume).map_err(|error| raised(&error))?;
-                let options = StiffnessOptions::new(spacing_mm[0]);
+                let options = asked.stiffness_options(spacing_mm[0]);
                 solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
                     stiffness_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
                 })

@@ -290,6 +290,8 @@ impl PyPacking {
     ///     Strains without stress of the phases by name, for stiffness: shrinkage is negative.
     /// axes : str
     ///     Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+    /// tolerance : float, optional
+    ///     Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
     /// progress : bool or callable, optional
     ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
     ///
@@ -308,7 +310,7 @@ impl PyPacking {
     ///     also take a cylinder along z.
     /// RuntimeError
     ///     Where the equations do not converge.
-    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, method="voxel", element_size=None, phases=None, eigenstrain=None, axes="xyz", progress=None))]
+    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, method="voxel", element_size=None, phases=None, eigenstrain=None, axes="xyz", tolerance=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn effective<'py>(
         &self,
@@ -320,9 +322,10 @@ impl PyPacking {
         phases: Option<&Bound<'py, PyAny>>,
         eigenstrain: Option<&Bound<'py, PyAny>>,
         axes: &str,
+        tolerance: Option<f64>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let asked = effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes };
+        let asked = effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes, tolerance };
         effective::compute(py, &self.0, &asked, progress)
     }
 

@@ -46,7 +46,7 @@ impl<'a> OwnPatches<'a> {
     fn of(&self, parts: &Parts, (phase, matter): (Phase, u16), least: usize, most: usize) -> Vec<u32> {
         let fits = |place: &u32| {
             let shape = &self.shapes[*place as usize];
-            let is_sized = (least..=most).contains(&shape.nodes.len());
+            let is_sized = (least..=most).contains(&shape.nodes().len());
             is_sized && self.matter(parts, *place) == (phase, matter)
         };
         (0..self.numbers.len() as u32).filter(fits).collect()
@@ -92,10 +92,11 @@ impl<'a> Builder<'a> {
 
     /// Numbers of the nodes of cells, faces and the block's patches, ascending.
     fn nodes_of(&self, cells: &[u32], faces: &[u32]) -> Vec<u32> {
-        let of_patches = self.patches.iter().flat_map(|own| own.numbers.iter().flat_map(|&n| own.all.cells(n)));
-        let of_cells = cells.iter().chain(of_patches).flat_map(|&cell| self.cell(cell));
+        let of_patches = self.patches.iter().flat_map(|own| own.shapes.iter().flat_map(Patch::nodes));
+        let of_cells = cells.iter().flat_map(|&cell| self.cell(cell));
         let of_faces = faces.iter().flat_map(|&face| self.face(face));
-        let mut nodes: Vec<u32> = of_cells.chain(of_faces).map(|&node| self.number[node as usize]).collect();
+        let mut nodes: Vec<u32> =
+            of_patches.chain(of_cells).chain(of_faces).map(|&node| self.number[node as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes
@@ -181,8 +182,8 @@ impl<'a> Builder<'a> {
         self.eights(places, |eight: &mut Uniform<N>, lane, place, used| {
             let shape = &own.shapes[place as usize];
             let width = band(sample.mesh) * sample.band_factor * regular_edge(sample.mesh.kind, shape.cell_mm3);
-            let nodes: Vec<u16> = shape.nodes.iter().map(|&node| self.local(node)).collect();
-            eight.set(lane, &nodes, &shape.gradients[1..], if used { shape.volume } else { 0.0 }, width);
+            let nodes: Vec<u16> = shape.nodes().iter().map(|&node| self.local(node)).collect();
+            eight.set(lane, &nodes, &shape.gradients()[1..], if used { shape.volume } else { 0.0 }, width);
         })
     }
 

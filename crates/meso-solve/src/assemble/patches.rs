@@ -24,8 +24,12 @@ pub(crate) const MOST_NODES: usize = 12;
 const MOST_CELLS: usize = 9;
 /// Tetrahedra of each part, where there are more: they need not be neighbours.
 const MOST_APART: usize = 5;
+/// Nodes of the cells around an edge, at most, neighbours or not.
+const ROOM: usize = 2 + 2 * MOST_CELLS;
 /// Nodes whose edges go together.
 const RUN: usize = 4096;
+/// Bits for the place of a cell among those around a node.
+const PLACE_BITS: u32 = 24;
 
 /// The patches of a mesh. An edge at which phases of different stiffness meet has one patch per phase.
 #[derive(Clone, Debug, Default)]
@@ -48,12 +52,10 @@ struct Lists {
 /// The shape of a patch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patch {
-    /// The mesh's numbers.
-    pub(crate) nodes: Vec<u32>,
-    /// Mean gradient of each node's shape function, 1/mm; they add up to zero.
-    pub(crate) gradients: Vec<Vec3>,
-    /// Share of each node in the mass.
-    pub(crate) shares: Vec<f64>,
+    count: usize,
+    nodes: [u32; ROOM],
+    gradients: [Vec3; ROOM],
+    shares: [f64; ROOM],
     /// mm3.
     pub(crate) volume: f64,
     /// Mean volume of its whole cells, mm3.
@@ -100,12 +102,13 @@ impl Patches {
         };
         let is_mixed = |patch: &u32| matches!(self.phase[*patch as usize], Phase::Mortar | Phase::Itz);
         let patches = (0..self.len() as u32).into_par_iter().filter(is_mixed);
-        let mut contents: Vec<(u32, f64, f64)> = patches.map(|patch| content(&patch)).collect();
+        let contents: Vec<(u32, f64, f64)> = patches.map(|patch| content(&patch)).collect();
         let mut left: f64 = contents.iter().map(|(.., itz)| itz).sum();
+        let filled = |(patch, mortar, itz): (u32, f64, f64)| (itz / (mortar + itz), patch, mortar + itz);
+        let mut filled: Vec<(f64, u32, f64)> = contents.into_iter().map(filled).collect();
         // Stable: patches that are filled alike stay in their order.
-        contents.par_sort_by(|(_, m, i), (_, n, j)| (j / (n + j)).total_cmp(&(i / (m + i))));
-        for (patch, mortar, itz) in contents {
-            let whole = mortar + itz;
+        filled.par_sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, patch, whole) in filled {
             // The last one goes to the phase that it leaves nearer to its volume.
             self.phase[patch as usize] = if 2.0 * left > whole { Phase::Itz } else { Phase::Mortar };
             left -= whole;
@@ -135,12 +138,12 @@ impl Patches {
 
     /// The shape of a patch.
     pub(crate) fn patch(&self, mesh: &Mesh, patch: u32) -> Patch {
-        let (cells, mut found) = (self.cells(patch), Patch::with_room());
+        let (cells, mut found) = (self.cells(patch), Patch::default());
         cells
             .iter()
             .for_each(|&cell| found.add(mesh.cell(cell as usize), &Shape::of(&corners(mesh, cell)), self.part(cell)));
-        found.gradients.iter_mut().for_each(|gradient| *gradient /= found.volume);
-        found.shares.iter_mut().for_each(|share| *share /= found.volume);
+        found.gradients[..found.count].iter_mut().for_each(|gradient| *gradient /= found.volume);
+        found.shares[..found.count].iter_mut().for_each(|share| *share /= found.volume);
         found.cell_mm3 /= cells.len() as f64;
         found
     }
@@ -168,8 +171,8 @@ impl Lists {
     fn of_edges(numbered: Numbered, nodes: &[u32], mixed: bool) -> Self {
         let around = Self::around_nodes(numbered.mesh);
         let of_run = |run: &[u32]| {
-            let mut own = Self::default();
-            run.iter().for_each(|&node| own.add_edges(numbered, node, around.cells(node as usize), mixed));
+            let (mut own, mut edges) = (Self::default(), Vec::new());
+            run.iter().for_each(|&node| own.add_edges(numbered, node, around.cells(node as usize), mixed, &mut edges));
             own
         };
         Self::joined(nodes.par_chunks(RUN).map(of_run).collect())
@@ -191,23 +194,25 @@ impl Lists {
         all
     }
 
-    /// Adds the cells around every edge from `node`, which the cells `around` have; the end is still missing.
-    fn add_edges(&mut self, numbered: Numbered, node: u32, around: &[u32], mixed: bool) {
+    /// Adds the cells around every edge from `node`, which the cells `around` have, ascending; the end is still missing.
+    /// `edges` is memory for the node's edges: the other end, the class, and the place in `around`, as one number.
+    fn add_edges(&mut self, numbered: Numbered, node: u32, around: &[u32], mixed: bool, edges: &mut Vec<u64>) {
         let Numbered { mesh, phases, number } = numbered;
         let own = number[node as usize];
-        let mut edges: Vec<(u32, u8, u32)> = Vec::new();
-        for &cell in around {
+        edges.clear();
+        for (place, &cell) in (0..).zip(around) {
             let phase = phases[cell as usize];
-            let class = if mixed && phase == Phase::Itz { Phase::Mortar } else { phase } as u8;
+            let class = if mixed && phase == Phase::Itz { Phase::Mortar } else { phase } as u64;
             let others = mesh.cell(cell as usize).iter().map(|&other| number[other as usize]);
-            edges.extend(others.filter(|&other| other > own).map(|other| (other, class, cell)));
+            let edge = |other: u32| u64::from(other) << 32 | class << PLACE_BITS | place;
+            edges.extend(others.filter(|&other| other > own).map(edge));
         }
         edges.sort_unstable();
-        for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for edge in edges.chunk_by(|a, b| a >> PLACE_BITS == b >> PLACE_BITS) {
             let most = if edge.len() > MOST_CELLS { MOST_APART } else { MOST_CELLS };
             for part in edge.chunks(most) {
                 self.first.push(self.cells.len() as u32);
-                self.cells.extend(part.iter().map(|&(.., cell)| cell));
+                self.cells.extend(part.iter().map(|edge| around[(edge & ((1 << PLACE_BITS) - 1)) as usize]));
             }
         }
     }
@@ -216,14 +221,14 @@ impl Lists {
     fn thin(&mut self, cells: usize) -> Vec<u8> {
         let mut count = vec![0; cells];
         self.cells.iter().for_each(|&cell| count[cell as usize] += 1);
+        let mut by_length = vec![Vec::new(); MOST_CELLS + 1];
+        (0..self.len()).for_each(|list| by_length[self.cells(list).len()].push(list as u32));
         let mut stays = vec![true; self.len()];
-        for length in 1..=MOST_CELLS {
-            for (list, stays) in stays.iter_mut().enumerate() {
-                let own = self.cells(list);
-                if own.len() == length && own.iter().all(|&cell| count[cell as usize] > LEAST) {
-                    own.iter().for_each(|&cell| count[cell as usize] -= 1);
-                    *stays = false;
-                }
+        for list in by_length.into_iter().flatten() {
+            let own = self.cells(list as usize);
+            if own.iter().all(|&cell| count[cell as usize] > LEAST) {
+                own.iter().for_each(|&cell| count[cell as usize] -= 1);
+                stays[list as usize] = false;
             }
         }
         self.retain(&stays);
@@ -256,10 +261,19 @@ impl Lists {
 }
 
 impl Patch {
-    /// A patch of nothing, with room for all nodes that one may have.
-    fn with_room() -> Self {
-        let (nodes, shares) = (Vec::with_capacity(MOST_NODES), Vec::with_capacity(MOST_NODES));
-        Self { nodes, gradients: Vec::with_capacity(MOST_NODES), shares, ..Self::default() }
+    /// The mesh's numbers of its nodes.
+    pub(crate) fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.count]
+    }
+
+    /// Mean gradient of each node's shape function, 1/mm; they add up to zero.
+    pub(crate) fn gradients(&self) -> &[Vec3] {
+        &self.gradients[..self.count]
+    }
+
+    /// Share of each node in the mass.
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.shares[..self.count]
     }
 
     /// Adds a `part` of a cell; gradients and shares are still times the volume, and the cells' mean is still a sum.
@@ -268,12 +282,9 @@ impl Patch {
         self.volume += volume;
         self.cell_mm3 += shape.volume;
         for (&node, gradient) in nodes.iter().zip(shape.all_gradients()) {
-            let place = self.nodes.iter().position(|&other| other == node).unwrap_or(self.nodes.len());
-            if place == self.nodes.len() {
-                self.nodes.push(node);
-                self.gradients.push(Vec3::zeros());
-                self.shares.push(0.0);
-            }
+            let place = self.nodes().iter().position(|&other| other == node).unwrap_or(self.count);
+            self.nodes[place] = node;
+            self.count = self.count.max(place + 1);
             self.gradients[place] += volume * gradient;
             self.shares[place] += volume / nodes.len() as f64;
         }
@@ -281,7 +292,7 @@ impl Patch {
 
     /// sum g_a g_a^T over the nodes' shares in the mass, 1/mm2.
     pub(crate) fn metric(&self) -> Mat3 {
-        self.gradients.iter().zip(&self.shares).map(|(g, share)| g * g.transpose() / *share).sum()
+        self.gradients().iter().zip(self.shares()).map(|(g, share)| g * g.transpose() / *share).sum()
     }
 }
 
@@ -329,9 +340,9 @@ mod tests {
                 patches.cells(number).iter().for_each(|&cell| count[cell as usize] += 1);
                 apart[phase as usize] += patch.volume;
                 largest = largest.max(patch.volume);
-                let sum: Vec3 = patch.gradients.iter().sum();
-                assert!(sum.norm() < 1e-12 && (patch.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-                assert!(patch.nodes.len() <= MOST_NODES);
+                let sum: Vec3 = patch.gradients().iter().sum();
+                assert!(sum.norm() < 1e-12 && (patch.shares().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                assert!(patch.nodes().len() <= MOST_NODES);
                 let soft = |phase: Phase| mixed && matches!(phase, Phase::Mortar | Phase::Itz);
                 let fits = |&cell: &u32| phases[cell as usize] == phase || soft(phases[cell as usize]) && soft(phase);
                 assert!(patches.cells(number).iter().all(fits), "{number}");
@@ -384,7 +395,7 @@ mod tests {
         let patches = patches(&mesh, &phases, true);
         let smoothed: Elements = (0..patches.len() as u32)
             .map(|number| patches.patch(&mesh, number))
-            .map(|patch| (patch.nodes, patch.gradients, patch.volume))
+            .map(|patch| (patch.nodes().to_vec(), patch.gradients().to_vec(), patch.volume))
             .collect();
         let plain: Elements = (0..mesh.cell_count() as u32)
             .map(|cell| (cell, Shape::of(&corners(&mesh, cell))))

@@ -11,13 +11,13 @@ use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
 /// Patches whose needs are known at once.
-const WINDOW: usize = 1 << 16;
+const WINDOW: usize = 1 << 13;
 
 /// Mass of the mesh's nodes.
 pub(crate) struct Weight {
     /// Lumped, by the mesh's numbers, tonne.
     pub(crate) mass: Vec<f64>,
-    /// Mass that solid elements do not need for the step, tonne.
+    /// Mass that solid elements do not need for the step, tonne; empty where no cohesive face asks for it.
     spare: Vec<f64>,
     /// Total without and with mass scaling, tonne.
     pub(crate) total: [f64; 2],
@@ -32,8 +32,9 @@ impl Weight {
     /// Cells of no positive volume.
     pub(crate) fn of(parts: &Parts, patches: Option<&Patches>) -> Result<Self, SolveError> {
         let mesh = parts.sample.mesh;
-        let zero = || vec![0.0; mesh.points.len()];
-        let mut weight = Self { mass: zero(), spare: zero(), total: [0.0; 2], stable_s: f64::INFINITY };
+        let (count, joints) = (mesh.points.len(), mesh.cohesive.len());
+        let spare = vec![0.0; if joints > 0 { count } else { 0 }];
+        let mut weight = Self { mass: vec![0.0; count], spare, total: [0.0; 2], stable_s: f64::INFINITY };
         match patches {
             Some(patches) => weight.add_patches(parts, patches)?,
             None => weight.add_cells(parts)?,
@@ -59,7 +60,9 @@ impl Weight {
         self.stable_s = self.stable_s.min(need.stable_s);
         for (node, share) in nodes {
             self.mass[node as usize] += share * (need.mass + need.added());
-            self.spare[node as usize] += share * (need.mass - need.needed).max(0.0);
+            if let Some(spare) = self.spare.get_mut(node as usize) {
+                *spare += share * (need.mass - need.needed).max(0.0);
+            }
         }
     }
 
@@ -76,8 +79,8 @@ impl Weight {
         for start in (0..count).step_by(WINDOW) {
             let numbers = start..count.min(start + WINDOW as u32);
             let needs: Vec<(Need, Patch)> = numbers.into_par_iter().map(need).collect();
-            for (need, Patch { nodes, shares, .. }) in needs {
-                self.add(&need, nodes.into_iter().zip(shares));
+            for (need, patch) in &needs {
+                self.add(need, patch.nodes().iter().copied().zip(patch.shares().iter().copied()));
             }
         }
         Ok(())
@@ -86,6 +89,9 @@ impl Weight {
     /// Adds the mass that cohesive faces need beyond the spare mass of their nodes.
     fn add_faces(&mut self, parts: &Parts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
+        if self.spare.is_empty() {
+            return;
+        }
         let mut needed = vec![0.0; mesh.points.len()];
         let safe = parts.dt / crate::assemble::mass::SAFETY;
         for face in mesh.cohesive() {

@@ -2,15 +2,17 @@
 //!
 //! Van Mier (1984) found one curve of stress over displacement beyond the peak for prisms of 50, 100 and 200 mm.
 
-use crate::march::curve::{Row, peak};
+use crate::march::curve::{Row, outermost, peak};
 use serde::{Deserialize, Serialize};
 
 /// Figures of a curve beyond its peak.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BeyondPeak {
-    /// Shortening or lengthening from the peak until half of it is left, mm; `None` where it is not reached.
+    /// Way of the supports from the peak until half of it is left, mm; `None` where it is not reached. A path that turns counts
+    /// by its envelope.
     pub displacement_to_half_mm: Option<f64>,
-    /// Work of the stress beyond the peak, per area, N/mm.
+    /// Work of the supports beyond the peak, N/mm: over the gross section, the ligament of a beam or of a sheared prism, or the
+    /// plane that splits.
     pub energy_beyond_peak_n_per_mm: f64,
     /// Share of the peak that is left where this work ends: 0.2, or more where the test ends earlier.
     pub energy_beyond_peak_until: f64,
@@ -22,16 +24,17 @@ const HALF: f64 = 0.5;
 const FIFTH: f64 = 0.2;
 
 impl BeyondPeak {
-    /// Figures of `rows` of a specimen of this height; zeros where there is no peak.
-    pub fn of(rows: &[Row], height_mm: f64) -> Self {
+    /// Figures of `rows`; zeros where there is no peak. Strain times `length_mm` is the way, and stress times `share` the force
+    /// over the area that breaks.
+    pub fn of(rows: &[Row], length_mm: f64, share: f64) -> Self {
         let falling = rows.get(peak(rows)..).unwrap_or_default();
         let Some(top) = falling.first().filter(|top| top.stress_mpa > 0.0) else { return Self::default() };
-        let points: Vec<[f64; 2]> =
-            falling.iter().map(|row| [(row.strain - top.strain) * height_mm, row.stress_mpa]).collect();
+        let point = |(_, row): (usize, &Row)| [(row.strain - top.strain) * length_mm, row.stress_mpa];
+        let points: Vec<[f64; 2]> = outermost(falling).map(point).collect();
         let to_fifth = until(&points, FIFTH * top.stress_mpa).unwrap_or_else(|| points.clone());
         Self {
             displacement_to_half_mm: until(&points, HALF * top.stress_mpa).and_then(|half| Some(half.last()?[0])),
-            energy_beyond_peak_n_per_mm: work(&to_fifth),
+            energy_beyond_peak_n_per_mm: share * work(&to_fifth),
             energy_beyond_peak_until: to_fifth.last().map_or(0.0, |end| end[1] / top.stress_mpa),
         }
     }
@@ -72,7 +75,7 @@ mod tests {
     #[test]
     fn a_triangle_has_its_displacement_and_its_area_beyond_the_peak() {
         let near = |x: f64, y: f64| (x - y).abs() < 1e-9;
-        let figures = BeyondPeak::of(&triangle(0.0039), 100.0);
+        let figures = BeyondPeak::of(&triangle(0.0039), 100.0, 1.0);
         assert!(near(figures.displacement_to_half_mm.unwrap(), 0.1), "{figures:?}");
         // Until 8 MPa, after 0.16 mm.
         assert!(near(figures.energy_beyond_peak_n_per_mm, 0.5 * (40.0 + 8.0) * 0.16), "{figures:?}");
@@ -83,10 +86,10 @@ mod tests {
     fn a_curve_that_ends_early_gives_the_energy_until_its_end() {
         let rows = triangle(0.0025);
         let left = rows.last().unwrap().stress_mpa;
-        let figures = BeyondPeak::of(&rows, 100.0);
+        let figures = BeyondPeak::of(&rows, 100.0, 1.0);
         assert_eq!(figures.displacement_to_half_mm, None);
         assert!((figures.energy_beyond_peak_until - left / 40.0).abs() < 1e-12 && left > 20.0, "{figures:?}");
-        assert_eq!(BeyondPeak::of(&[], 100.0), BeyondPeak::default());
-        assert_eq!(BeyondPeak::of(&[Row::default()], 100.0), BeyondPeak::default());
+        assert_eq!(BeyondPeak::of(&[], 100.0, 1.0), BeyondPeak::default());
+        assert_eq!(BeyondPeak::of(&[Row::default()], 100.0, 1.0), BeyondPeak::default());
     }
 }

@@ -117,7 +117,7 @@ const DESCENT: f64 = 0.5;
 /// Figures of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Secant to 30 % of the peak, MPa.
+    /// Secant to 30 % of the peak, MPa, from the stress and the strain at which the path begins.
     pub modulus_mpa: f64,
     /// Highest stress, MPa.
     pub peak_mpa: f64,
@@ -130,18 +130,33 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Figures of `rows`; zeros where there are none.
-    pub fn of(rows: &[Row]) -> Self {
+    /// Figures of `rows`, whose path begins after `lead_s`; zeros where there are none.
+    pub fn of(rows: &[Row], lead_s: f64) -> Self {
         let peak = peak(rows);
         let (Some(top), Some(last)) = (rows.get(peak), rows.last()) else { return Self::default() };
         Self {
-            modulus_mpa: secant(&rows[..=peak], SECANT * top.stress_mpa),
+            modulus_mpa: secant(begin(rows, lead_s), &rows[..=peak]),
             peak_mpa: top.stress_mpa,
             peak_strain: top.strain,
             stress_at_end_mpa: last.stress_mpa,
-            softened: rows[peak..].iter().any(|row| row.stress_mpa < SOFTENED * top.stress_mpa),
+            softened: outermost(&rows[peak..]).any(|(_, row)| row.stress_mpa < SOFTENED * top.stress_mpa),
         }
     }
+}
+
+/// The row at which the path begins: the last one of a lead of `lead_s`, or the origin.
+pub(crate) fn begin(rows: &[Row], lead_s: f64) -> Row {
+    rows.iter().take_while(|row| row.time_s < lead_s).last().copied().unwrap_or_default()
+}
+
+/// The rows whose strain is the largest so far, with their numbers: a path that turns back comes to its envelope again.
+pub(crate) fn outermost(rows: &[Row]) -> impl Iterator<Item = (usize, &Row)> {
+    let mut largest = f64::NEG_INFINITY;
+    rows.iter().enumerate().filter(move |(_, row)| {
+        let is_new = row.strain >= largest;
+        largest = largest.max(row.strain);
+        is_new
+    })
 }
 
 /// Number of the row with the highest stress, the first of them.
@@ -152,17 +167,20 @@ pub(crate) fn peak(rows: &[Row]) -> usize {
 /// The rows before the stress has fallen to half its peak. Beyond, a brittle specimen collapses and its pieces fly.
 pub(crate) fn to_half_peak(rows: &[Row]) -> &[Row] {
     let peak = peak(rows);
-    let end = rows[peak..].iter().position(|row| row.stress_mpa < DESCENT * rows[peak].stress_mpa);
-    &rows[..end.map_or(rows.len(), |end| peak + end)]
+    let end = outermost(&rows[peak..]).find(|(_, row)| row.stress_mpa < DESCENT * rows[peak].stress_mpa);
+    &rows[..end.map_or(rows.len(), |(end, _)| peak + end)]
 }
 
-/// Stress over strain where the curve first reaches `stress`, MPa, between rows along a straight line.
-fn secant(rows: &[Row], stress: f64) -> f64 {
-    let mut before = Row::default();
-    for row in rows {
-        if row.stress_mpa >= stress && row.strain > 0.0 && stress > 0.0 {
-            let t = (stress - before.stress_mpa) / (row.stress_mpa - before.stress_mpa);
-            return stress / (before.strain + t * (row.strain - before.strain));
+/// Slope from `origin` to where the curve first reaches [`SECANT`] of its last stress, which is its peak, between rows along a
+/// straight line.
+fn secant(origin: Row, rows: &[Row]) -> f64 {
+    let rise = SECANT * (rows.last().map_or(0.0, |top| top.stress_mpa) - origin.stress_mpa);
+    let mut before = origin;
+    for row in rows.iter().filter(|row| row.time_s > origin.time_s || origin.time_s == 0.0) {
+        let (up, along) = (row.stress_mpa - origin.stress_mpa, row.strain - origin.strain);
+        if up >= rise && along > 0.0 && rise > 0.0 {
+            let t = (origin.stress_mpa + rise - before.stress_mpa) / (row.stress_mpa - before.stress_mpa);
+            return rise / (before.strain - origin.strain + t * (row.strain - before.strain));
         }
         before = *row;
     }
@@ -179,7 +197,7 @@ mod tests {
         let row =
             |i: i32| Row { strain: 2e-5 * f64::from(i), stress_mpa: stress(2e-5 * f64::from(i)), ..Row::default() };
         let rows: Vec<Row> = (1..=180).map(row).collect();
-        let figures = Figures::of(&rows);
+        let figures = Figures::of(&rows, 0.0);
         assert_eq!((figures.peak_mpa, figures.peak_strain), (40.0, 2e-5 * 100.0));
         assert!(figures.softened && (figures.stress_at_end_mpa - 14.4).abs() < 1e-9, "{figures:?}");
         // 0.3 = x (2 - x) at x = 1 - sqrt(0.7); the secant is 40 (2 - x) / 0.002.

@@ -68,6 +68,7 @@ impl Setter<'_> {
 
     fn set(&self, gauge: &Gauge) -> Result<Reader, SolveError> {
         let name = gauge.name();
+        gauge.suits(&self.sample.geometry().size_mm)?;
         let reader = match *gauge {
             Gauge::Lvdt { axis, from_mm, to_mm, .. } => self.lvdt(name, axis as usize, [from_mm, to_mm]),
             Gauge::Sides { axis, .. } => self.sides(name, axis as usize),
@@ -97,13 +98,6 @@ impl Setter<'_> {
     fn lvdt(&self, name: &str, axis: usize, planes: [f64; 2]) -> Result<Reader, SolveError> {
         let aabb = Aabb::around(&self.mesh().points);
         let size = aabb.size()[axis];
-        let [from, to] = planes;
-        if !(0.0 <= from && from < to && to <= size) {
-            let planes = format!("{from} to {to}");
-            let why =
-                format!("the specimen is {size} mm long there; take planes from 0 to {size} mm, the lower one first");
-            return Err(TEST.error(format!("gauges.{name}"), planes, why).into());
-        }
         let mut surface = self.surface();
         surface.sort_unstable();
         surface.dedup();
@@ -115,7 +109,13 @@ impl Setter<'_> {
         };
         let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
         let factor = if axis == self.axis && self.has_path { self.sign } else { 1.0 };
-        self.add_strain(&mut reader, axis, [&near(from), &near(to)], factor);
+        let [low, high] = planes.map(near);
+        if low.iter().any(|node| high.contains(node)) {
+            let [planes, size] = [format!("{} to {}", planes[0], planes[1]), self.sample.element_size_mm.to_string()];
+            let why = format!("its planes meet the same nodes; take planes further apart than the elements, {size} mm");
+            return Err(TEST.error(format!("gauges.{name}"), planes, why).into());
+        }
+        self.add_strain(&mut reader, axis, [&low, &high], factor);
         Ok(reader)
     }
 

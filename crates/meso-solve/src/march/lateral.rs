@@ -1,12 +1,12 @@
 //! Figures of a curve with a gauge of lateral strain: Poisson's ratio, and the stress at which the volume is least.
 
-use crate::march::curve::{Row, peak};
+use crate::march::curve::{Row, begin, peak};
 use serde::{Deserialize, Serialize};
 
 /// Lateral figures of a specimen that is pressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lateral {
-    /// Lateral over axial strain from the first row to 30 % of the peak.
+    /// Lateral over axial strain from the path's begin to 30 % of the peak.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poisson_ratio: Option<f64>,
     /// Lateral strain at the peak, positive where the specimen widens.
@@ -21,9 +21,11 @@ pub struct Lateral {
 const ELASTIC: f64 = 0.3;
 
 impl Lateral {
-    /// Figures of `rows` with the lateral strain of each; none of a curve without a peak.
-    pub fn of(rows: &[Row], lateral: &[f64]) -> Self {
-        let top = peak(rows);
+    /// Figures of `rows`, whose path begins after `lead_s`, with the lateral strain of each; none of a curve without a peak.
+    pub fn of(rows: &[Row], lateral: &[f64], lead_s: f64) -> Self {
+        let leads = rows.iter().take_while(|row| row.time_s < lead_s).count().saturating_sub(1);
+        let (rows, lateral) = (&rows[leads..], lateral.get(leads..).unwrap_or_default());
+        let (top, origin) = (peak(rows), begin(rows, lead_s).stress_mpa);
         let all: Vec<(&Row, f64)> = rows.iter().zip(lateral.iter().copied()).collect();
         let Some((highest, at_peak)) = all.get(top).filter(|(row, _)| row.stress_mpa > 0.0) else {
             return Self::default();
@@ -31,7 +33,8 @@ impl Lateral {
         let volume = |(row, lateral): &(&Row, f64)| 2.0 * lateral - row.strain;
         let least = all.iter().min_by(|a, b| volume(a).total_cmp(&volume(b)));
         let (first, start) = all[0];
-        let elastic = all[..top].iter().find(|(row, _)| row.stress_mpa >= ELASTIC * highest.stress_mpa);
+        let elastic =
+            all[..top].iter().find(|(row, _)| row.stress_mpa - origin >= ELASTIC * (highest.stress_mpa - origin));
         let ratio = elastic.map(|(row, lateral)| (lateral - start) / (row.strain - first.strain));
         Self {
             poisson_ratio: ratio.filter(|ratio| ratio.is_finite()),
@@ -53,12 +56,12 @@ mod tests {
         let rows: Vec<Row> =
             strains.iter().map(|&strain| Row { strain, stress_mpa: stress(strain), ..Row::default() }).collect();
         let lateral: Vec<f64> = strains.iter().map(|strain| 0.2 * strain + 0.8 * (strain - 0.0015).max(0.0)).collect();
-        let figures = Lateral::of(&rows, &lateral);
+        let figures = Lateral::of(&rows, &lateral, 0.0);
         assert!((figures.poisson_ratio.unwrap() - 0.2).abs() < 1e-9, "{figures:?}");
         assert!((figures.lateral_strain_at_peak.unwrap() - 0.0008).abs() < 1e-9, "{figures:?}");
         // 0.75 (2 - 0.75) of the peak.
         assert!((figures.least_volume_over_peak.unwrap() - 0.9375).abs() < 1e-9, "{figures:?}");
-        assert_eq!(Lateral::of(&[], &[]), Lateral::default());
-        assert_eq!(Lateral::of(&rows, &[]), Lateral::default());
+        assert_eq!(Lateral::of(&[], &[], 0.0), Lateral::default());
+        assert_eq!(Lateral::of(&rows, &[], 0.0), Lateral::default());
     }
 }

@@ -59,6 +59,17 @@ fn smoother(s: f64) -> f64 {
     s.powi(4) * (35.0 - s * (84.0 - s * (70.0 - 20.0 * s)))
 }
 
+/// Share of the full speed from which a smooth stop takes the share `rest` of the way that it takes from full speed: with
+/// s = t / T to the end, `rest` = 2 s^3 - s^4. It never falls below a hundredth, so that a leg comes to its end.
+fn slowed(rest: f64) -> f64 {
+    let rest = rest.clamp(1e-9, 1.0);
+    let mut s = libm::cbrt(rest);
+    for _ in 0..4 {
+        s -= (s * s * s * (2.0 - s) - rest) / (s * s * (6.0 - 4.0 * s));
+    }
+    smooth(s).max(0.01)
+}
+
 impl Path {
     /// The path of a test that lasts `duration_s`, over this length, after a lead.
     pub(crate) fn new(test: &Test, length_mm: f64, duration_s: f64, lead_s: f64) -> Self {
@@ -95,27 +106,31 @@ impl Path {
         if leg.time == 0.0 {
             self.begin(leg, turn, travel, reading(turn.of));
         }
-        if leg.end.is_infinite() && self.brakes(leg, turn.at, travel, reading(turn.of)) {
-            leg.end = leg.time + self.ramp_s;
-        }
         let middle = leg.time + 0.5 * step_s;
         leg.time += step_s;
-        let speed = leg.speed * smooth(middle / self.ramp_s) * smooth((leg.end - middle) / self.ramp_s);
-        if leg.time >= leg.end {
-            *leg = Leg { number: leg.number + 1, ..Leg::default() };
+        if leg.end.is_finite() {
+            let speed = leg.speed * smooth(middle / self.ramp_s) * smooth((leg.end - middle) / self.ramp_s);
+            if leg.time >= leg.end {
+                *leg = Leg { number: leg.number + 1, ..Leg::default() };
+            }
+            return speed;
         }
-        speed
+        let rest = self.rest(leg, turn.at, travel, reading(turn.of));
+        if rest <= 0.0 {
+            *leg = Leg { number: leg.number + 1, ..Leg::default() };
+            return 0.0;
+        }
+        leg.speed * smooth(middle / self.ramp_s).min(slowed(rest / (0.5 * self.ramp_s * self.speed)))
     }
 
-    /// Whether a leg has to brake now, to end where `at` is measured: the rest of its way follows from what was measured so
-    /// far. It ends at the limit of the path at the latest.
-    fn brakes(&self, leg: &Leg, at: f64, travel: f64, reading: f64) -> bool {
+    /// Way that a leg has before it, mm, to end where `at` is measured: it follows from the way so far and what was measured
+    /// on it. The path's limit ends a leg at the latest.
+    fn rest(&self, leg: &Leg, at: f64, travel: f64, reading: f64) -> f64 {
         let sense = leg.speed.signum();
         let [from, began] = leg.from;
         let (way, so_far) = (sense * (travel - began), (reading - from) / (at - from));
-        let rest = if so_far >= 1.0 { 0.0 } else { way / so_far.max(f64::MIN_POSITIVE) - way };
-        let to_brake = 0.5 * self.ramp_s * self.speed;
-        leg.time >= self.ramp_s && rest <= to_brake || so_far >= 1.0 || sense * travel + to_brake >= self.limit_mm
+        let rest = way.max(f64::MIN_POSITIVE) * (1.0 / so_far.max(f64::MIN_POSITIVE) - 1.0);
+        if so_far >= 1.0 { 0.0 } else { rest.min(self.limit_mm - sense * travel) }
     }
 
     /// Sets the speed of a leg, and its end where the path is measured. A short leg is slower, so that both ramps fit.
@@ -194,10 +209,21 @@ mod tests {
 
     #[test]
     fn a_path_turns_at_a_stress_and_at_its_limit_at_the_latest() {
-        let places = turned_at(&path(&[(12.0, TurnOf::Stress), (0.0, TurnOf::Stress), (1e6, TurnOf::Stress)]), 2.0);
-        for (place, expected) in places.iter().zip([6.0, 0.0, 30.0]) {
+        let stress = |at| (at, TurnOf::Stress);
+        // The legs from 1 to 0.4 and to 0.5 are shorter than two ramps.
+        let path = path(&[12.0, 1.0, 0.4, 0.5, 1e6].map(stress));
+        let places = turned_at(&path, 2.0);
+        for (place, expected) in places.iter().zip([6.0, 0.5, 0.2, 0.25, 30.0]) {
             assert!((place - expected).abs() < 2e-3, "{places:?}");
         }
-        assert_eq!(places.len(), 3);
+        assert_eq!(places.len(), 5);
+    }
+
+    #[test]
+    fn a_stop_slows_down_as_its_smooth_curve_does() {
+        for s in [0.1, 0.4, 0.8, 1.0_f64] {
+            assert!((slowed(s.powi(3) * (2.0 - s)) - smooth(s)).abs() < 1e-6, "{s}");
+        }
+        assert_eq!((slowed(7.0), slowed(0.0).max(0.01)), (1.0, 0.01));
     }
 }

@@ -188,8 +188,8 @@ impl Response {
             time_step_s: run.outline.dt,
             stable_time_step_s: run.outline.stable_s,
             added_mass_percent: run.added_mass_percent(),
-            figures: Figures::of(rows),
-            beyond_peak: BeyondPeak::of(rows, run.supports.length_mm),
+            figures: Figures::of(rows, run.path.lead_s),
+            beyond_peak: BeyondPeak::of(rows, run.supports.length_mm, run.supports.breaking_share),
             lateral: lateral(run),
             kinetic_over_internal_max: largest(rows, kinetic),
             kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
@@ -255,7 +255,7 @@ fn lateral(run: &Run) -> Lateral {
     let (rows, extra) = (&run.state.rows, run.extra());
     let column = gauge.and_then(|gauge| extra.names.iter().position(|name| name == gauge.name()));
     let all = |column: usize| (0..rows.len()).map(|row| extra.row(row)[column]).collect::<Vec<f64>>();
-    column.map_or_else(Lateral::default, |column| Lateral::of(rows, &all(column)))
+    column.map_or_else(Lateral::default, |column| Lateral::of(rows, &all(column), run.path.lead_s))
 }
 
 /// Damage beyond which a cell of stone is broken.

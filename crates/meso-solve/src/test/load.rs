@@ -138,6 +138,15 @@ impl SupportSpec {
         let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;
         TEST.require(named("on"), "mantle", on_faces, "only a pressure acts on the mantle; take one of the six sides")
     }
+
+    /// Finds out whether its strip lies on a specimen of this size.
+    pub(crate) fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
+        let Some(Strip { axis, at_mm, width_mm }) = self.strip else { return Ok(()) };
+        let half = 0.5 * size_mm[axis as usize];
+        let why = format!("the strip lies beside the specimen, which reaches from {} to {half} mm", -half);
+        let key = format!("supports.{}.strip.at_mm", self.name);
+        TEST.require(key, at_mm, at_mm.abs() < half + 0.5 * width_mm, why)
+    }
 }
 
 /// A quantity that a turn is given in.
@@ -212,6 +221,18 @@ impl Gauge {
         column("gauges.name", self.name())?;
         let met = !self.name().ends_with("_n");
         TEST.require("gauges.name", self.name(), met, "it must not end in _n, as columns of supports' forces do")
+    }
+
+    /// Finds out whether a specimen of this size has its planes.
+    pub(crate) fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
+        let Self::Lvdt { name, axis, from_mm, to_mm } = self else { return Ok(()) };
+        let size = size_mm[*axis as usize];
+        if 0.0 <= *from_mm && from_mm < to_mm && *to_mm <= size {
+            return Ok(());
+        }
+        let planes = format!("{from_mm} to {to_mm}");
+        let why = format!("the specimen is {size} mm long there; take planes from 0 to {size} mm, the lower one first");
+        Err(TEST.error(format!("gauges.{name}"), planes, why))
     }
 
     /// Name of its column.

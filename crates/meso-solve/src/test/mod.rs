@@ -357,12 +357,50 @@ impl Test {
         }
         TEST.require("rows", self.rows, (10..=1_000_000).contains(&self.rows), "it must be 10 to 1000000")?;
         TEST.require("frames", self.frames, self.frames <= 10_000, "it must be at most 10000")?;
+        self.validate_kind()?;
         self.validate_loads()?;
+        self.validate_turns()?;
         self.interface.validate()
     }
 }
 
 impl Test {
+    /// Refuses values that the named test does not have.
+    fn validate_kind(&self) -> Result<(), OutOfRange> {
+        let [pressed, bent, split] =
+            [TestKind::Triaxial, TestKind::Bending, TestKind::Splitting].map(|kind| kind == self.kind);
+        for (key, value, has, of) in [
+            ("pressure_mpa", self.pressure_mpa, pressed, "triaxial"),
+            ("stress_ratio", self.stress_ratio, self.kind == TestKind::Biaxial, "biaxial"),
+            ("strip_mm", self.strip_mm, bent || split, "splitting and bending"),
+            ("span_mm", self.span_mm, bent, "bending"),
+        ] {
+            let accepted = format!("only {of} has it; leave it out, or take that kind of test");
+            TEST.require(key, value.unwrap_or_default(), has || value.is_none(), accepted)?;
+        }
+        Ok(())
+    }
+
+    fn validate_turns(&self) -> Result<(), OutOfRange> {
+        let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear) || !self.supports.is_empty();
+        for turn in &self.turns {
+            let Turn { at, of } = *turn;
+            let is_seen = of != TurnOf::Strain || at == 0.0 || at.abs() >= LEAST_STRAIN;
+            TEST.require(
+                "turns.at",
+                at,
+                at.is_finite() && is_seen,
+                "it must be a number, a strain 0 or 1e-12 at least",
+            )?;
+            let why = "plates that press cannot pull; take 0 or more";
+            TEST.require("turns.at", at, is_glued || at >= 0.0, why)?;
+            let strain = self.strain.filter(|_| of == TurnOf::Strain).unwrap_or(f64::INFINITY);
+            let why = format!("the test goes no further than its strain, {strain}; raise that, or leave it out");
+            TEST.require("turns.at", at, at.abs() <= strain, why)?;
+        }
+        Ok(())
+    }
+
     fn validate_loads(&self) -> Result<(), OutOfRange> {
         let within = |key: &str, value: Option<f64>, least: f64, most: f64| {
             let met = value.is_none_or(|value| (least..=most).contains(&value));
@@ -390,15 +428,6 @@ impl Test {
         }
         self.supports.iter().try_for_each(SupportSpec::validate)?;
         self.gauges.iter().try_for_each(Gauge::validate)?;
-        for turn in &self.turns {
-            let is_seen = turn.of != TurnOf::Strain || turn.at == 0.0 || turn.at.abs() >= LEAST_STRAIN;
-            TEST.require(
-                "turns.at",
-                turn.at,
-                turn.at.is_finite() && is_seen,
-                "it must be a number, a strain 0 or 1e-12 at least",
-            )?;
-        }
         let mut names: Vec<&str> = self.gauges.iter().map(Gauge::name).collect();
         names.extend(self.supports.iter().map(|support| support.name.as_str()));
         names.sort_unstable();

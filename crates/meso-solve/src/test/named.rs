@@ -17,10 +17,14 @@ pub(crate) struct Plan {
     pub(crate) length_mm: f64,
     /// Force over this is the stress, mm2.
     pub(crate) section_mm2: f64,
+    /// Area that breaks, mm2: energies are given over it.
+    pub(crate) breaking_mm2: f64,
 }
 
 /// Width of a splitting strip over the diameter: EN 12390-6 has strips of 10 mm on cylinders of 100 and 150 mm.
 const STRIP: f64 = 0.1;
+/// Enough for plates to keep up with strains of 1e-3.
+const SEATING_MPA: f64 = 0.2;
 /// Coulomb's coefficient of plates.
 const PLATES: f64 = 0.1;
 /// Coulomb's coefficient of strips: EN 12390-6 has hardboard, which does not slide. Strips that slide are driven into the
@@ -37,20 +41,26 @@ impl Test {
     /// The plan of the test on a specimen of this `geometry`.
     pub(crate) fn plan(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
         let [.., z] = geometry.size_mm;
-        let along_z =
-            |supports: Vec<SupportSpec>| Plan { supports, axis: 2, length_mm: z, section_mm2: geometry.section_mm2 };
+        let of = |supports: Vec<SupportSpec>, axis, length_mm, section_mm2| Plan {
+            supports,
+            axis,
+            length_mm,
+            section_mm2,
+            breaking_mm2: section_mm2,
+        };
+        let along_z = |supports: Vec<SupportSpec>| of(supports, 2, z, geometry.section_mm2);
         if !self.supports.is_empty() {
             let axis = self.moving_axis()?;
             let length_mm = geometry.size_mm[axis];
             let section_mm2 = geometry.section_mm2 * z / length_mm;
-            return Ok(Plan { supports: self.supports.clone(), axis, length_mm, section_mm2 });
+            return Ok(of(self.supports.clone(), axis, length_mm, section_mm2));
         }
         Ok(match self.kind {
-            TestKind::Compression | TestKind::Cyclic => along_z(self.plates(0.0).to_vec()),
+            TestKind::Compression | TestKind::Cyclic => along_z(self.plates(self.seating_mpa()).to_vec()),
             TestKind::Tension => along_z(self.pair(Rule::Glued, 0.5, 0.0).to_vec()),
             TestKind::Triaxial => along_z(self.confined()),
             TestKind::Biaxial => along_z(self.pressed_twice()),
-            TestKind::Splitting => self.split(geometry),
+            TestKind::Splitting => self.split(geometry)?,
             TestKind::Bending => self.bent(geometry)?,
             TestKind::Expansion => along_z(Vec::new()),
             TestKind::Shear => self.sheared(geometry),
@@ -63,14 +73,14 @@ impl Test {
     /// A specimen without the notch, the room or the sides that the test needs, with a remedy.
     pub fn suits(&self, specimen: &Specimen) -> Result<(), SolveError> {
         let geometry = Geometry::of(specimen);
-        self.plan(&geometry)?;
-        let has_mouth = self.gauges().iter().any(|gauge| matches!(gauge, Gauge::CrackMouth { .. }));
-        if has_mouth && geometry.notch_mm <= 0.0 {
-            let is_led = self.control == Control::CrackMouth;
-            let (key, value) = if is_led { ("control", "crack-mouth") } else { ("kind", "bending") };
-            let why = "the specimen has no notch, whose mouth opens; take a notched-prism, or gauges of your own";
-            return Err(TEST.error(key, value, why).into());
+        if self.kind == TestKind::Splitting && self.supports.is_empty() && geometry.notch_mm > 0.0 {
+            let why = "the specimen has a notch where it splits; take a cylinder, cube or box";
+            return Err(TEST.error("kind", "splitting", why).into());
         }
+        let plan = self.plan(&geometry)?;
+        self.suits_notch(&geometry)?;
+        self.gauges().iter().try_for_each(|gauge| gauge.suits(&geometry.size_mm))?;
+        plan.supports.iter().try_for_each(|support| support.suits(&geometry.size_mm))?;
         let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
         let flat = [(TestKind::Biaxial, "biaxial"), (TestKind::Shear, "shear")];
         if let Some((_, name)) = flat.into_iter().find(|(kind, _)| *kind == self.kind && is_round) {
@@ -85,6 +95,24 @@ impl Test {
             return Err(TEST.error("kind", "shear", why).into());
         }
         Ok(())
+    }
+
+    /// Finds out whether the specimen has the notch that a gauge or a turn measures.
+    fn suits_notch(&self, geometry: &Geometry) -> Result<(), SolveError> {
+        if geometry.notch_mm > 0.0 {
+            return Ok(());
+        }
+        let has_mouth = self.gauges().iter().any(|gauge| matches!(gauge, Gauge::CrackMouth { .. }));
+        let turns = self.turns().iter().any(|turn| turn.of == TurnOf::Opening);
+        let (key, value) = match self.kind {
+            _ if turns => ("turns.of", "opening"),
+            _ if !has_mouth => return Ok(()),
+            _ if self.control == Control::CrackMouth => ("control", "crack-mouth"),
+            _ if self.gauges.is_empty() => ("kind", "bending"),
+            _ => ("gauges.kind", "crack-mouth"),
+        };
+        let why = "the specimen has no notch, whose mouth opens; take a notched-prism, or gauges and turns of your own";
+        Err(TEST.error(key, value, why).into())
     }
 
     /// The axis of the sides whose supports follow the path.
@@ -114,6 +142,11 @@ impl Test {
         self.pair(Rule::Plate, -0.5, pressure_mpa)
     }
 
+    /// Stress with which plates follow phases that swell or shrink, so that the specimen is free until the path begins, MPa.
+    fn seating_mpa(&self) -> f64 {
+        if self.expansion.is_some() { SEATING_MPA } else { 0.0 }
+    }
+
     /// All sides under pressure, then plates.
     fn confined(&self) -> Vec<SupportSpec> {
         let pressure_mpa = self.pressure_mpa();
@@ -125,22 +158,29 @@ impl Test {
     fn pressed_twice(&self) -> Vec<SupportSpec> {
         let (friction, stress_ratio) = (self.friction(), Some(self.stress_ratio()));
         let side = |name, on| SupportSpec { friction, stress_ratio, ..SupportSpec::new(name, on) };
-        self.plates(0.0).into_iter().chain([side("left", Side::XMin), side("right", Side::XMax)]).collect()
+        self.plates(self.seating_mpa())
+            .into_iter()
+            .chain([side("left", Side::XMin), side("right", Side::XMax)])
+            .collect()
     }
 
     /// Strips along y on the sides across x: 2 F / (pi l d) is the stress.
-    fn split(&self, geometry: &Geometry) -> Plan {
-        let [x, _, z] = geometry.size_mm;
+    fn split(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+        let [x, y, z] = geometry.size_mm;
+        let width_mm = self.strip_mm.unwrap_or(STRIP * x);
+        let accepted = format!("a strip must leave half of the side free; take {} mm at most", 0.5 * y);
+        TEST.require("strip_mm", width_mm, width_mm <= 0.5 * y, accepted)?;
         // A cylinder lies on its mantle, and its axis is z. A cube has a strip along z, too.
-        let strip = Some(Strip { axis: Along::Y, at_mm: 0.0, width_mm: self.strip_mm.unwrap_or(STRIP * x) });
+        let strip = Some(Strip { axis: Along::Y, at_mm: 0.0, width_mm });
         let friction = self.friction();
         let pressed = |name, on, moves| SupportSpec { strip, friction, moves, ..SupportSpec::new(name, on) };
-        Plan {
+        Ok(Plan {
             supports: vec![pressed("left", Side::XMin, 0.5), pressed("right", Side::XMax, -0.5)],
             axis: 0,
             length_mm: x,
             section_mm2: 0.5 * PI * x * z,
-        }
+            breaking_mm2: x * z,
+        })
     }
 
     /// Plates glued to the upper side left of the middle and to the lower side right of it, as on the double-notched specimens
@@ -154,7 +194,8 @@ impl Test {
             ..SupportSpec::new(name, on)
         };
         let supports = vec![half("bottom", Side::ZMin, 0.25, 0.5), half("top", Side::ZMax, -0.25, -0.5)];
-        Plan { supports, axis: 2, length_mm: z, section_mm2: y * (z - geometry.notch_mm - geometry.upper_notch_mm) }
+        let section_mm2 = y * (z - geometry.notch_mm - geometry.upper_notch_mm);
+        Plan { supports, axis: 2, length_mm: z, section_mm2, breaking_mm2: section_mm2 }
     }
 
     /// A beam on two rollers, pressed by a third one: 3 F l / (2 b h^2) is the stress, and 6 h w / l^2 the strain, h being
@@ -162,10 +203,15 @@ impl Test {
     fn bent(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
         let [x, y, z] = geometry.size_mm;
         let span = self.span_mm(geometry);
-        let fits = span > 0.0 && span < x;
-        let accepted = format!("the rollers must stand on the beam, which is {x} mm long; take 0.9 of it");
+        let fits = span < x && self.span_mm.is_none_or(|span| span >= z);
+        let accepted = format!(
+            "the rollers must stand on the beam, {x} mm long, and its depth of {z} mm apart; take {:.3}",
+            0.9 * x
+        );
         TEST.require("span_mm", span, fits, accepted)?;
         let width_mm = self.strip_mm.unwrap_or(ROLLER * z);
+        let accepted = format!("a roller must be narrower than half of the span, {span} mm; take {:.3} mm", ROLLER * z);
+        TEST.require("strip_mm", width_mm, width_mm < 0.5 * span, accepted)?;
         let roller = |name, on, at_mm, moves| SupportSpec {
             strip: Some(Strip { axis: Along::X, at_mm, width_mm }),
             moves,
@@ -181,6 +227,7 @@ impl Test {
             axis: 2,
             length_mm: span * span / (6.0 * height),
             section_mm2: 2.0 * y * height * height / (3.0 * span),
+            breaking_mm2: y * height,
         })
     }
 

@@ -16,20 +16,20 @@ use std::io::{self, Write};
 pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
         CellKind::Hexahedron => Vec::new(),
-        _ => CellQuality::of_cells(mesh),
+        _ => CellQuality::each(mesh, |q| [q.radius_ratio as f32, q.min_dihedral_deg as f32]),
     };
     let mut cell_data: Vec<Array> = bodies(mesh, Joints::Written).collect();
     if !quality.is_empty() {
-        let measure = |name, value: fn(&CellQuality) -> f64| {
+        let measure = |name, place: usize| {
             let quality = &quality;
             let joints = mesh.cohesive().len();
             Array::new("Float32", name, quality.len() + joints, move || {
-                let values = quality.iter().map(move |q| value(q) as f32);
+                let values = quality.iter().map(move |of_cell| of_cell[place]);
                 values.chain(std::iter::repeat_n(f32::NAN, joints)).map(f32::to_le_bytes)
             })
         };
-        cell_data.push(measure("radius_ratio", |q| q.radius_ratio));
-        cell_data.push(measure("min_dihedral_deg", |q| q.min_dihedral_deg));
+        cell_data.push(measure("radius_ratio", 0));
+        cell_data.push(measure("min_dihedral_deg", 1));
     }
     grid(mesh, Joints::Written, cell_data).write(Encoding::compressed(compress), out)
 }

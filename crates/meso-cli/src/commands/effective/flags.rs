@@ -44,6 +44,9 @@ pub(crate) struct Args {
     /// Axes of the gradient; each takes a solution. Stiffness always has all
     #[arg(long, value_name = "AXES", default_value = "xyz", value_parser = axes)]
     pub(super) axes: Axes,
+    /// Error of the equations, over the result, beside that of the voxels [default: 1e-9; of stiffness 1e-12]
+    #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) tolerance: Option<f64>,
     /// Write no fields
     #[arg(long)]
     pub(super) no_fields: bool,

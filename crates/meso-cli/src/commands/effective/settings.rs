@@ -138,11 +138,14 @@ impl Args {
     }
 
     pub(super) fn options(&self, what: Property, voxel_size_mm: f64) -> EffectiveOptions {
-        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, ..EffectiveOptions::new(what, voxel_size_mm) }
+        let usual = EffectiveOptions::new(what, voxel_size_mm);
+        let tolerance = self.tolerance.unwrap_or(usual.tolerance);
+        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, tolerance, ..usual }
     }
 
     pub(super) fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
-        StiffnessOptions { fields: !self.no_fields, ..StiffnessOptions::new(voxel_size_mm) }
+        let usual = StiffnessOptions::new(voxel_size_mm);
+        StiffnessOptions { fields: !self.no_fields, tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
     }
 
     /// Memory that a property, or else the stiffness, of a packing of `spec` takes at most, bytes.

@@ -2,7 +2,6 @@
 
 use super::flags::Args;
 use super::folder::{Folder, Kept, Note};
-use super::settings::wrong;
 use super::watch::Watching;
 use crate::commands::meshing::MeshSettings;
 use crate::commands::names;
@@ -26,7 +25,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let started = Instant::now();
     let (test, materials) = (args.test()?, args.mesh.materials()?);
-    meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
+    meso_solve::validate(&materials, &test).map_err(|error| args.wrong(&error))?;
     args.validate()?;
     let device = args.device()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
@@ -40,7 +39,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     drop(model);
     warn_before(&sample);
     let begun = Instant::now();
-    let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
+    let mut run = Run::new(sample, &materials, &test).map_err(|error| args.wrong(&error))?;
     let written = kept.map_or_else(|| Ok(Note::default()), |kept| resume(&mut run, kept))?;
     folder.go_on(written, !args.resume)?;
     args.announce(&test, &run, &mesh);

@@ -3,6 +3,7 @@
 use super::flags::{Args, TestText, is_toml};
 use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
+use crate::commands::names;
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, room};
@@ -13,7 +14,7 @@ use meso_core::{Spec, SpecError};
 use meso_files::Beside;
 use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
-use meso_solve::{Geometry, Smoothing, SolveError, Test};
+use meso_solve::{Geometry, Smoothing, SolveError, Test, TestKind};
 use meso_study::{NameError, Names};
 use serde_json::Value;
 use std::path::Path;
@@ -29,6 +30,10 @@ impl Args {
             TestText::File(path) => of_file(path)?,
             TestText::Tree(test) => (**test).clone(),
         };
+        if self.brush && matches!(test.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion) {
+            let why = "has no effect here, where no plate rubs; leave it out";
+            return Err(Failure::Usage(format!("--brush {why} (--test {})", names::of(&test.kind))));
+        }
         Ok(Test {
             friction: if self.brush { Some(BRUSH) } else { self.friction.or(test.friction) },
             strain: self.strain.or(test.strain),
@@ -52,7 +57,7 @@ impl Args {
 
     /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| wrong(&error))?;
+        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| self.wrong(&error))?;
         self.validate()?;
         self.settings(spec).map(drop)
     }
@@ -74,7 +79,7 @@ impl Args {
         if self.mesh.has_materials() {
             return Ok(());
         }
-        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| wrong(&error))?;
+        meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| self.wrong(&error))?;
         self.mesh.options(self.purpose(), &Shells::default()).map(drop)
     }
 
@@ -118,6 +123,27 @@ impl Args {
         Ok(())
     }
 
+    /// Turns an error of the engine into wrong usage: a value of a TEST.toml has its file, unless a flag changed it.
+    pub(super) fn wrong(&self, error: &SolveError) -> Failure {
+        let (TestText::File(path), SolveError::Value(value)) = (&self.test, error) else { return wrong(error) };
+        let is_flag = match value.key.as_str() {
+            "friction" => self.friction.is_some() || self.brush,
+            "strain" => self.strain.is_some(),
+            "duration_s" => self.duration.is_some(),
+            "time_step_s" => self.time_step.is_some(),
+            "pressure_mpa" => self.pressure_mpa.is_some(),
+            "control" => self.control.is_some(),
+            "law" => self.law.is_some(),
+            "smoothing" => self.smoothing.is_some(),
+            _ => false,
+        };
+        if value.table != "test" || is_flag {
+            wrong(error)
+        } else {
+            Failure::Usage(format!("{}: {error}", path.display()))
+        }
+    }
+
     /// The device that takes the steps; none where this processor does.
     pub(super) fn device(&self) -> Result<Option<DeviceName>, Failure> {
         self.device.find().map_err(Failure::Usage)
@@ -137,7 +163,7 @@ impl Args {
     pub(super) fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
         let settings = self.mesh.settings(self.purpose(), spec)?;
         let (test, options) = (self.test()?, &settings.footing.options);
-        test.suits(&spec.specimen).map_err(|error| wrong(&error))?;
+        test.suits(&spec.specimen).map_err(|error| self.wrong(&error))?;
         room::accept_in_memory(
             "the test",
             options.bytes_of_test(&spec.specimen),
@@ -145,7 +171,7 @@ impl Args {
         )?;
         let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
         let steps = test.steps(&measures, options.element_size_mm, is_cohesive);
-        steps.map(|_| settings).map_err(|error| wrong(&error))
+        steps.map(|_| settings).map_err(|error| self.wrong(&error))
     }
 
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.

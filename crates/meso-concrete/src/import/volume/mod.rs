@@ -142,7 +142,15 @@ impl<N: LabelNumber> Values<N> {
 
     /// Adds values as a file has them.
     fn add_bytes(&mut self, bytes: &[u8], kind: Kind, is_big: bool) -> Result<(), VolumeError> {
+        // A byte has few values: each is looked up once.
+        let mut known = [None; 256];
         for value in bytes.chunks_exact(kind.size) {
+            if let [byte] = value
+                && let Some(number) = known[usize::from(*byte)]
+            {
+                self.of.push(number);
+                continue;
+            }
             let mut eight = [0; 8];
             eight[..kind.size].copy_from_slice(value);
             if is_big {
@@ -155,6 +163,9 @@ impl<N: LabelNumber> Values<N> {
                 Number::Signed => self.add((raw << unused).cast_signed() >> unused)?,
                 Number::Real if kind.size == 4 => self.add_real(f64::from(f32::from_bits(raw as u32)))?,
                 Number::Real => self.add_real(f64::from_bits(raw))?,
+            }
+            if let [byte] = value {
+                known[usize::from(*byte)] = self.last.map(|(_, number)| number);
             }
         }
         Ok(())

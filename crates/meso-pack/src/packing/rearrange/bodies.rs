@@ -1,9 +1,11 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, dot, length, scale};
+use super::dents::{Dents, Surfaces};
 use super::fibres;
 use super::turn::{outer_radius, turn, turn_on, vertex_count};
 use super::walls::Walls;
+use crate::packing::task::Task;
 use crate::packing::{Pose, Turn};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Grain;
@@ -120,8 +122,11 @@ pub(super) struct Bodies<'a> {
     spans: Vec<Span>,
     /// From the centre of every fibre to its end, before it is turned, mm; zero for all else, empty without fibres.
     axes: Vec<V>,
-    /// Radius of every ball, whose only vertex is its centre, mm; zero for all else, empty without balls.
+    /// Radius of every ball, whose only vertex is its centre, or margin of a grain with dents, mm; zero for all else,
+    /// empty where all are.
     rims: Vec<f32>,
+    /// Surfaces of grains with dents, where more than their hulls is seen.
+    surfaces: Option<Surfaces>,
     /// Turned vertices about the centre: x, then y, then z, each padded to a multiple of `LANES`.
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
@@ -137,8 +142,9 @@ const TURN_ANEW: u32 = 128;
 
 impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
-    pub(super) fn new(grains: &'a [Grain], mut poses: Vec<(u32, Pose)>, domain: &Aabb, period: Period) -> Self {
-        poses.par_sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, domain), *grain));
+    pub(super) fn new(task: &'a Task<'a>, mut poses: Vec<(u32, Pose)>, dents: Option<&Dents>) -> Self {
+        let (grains, domain, period) = (task.request.grains, task.container.aabb(), task.period);
+        poses.par_sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, &domain), *grain));
         let grain = |(grain, _): &(u32, Pose)| &grains[*grain as usize];
         let (mut spans, mut end) = (Vec::with_capacity(poses.len()), 0);
         for pose in &poses {
@@ -153,7 +159,8 @@ impl<'a> Bodies<'a> {
             state: parallel::map_each(&poses, |(_, pose)| State::at(pose)),
             spans,
             axes: fibres::axes(poses.iter().map(grain)),
-            rims: rims(poses.iter().map(grain)),
+            rims: rims(poses.iter().map(|pose| (pose.0, grain(pose))), dents),
+            surfaces: dents.map(|dents| dents.surfaces(poses.iter().map(grain))),
             turned: vec![0.0; end as usize],
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
@@ -174,7 +181,13 @@ impl<'a> Bodies<'a> {
         Points { x: &all[..len], y: &all[len..2 * len], z: &all[2 * len..] }
     }
 
-    /// Radius of a ball, whose points are its centre alone, mm; 0 for all else.
+    /// The surfaces of two bodies, where both have dents and more than their hulls is seen.
+    #[inline(always)]
+    pub(super) fn surfaces(&self, a: u32, b: u32) -> Option<&Surfaces> {
+        self.surfaces.as_ref().filter(|surfaces| surfaces.both(a, b))
+    }
+
+    /// Radius of a ball, whose points are its centre alone, or margin of a grain with dents, mm; 0 for all else.
     #[inline(always)]
     pub(super) fn rim(&self, body: u32) -> f32 {
         self.rims.get(body as usize).copied().unwrap_or(0.0)
@@ -342,10 +355,12 @@ impl Moving<'_> {
     }
 }
 
-/// Radii of balls, zero for all else; empty without balls.
-fn rims<'a>(grains: impl Iterator<Item = &'a Grain>) -> Vec<f32> {
-    let radius =
-        |grain: &Grain| grain.body.round().and_then(|round| round.radius()).map_or(0.0, |radius| radius as f32);
+/// Radii of balls and margins of grains with dents, zero for all else; empty where all are.
+fn rims<'a>(grains: impl Iterator<Item = (u32, &'a Grain)>, dents: Option<&Dents>) -> Vec<f32> {
+    let radius = |(number, grain): (u32, &Grain)| match grain.body.round().and_then(|round| round.radius()) {
+        Some(radius) => radius as f32,
+        None => dents.map_or(0.0, |dents| dents.margin(number)),
+    };
     let rims: Vec<f32> = grains.map(radius).collect();
     if rims.iter().any(|rim| *rim > 0.0) { rims } else { Vec::new() }
 }

@@ -16,6 +16,8 @@ pub(super) struct Proved {
     pub(super) poses: Vec<Option<Pose>>,
     /// Grains left out.
     pub(super) left_out: usize,
+    /// Grains of pairs that are not proved apart.
+    pub(super) unproved: Vec<u32>,
 }
 
 /// Keeps the proved bodies of `reached` (grain and pose, neighbours near each other in the list). Two grains that are
@@ -35,12 +37,16 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     let looks = parallel::map_each(&chunks, |bodies| scene.unproved(bodies));
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
-    leave_out_unproved(looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect(), &mut kept);
+    let pairs: Vec<(u32, u32)> = looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect();
+    let mut unproved: Vec<u32> = pairs.iter().flat_map(|&(p, q)| [p, q]).map(|body| there[body as usize].0).collect();
+    unproved.sort_unstable();
+    unproved.dedup();
+    leave_out_unproved(pairs, &mut kept);
     let mut poses = vec![None; task.request.grains.len()];
     for (&(grain, pose), _) in there.iter().zip(&kept).filter(|(_, kept)| **kept) {
         poses[grain as usize] = Some(pose);
     }
-    Proved { poses, left_out: kept.iter().filter(|kept| !**kept).count() }
+    Proved { poses, left_out: kept.iter().filter(|kept| !**kept).count(), unproved }
 }
 
 /// Bodies a thread certifies at once. Only they and their neighbours are then held in collision's own form, which is

@@ -81,6 +81,12 @@ fn reach(p: &Points, d: V) -> f32 {
 }
 
 impl Points<'_> {
+    /// A vertex.
+    #[inline(always)]
+    pub(super) fn at(&self, i: usize) -> V {
+        [self.x[i], self.y[i], self.z[i]]
+    }
+
     /// How far the vertices reach in direction `d`, several at a time.
     #[inline(always)]
     fn along(&self, d: V) -> impl Iterator<Item = [f32; LANES]> {
@@ -343,7 +349,7 @@ pub(super) fn direction_or_up(x: V) -> V {
 
 #[inline(always)]
 fn at(p: &Points, i: u16) -> V {
-    [p.x[usize::from(i)], p.y[usize::from(i)], p.z[usize::from(i)]]
+    p.at(usize::from(i))
 }
 
 #[inline(always)]

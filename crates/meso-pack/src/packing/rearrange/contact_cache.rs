@@ -263,12 +263,25 @@ impl Link {
             }
         }
         let (p, q, x) = (bodies.points(a), bodies.points(b), bodies.offset(a, b));
+        // Where surfaces with dents touch, the axis alone is that of the hulls.
+        let surfaces = bodies.surfaces(a, b);
+        if surfaces.is_some() {
+            contact.normal = self.axis.direction();
+        }
         // A ball is its centre with a rim: the query is about what is within the rims.
         let rims = bodies.rim(a) + bodies.rim(b);
-        contact.gap = if known.is_none() { gap_along(&p, &q, x, contact.normal) } else { contact.gap + rims };
+        contact.gap = if known.is_none() || surfaces.is_some() {
+            gap_along(&p, &q, x, contact.normal)
+        } else {
+            contact.gap + rims
+        };
         if contact.gap - rims < want {
             contact.refresh(&p, &q, x, bodies.middle_offset(a, b, x));
             self.axis = Axis::new(contact.normal);
+        }
+        if let Some(surfaces) = surfaces.filter(|_| contact.gap - rims < want) {
+            let at = [(a, p), (b, q)].map(|(body, points)| (bodies.state[body as usize].rotation, points));
+            surfaces.refine([a, b], at, x, want + rims, &mut contact);
         }
         contact.gap -= rims;
         self.clear = contact.gap + paths;

@@ -37,6 +37,7 @@ mod clearance_grid;
 mod contact;
 mod contact_cache;
 mod damping;
+mod dents;
 mod fibres;
 mod initial_placement;
 mod neighbour_list;
@@ -51,6 +52,7 @@ use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use contact_cache::{Gaps, Look};
 use damping::{Damping, FALL, HOPEFUL};
+use dents::Dents;
 use meso_concrete::watch::Stage;
 use neighbour_list::NeighbourList;
 use walls::Walls;
@@ -76,6 +78,10 @@ const RELAXATION: f64 = 0.4;
 const MOST_CONTACTS: usize = 256;
 /// Momentum is dropped when the energy rises by this factor.
 const RESTART: f64 = 1.1;
+/// Where hulls of grains with dents would wedge, the surfaces are looked at once bodies lack less than this share of the
+/// smallest radius, or after so many sweeps: until then a sweep takes a tenth of the time.
+const ROUGH: f64 = 0.15;
+const ROUGH_SWEEPS: u32 = 60;
 /// No body moves farther in a sweep than this share of its radius, nor rotates by more radians.
 const LONGEST_STEP: f32 = 0.25;
 /// Every body may move at least this many slops before its pairs are searched again.
@@ -114,14 +120,21 @@ pub(super) fn place(task: &Task) -> Outcome {
     };
     // Not needed before the end.
     outcome.poses = Vec::new();
+    let (mut dents, hulls_crowd) = (None, dents::hulls_crowd(task));
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
-        let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
+        let dynamics = Dynamics { hulls_crowd, ..Dynamics::new(task, poses, settings, &mut dents) };
+        let (ended, reached) = dynamics.run(task, &mut outcome.work.sweeps);
         task.done(Stage::Prove, 0.1);
         let proved = certify::keep_apart(task, &reached, &mut outcome.work);
         task.done(Stage::Prove, 1.0);
-        // Single precision took an overlapping pair for open: ask for a larger gap, and continue.
-        if proved.left_out > 0 && ended == Ended::Open && settings.ask_for_more() {
+        // Single precision, or points of surfaces with dents, took an overlapping pair for open: ask for a larger gap,
+        // and continue.
+        let widened = |dents: &mut Dents| dents.widen(task.request.grains, &proved.unproved);
+        if proved.left_out > 0
+            && ended == Ended::Open
+            && (dents.as_mut().is_some_and(widened) || settings.ask_for_more())
+        {
             poses = reached;
             continue;
         }
@@ -197,6 +210,10 @@ struct Dynamics<'a> {
     neighbours: NeighbourList,
     walls: Walls<'a>,
     settings: Settings,
+    /// Absent until the hulls of grains with dents jam.
+    dents: &'a mut Option<Dents>,
+    /// Hulls of grains with dents only open the largest overlaps.
+    hulls_crowd: bool,
     /// Share of the summed movement that is done, by the number of contacts.
     relaxations: Vec<f32>,
     sweep: u32,
@@ -207,13 +224,14 @@ struct Dynamics<'a> {
 }
 
 impl<'a> Dynamics<'a> {
-    fn new(task: &'a Task<'a>, poses: Vec<(u32, Pose)>, settings: Settings) -> Self {
-        let request = &task.request;
+    fn new(task: &'a Task<'a>, poses: Vec<(u32, Pose)>, settings: Settings, dents: &'a mut Option<Dents>) -> Self {
         Self {
-            bodies: Bodies::new(request.grains, poses, &task.container.aabb(), task.period),
+            bodies: Bodies::new(task, poses, dents.as_ref()),
             neighbours: NeighbourList::none(),
             walls: Walls::new(task, if task.container.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
             settings,
+            dents,
+            hulls_crowd: false,
             relaxations: relaxations(),
             sweep: 0,
             lack: f64::INFINITY,
@@ -223,10 +241,11 @@ impl<'a> Dynamics<'a> {
 
     /// Moves the bodies until every pair is open or the run is stopped; leaves out the worst wedged where nothing
     /// else helps.
-    fn run(mut self, task: &Task<'a>, sweeps: &mut u64) -> (Ended, Vec<(u32, Pose)>) {
+    fn run(mut self, task: &'a Task<'a>, sweeps: &mut u64) -> (Ended, Vec<(u32, Pose)>) {
         loop {
             let ended = self.descend(task);
             match ended {
+                Ended::Jammed | Ended::Late if self.look_into_dents(task) => {}
                 Ended::Jammed => {
                     task.done(Stage::Jam, 0.0);
                     self.start_over_or_relieve(task);
@@ -261,7 +280,9 @@ impl<'a> Dynamics<'a> {
             if task.seconds() - fell_s > SHOWN_S {
                 task.done(Stage::Jam, 0.0);
             }
-            if self.sweep - best_sweep > self.settings.damping.patience() {
+            let is_rough = self.lack > ROUGH && self.sweep < ROUGH_SWEEPS;
+            let sees_dents = self.hulls_crowd && self.dents.is_none() && !is_rough;
+            if sees_dents || self.sweep - best_sweep > self.settings.damping.patience() {
                 return Ended::Jammed;
             }
             task.done(Stage::Place, self.share());
@@ -287,8 +308,20 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Continues with the surfaces of grains with dents after their hulls have jammed; false where that is done.
+    fn look_into_dents(&mut self, task: &'a Task<'a>) -> bool {
+        if !task.has_dents || self.dents.is_some() {
+            return false;
+        }
+        *self.dents = Dents::of(task.request.grains);
+        self.settings = Settings::new(task);
+        let poses = self.bodies.poses();
+        self.begin(task, poses);
+        true
+    }
+
     /// Restarts, slower or with fewer grains, where that may help and time allows.
-    fn start_over_or_relieve(&mut self, task: &Task<'a>) {
+    fn start_over_or_relieve(&mut self, task: &'a Task<'a>) {
         if task.spent() >= EARLY {
             return self.relieve(task);
         }
@@ -305,7 +338,7 @@ impl<'a> Dynamics<'a> {
     }
 
     /// Restarts with these grains.
-    fn start_over(&mut self, task: &Task<'a>, damping: Damping, grains: &[u32]) {
+    fn start_over(&mut self, task: &'a Task<'a>, damping: Damping, grains: &[u32]) {
         // A stop in the meantime is noticed by the next look.
         if let Ok(poses) = initial_placement::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
             self.settings = Settings { damping, ..Settings::new(task) };
@@ -321,13 +354,13 @@ impl<'a> Dynamics<'a> {
     }
 
     /// Continues with these bodies, at rest.
-    fn begin(&mut self, task: &Task<'a>, poses: Vec<(u32, Pose)>) {
+    fn begin(&mut self, task: &'a Task<'a>, poses: Vec<(u32, Pose)>) {
         self.neighbours = NeighbourList::none();
-        self.bodies = Bodies::new(task.request.grains, poses, &task.container.aabb(), task.period);
+        self.bodies = Bodies::new(task, poses, self.dents.as_ref());
     }
 
     /// Leaves out the grains with the most overlap for their volume.
-    fn relieve(&mut self, task: &Task<'a>) {
+    fn relieve(&mut self, task: &'a Task<'a>) {
         let grains = task.request.grains;
         let want = self.settings.gaps().want;
         let mut worst: Vec<(f64, u32)> = (0..self.bodies.len() as u32)

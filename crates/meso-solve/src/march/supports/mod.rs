@@ -38,6 +38,8 @@ pub(crate) struct Supports {
     pub(crate) length_mm: f64,
     /// Force over this is the stress, mm2.
     pub(crate) section_mm2: f64,
+    /// That section over the area that breaks.
+    pub(crate) breaking_share: f64,
 }
 
 /// One support.
@@ -110,7 +112,8 @@ impl Supports {
         loads.sort_by_key(|load| (load.node, load.support));
         let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(|fixture| fixture.moves).sum::<f64>();
         let sign = if way(1) - way(0) > 0.0 { 1.0 } else { -1.0 };
-        Ok(Self { contacts, loads, all, sign, length_mm: plan.length_mm, section_mm2: plan.section_mm2 })
+        let Plan { length_mm, section_mm2, breaking_mm2, .. } = plan;
+        Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share: section_mm2 / breaking_mm2 })
     }
 
     /// Sum of the `forces` at the lower and at the upper end, N along the axis.

@@ -3,10 +3,10 @@
 use super::place;
 use meso_collision::math::Aabb;
 use meso_mesh::Mesh;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Faces are gathered from so many cells before those that two cells share are dropped: memory stays small.
-const RUN: usize = 100_000;
 /// Most corners; a surface of more is drawn by one corner in each cell of a coarse grid.
 const MOST_CORNERS: usize = 16_000;
 /// Cells of this grid along the longest side.
@@ -65,22 +65,37 @@ impl Body {
 }
 
 /// The faces that only one cell has, as triangles.
+///
+/// The numbers of the two cells' shares of a face cancel in the sum of the face's lowest node. So only faces at nodes
+/// with another sum are compared.
 fn outside(mesh: &Mesh) -> Vec<[u32; 3]> {
-    let (nodes, faces) = (mesh.kind.nodes(), mesh.kind.faces());
-    let mut open: Vec<([u32; 4], [u32; 4])> = Vec::new();
-    for cells in mesh.cells.chunks(RUN * nodes) {
-        let of_cell = |cell: &[u32]| faces.iter().map(|face| keyed(cell, face)).collect::<Vec<_>>();
-        open.extend(cells.chunks_exact(nodes).flat_map(of_cell));
-        open.sort_unstable();
-        let single = open.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-        open = single.map(|same| same[0]).collect();
-    }
+    let faces = mesh.kind.faces();
+    let cells = || mesh.cells.par_chunks_exact(mesh.kind.nodes());
+    let of_cell = |cell| faces.iter().map(move |face| keyed(cell, face));
+    let sums: Vec<AtomicU64> = mesh.points.iter().map(|_| AtomicU64::new(0)).collect();
+    let sum = |key: &[u32; 4]| &sums[key[0] as usize];
+    let add = |(key, _): ([u32; 4], _)| {
+        sum(&key).fetch_xor(number(&key), Relaxed);
+    };
+    cells().for_each(|cell| of_cell(cell).for_each(add));
+    let at_outside = |cell| of_cell(cell).filter(|(key, _)| sum(key).load(Relaxed) != 0);
+    let mut open: Vec<([u32; 4], [u32; 4])> = cells().flat_map_iter(at_outside).collect();
+    open.par_sort_unstable();
+    let single = open.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
     let corners = faces.first().map_or(3, |face| face.len());
-    let triangles = |(_, face): &([u32; 4], [u32; 4])| {
-        let face = *face;
+    let triangles = |same: &[([u32; 4], [u32; 4])]| {
+        let face = same[0].1;
         (2..corners).map(move |i| [face[0], face[i - 1], face[i]])
     };
-    open.iter().flat_map(triangles).collect()
+    single.flat_map(triangles).collect()
+}
+
+/// A number that faces hardly ever have in common.
+fn number(key: &[u32; 4]) -> u64 {
+    key.iter().fold(0, |hash, &node| {
+        let mixed = (hash ^ u64::from(node)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed ^ mixed >> 32
+    })
 }
 
 /// A face with a key that both cells at it share.
