@@ -398,7 +398,7 @@ def test_a_named_test_is_the_argument_of_solve_and_its_words_and_values_are_chec
     assert (pressed["test"], pressed["pressure_mpa"], pressed["friction"]) == ("triaxial", 4.0, 0.1)
     assert [support["name"] for support in pressed["supports"]] == ["bottom", "top", "mantle"]
     # Found by an audit: these gave a dict.
-    with pytest.raises(TypeError, match="pressure"):
+    with pytest.raises(ValueError, match="pressure is not a known key; did you mean pressure_mpa"):
         mc.Test.triaxial(pressure=10.0)
     with pytest.raises(ValueError, match="strian"):
         mc.Test.cyclic([(0.001, "strian")])

@@ -537,7 +537,7 @@ class CurveFigures(TypedDict):
     """Figures of a curve."""
 
     modulus_mpa: float
-    """Secant to 30 % of the peak, MPa."""
+    """Secant to 30 % of the peak, MPa, from the stress and the strain at which the path begins."""
     peak_mpa: float
     """Highest stress, MPa."""
     peak_strain: float
@@ -552,9 +552,9 @@ class BeyondPeak(TypedDict):
     """Figures of a curve beyond its peak."""
 
     displacement_to_half_mm: float | None
-    """Shortening or lengthening from the peak until half of it is left, mm; `None` where it is not reached."""
+    """Way of the supports from the peak until half of it is left, mm; `None` where it is not reached. A path that turns counts by its envelope."""
     energy_beyond_peak_n_per_mm: float
-    """Work of the stress beyond the peak, per area, N/mm."""
+    """Work of the supports beyond the peak, N/mm: over the gross section, the ligament of a beam or of a sheared prism, or the plane that splits."""
     energy_beyond_peak_until: float
     """Share of the peak that is left where this work ends: 0.2, or more where the test ends earlier."""
 
@@ -563,7 +563,7 @@ class Lateral(TypedDict):
     """Lateral figures of a specimen that is pressed."""
 
     poisson_ratio: NotRequired[float | None]
-    """Lateral over axial strain from the first row to 30 % of the peak."""
+    """Lateral over axial strain from the path's begin to 30 % of the peak."""
     lateral_strain_at_peak: NotRequired[float | None]
     """Lateral strain at the peak, positive where the specimen widens."""
     least_volume_over_peak: NotRequired[float | None]
