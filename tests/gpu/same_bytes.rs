@@ -142,6 +142,28 @@ fn a_device_has_the_bytes_of_the_processor_under_every_law_smoothing_test_and_co
     }
 }
 
+/// A thousand steps beyond the peak of every combination, with two sizes of groups.
+#[test]
+#[ignore = "slow tier: sixty-four tests, minutes of processor time"]
+fn every_combination_has_the_bytes_of_the_processor_far_beyond_its_peak() {
+    let Some(device) = device() else { return };
+    let cube = cube(20.0, 5.0);
+    for number in 0..32_usize {
+        let law = [LawName::Cdp, LawName::Cdpm2, LawName::Meso, LawName::Elastic][number % 4];
+        let smoothing = Some([Smoothing::Edges, Smoothing::None][number / 4 % 2]);
+        let kind = [TestKind::Compression, TestKind::Tension][number / 8 % 2];
+        let control = [Control::Servo, Control::Steady][number / 16];
+        let test = cube.within(2000.0, Test { law, smoothing, kind, control, ..Test::default() });
+        for threads in [32, 128] {
+            let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
+            let rows = &response.curve;
+            let peak = (0..rows.len()).max_by(|&a, &b| rows[a].stress_mpa.total_cmp(&rows[b].stress_mpa)).unwrap();
+            let beyond = response.result.steps as usize * (rows.len() - peak) / rows.len();
+            assert!(beyond >= 1000 || law == LawName::Elastic, "{test:?}: {beyond}");
+        }
+    }
+}
+
 /// Takes a test here and there, and compares curves, further columns, frames and the state at the end.
 fn same(cube: &Cube, test: &Test, device: &DeviceName) -> Response {
     let (mut here, mut there) = (cube.run(test), cube.run(test));

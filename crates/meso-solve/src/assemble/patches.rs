@@ -209,7 +209,9 @@ impl Lists {
         }
         edges.sort_unstable();
         for edge in edges.chunk_by(|a, b| a >> PLACE_BITS == b >> PLACE_BITS) {
-            let most = if edge.len() > MOST_CELLS { MOST_APART } else { MOST_CELLS };
+            let cells = edge.iter().map(|edge| around[(edge & ((1 << PLACE_BITS) - 1)) as usize]);
+            let is_whole = edge.len() <= MOST_APART || edge.len() <= MOST_CELLS && has_room(mesh, cells);
+            let most = if is_whole { MOST_CELLS } else { MOST_APART };
             for part in edge.chunks(most) {
                 self.first.push(self.cells.len() as u32);
                 self.cells.extend(part.iter().map(|edge| around[(edge & ((1 << PLACE_BITS) - 1)) as usize]));
@@ -258,6 +260,17 @@ impl Lists {
     fn cells(&self, list: usize) -> &[u32] {
         &self.cells[self.first[list] as usize..self.first[list + 1] as usize]
     }
+}
+
+/// Whether the nodes of [`MOST_CELLS`] cells at most fit into a patch: those in two fans around their edge have more.
+fn has_room(mesh: &Mesh, cells: impl Iterator<Item = u32>) -> bool {
+    let (mut nodes, mut count) = ([0; 4 * MOST_CELLS], 0);
+    for &node in cells.flat_map(|cell| mesh.cell(cell as usize)) {
+        if !nodes[..count].contains(&node) {
+            (nodes[count], count) = (node, count + 1);
+        }
+    }
+    count <= MOST_NODES
 }
 
 impl Patch {
@@ -351,6 +364,23 @@ mod tests {
             (0..).zip(&phases).for_each(|(cell, &phase)| apart[phase as usize] -= volume(&mesh, cell));
             assert!(apart.iter().all(|apart| apart.abs() < if mixed { largest } else { 1e-9 }), "{apart:?}");
         }
+    }
+
+    /// The case: nine cells in two fans around an edge have 13 nodes, and no element took their patch.
+    #[test]
+    fn cells_in_two_fans_around_an_edge_are_patches_of_twelve_nodes_at_most() {
+        let ring = |i: u32| std::f64::consts::TAU * f64::from(i) / 11.0;
+        let points = (0..11).map(|i| Vec3::new(ring(i).cos(), ring(i).sin(), 0.5));
+        let points: Vec<Vec3> = points.chain([Vec3::zeros(), Vec3::new(0.0, 0.0, 1.0)]).collect();
+        let (mut mesh, _) = sample();
+        mesh.points = points;
+        mesh.cells = (0..11).flat_map(|i| [11, 12, i, (i + 1) % 11]).collect();
+        let stone = |i: u32| if i == 4 || i == 10 { Phase::Aggregate } else { Phase::Mortar };
+        mesh.phase = (0..11).map(stone).collect();
+        mesh.owner = vec![0; 11];
+        let patches = patches(&mesh, &mesh.phase, true);
+        let nodes: Vec<usize> = (0..patches.len() as u32).map(|n| patches.patch(&mesh, n).nodes().len()).collect();
+        assert!(nodes.iter().all(|&count| count <= MOST_NODES), "{nodes:?}");
     }
 
     /// Nodes, gradients and volume of elements.

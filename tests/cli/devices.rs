@@ -1,0 +1,71 @@
+//! Devices: none without a driver, checked by a small test, and taken by studies.
+
+use crate::command::{Folder, Run};
+
+/// The command without any driver of OpenCL; none on a machine with CUDA, whose driver cannot be hidden.
+fn without_a_driver(folder: &Folder, args: &[&str]) -> Option<Run> {
+    let of = |args: &[&str]| {
+        let output = folder.command(args).env("OCL_ICD_VENDORS", folder.path("none")).output().expect("it runs");
+        let stderr = String::from_utf8(output.stderr).expect("text");
+        Run { code: output.status.code().expect("no signal"), stdout: output.stdout, stderr }
+    };
+    let has_none = of(&["devices"]).stdout.is_empty();
+    if !has_none {
+        eprintln!("skipped: a driver of this machine cannot be hidden");
+    }
+    has_none.then(|| of(args))
+}
+
+/// The lines of `devices`.
+fn lines(folder: &Folder, args: &[&str]) -> Vec<String> {
+    let run = folder.run(args);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    run.stdout().lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn a_device_without_a_driver_is_refused_in_one_line_before_anything_is_packed() {
+    let folder = Folder::with_spec();
+    let Some(run) = without_a_driver(&folder, &["solve", "small.toml", "--device", "gpu"]) else { return };
+    assert_eq!((run.code, run.stderr.lines().count()), (2, 1), "{}", run.stderr);
+    assert!(run.stderr.contains("there is no device gpu; install its driver"), "{}", run.stderr);
+    assert_eq!(folder.names(), ["small.toml"]);
+    let listed = without_a_driver(&folder, &["devices"]).unwrap();
+    assert!(listed.code == 0 && listed.stderr.starts_with("no device; "), "{}", listed.stderr);
+}
+
+#[test]
+fn a_check_compares_every_device_with_the_processor() {
+    let folder = Folder::new();
+    let listed = lines(&folder, &["devices"]);
+    let checked = lines(&folder, &["devices", "--check"]);
+    assert_eq!(checked.len(), listed.len());
+    for (line, plain) in checked.iter().zip(&listed) {
+        let is_faithful = !plain.contains("; ");
+        assert!(line.starts_with(plain.as_str()), "{line}");
+        assert!(line.ends_with("; same bytes as the processor") || !is_faithful, "{line}");
+    }
+}
+
+#[test]
+fn a_study_on_a_device_has_the_curves_of_the_processor() {
+    let folder = Folder::with_spec();
+    if lines(&folder, &["devices"]).is_empty() {
+        eprintln!("skipped: no device here (Debian: pocl-opencl-icd)");
+        return;
+    }
+    let curve = |device: &str| {
+        folder.write(
+            "STUDY.toml",
+            format!(
+                "spec = 'small.toml'\n[solve]\nelement-size-mm = 5\naccept-phase-error = true\nframes = 0\n\
+                 strain = 0.0003\ndevice = '{device}'\n[over]\nseed = [1]\n"
+            ),
+        );
+        let run = folder.run(&["study", "STUDY.toml", "-o", device]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let case = folder.names_in(device).into_iter().find(|name| name.starts_with("seed-")).expect("a case");
+        folder.read(&format!("{device}/{case}/curve.csv"))
+    };
+    assert_eq!(curve("gpu"), curve("cpu"));
+}
