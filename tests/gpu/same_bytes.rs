@@ -153,7 +153,7 @@ fn every_combination_has_the_bytes_of_the_processor_far_beyond_its_peak() {
         let smoothing = Some([Smoothing::Edges, Smoothing::None][number / 4 % 2]);
         let kind = [TestKind::Compression, TestKind::Tension][number / 8 % 2];
         let control = [Control::Servo, Control::Steady][number / 16];
-        let test = cube.within(2000.0, Test { law, smoothing, kind, control, ..Test::default() });
+        let test = cube.within(4000.0, Test { law, smoothing, kind, control, ..Test::default() });
         for threads in [32, 128] {
             let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
             let rows = &response.curve;
