@@ -16,7 +16,16 @@ HERE = Path(__file__).resolve().parent
 TESTS = {"kupfer_uniaxial": ("Kupfer et al. 1969, 200 mm", 200.0), "karsan_jirsa_uniaxial": ("Karsan and Jirsa 1969, 82 mm", 82.0)}
 
 # Names of cases in words.
-LABELS = {"cube-0.1": "cube, friction 0.1", "cube-0.6": "cube, friction 0.6", "height-100": "cube, friction 0.005"}
+LABELS = {
+    "cube-0.1": "cube, friction 0.1",
+    "cube-0.6": "cube, friction 0.6",
+    "height-100": "cube, friction 0.005",
+    "biaxial-1": "1 : 1",
+    "biaxial-0.52": "1 : 0.52",
+    "fraction-0.0": "mortar",
+    **{f"fraction-0.{tenth}": f"packed {10 * tenth} %" for tenth in (2, 4, 6)},
+    "tension-72": "tension",
+}
 
 
 def main() -> None:
@@ -28,6 +37,7 @@ def main() -> None:
     curves(done, images / "validation-fraction.png", [f"fraction-{share}" for share in ("0.0", "0.2", "0.4", "0.6")])
     curves(done, images / "validation-elements.png", [f"elements-{size}" for size in ("2.4", "2.0", "1.6")])
     curves(done, images / "validation-tension.png", ["tension-72"])
+    curves(done, images / "validation-biaxial.png", ["height-100", "biaxial-1", "biaxial-0.52"])
     slender = [f"slenderness-{mu}-h{n}" for mu in ("0.005", "0.6") for n in (1, 2)]
     curves(done, images / "validation-slenderness.png", slender)
     beyond(done, images / "validation-height.png")
