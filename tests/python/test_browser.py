@@ -124,7 +124,7 @@ def named(request, tmp_path_factory):
     return name, folder / "out" / "result.html"
 
 
-# Found by an audit: six empty plots of an expansion, "mean axial strain" of a beam, a section that filled the screen beside two
+# The case: six empty plots of an expansion, "mean axial strain" of a beam, a section that filled the screen beside two
 # stamps, and names of curves that lay on one another at 400 px.
 APART = """() => [...document.querySelectorAll("svg")].every((plot) => {
   const names = [...plot.querySelectorAll("rect + text")].map((name) => name.getBoundingClientRect());

@@ -86,7 +86,7 @@ def test_the_stub_has_the_docstrings_of_the_compiled_module():
     [({"friction": -1.0}, True), ({"span_mm": -3.0}, True), ({"rows": 9}, True), ({"expansion": {"mortar": 0.03}}, True), ({"instruction_set": "avx2"}, False)],
 )
 def test_the_schema_of_a_test_has_its_ranges(command, wrong, python):
-    """Found by an audit: a friction of -1 fitted the schema of a TEST.toml."""
+    """The case: a friction of -1 fitted the schema of a TEST.toml."""
     jsonschema = pytest.importorskip("jsonschema")
     printed = subprocess.run([command, "schema", "solve"], capture_output=True, text=True, check=True).stdout
     fits = jsonschema.Draft202012Validator(json.loads(printed))

@@ -59,7 +59,7 @@ def test_a_dict_of_the_reference_has_a_row_for_every_key():
     assert len(re.findall(r"^\| `", text, re.MULTILINE)) == len(_types.MeshOptions.__annotations__)
 
 
-# Found by an audit: `**mc.Test.triaxial(10.0)` had 13 errors of types, and a wrong keyword none. A strict run refuses each
+# The case: `**mc.Test.triaxial(10.0)` had 13 errors of types, and a wrong keyword none. A strict run refuses each
 # `type: ignore` that is not needed.
 TESTS = """import mesocrete as mc
 mesh = mc.pack().mesh()

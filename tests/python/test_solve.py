@@ -397,7 +397,7 @@ def test_a_named_test_is_the_argument_of_solve_and_its_words_and_values_are_chec
     pressed = mesh.solve(test=mc.Test.triaxial(pressure_mpa=4.0, strain=0.1), **quick).result
     assert (pressed["test"], pressed["pressure_mpa"], pressed["friction"]) == ("triaxial", 4.0, 0.1)
     assert [support["name"] for support in pressed["supports"]] == ["bottom", "top", "mantle"]
-    # Found by an audit: these gave a dict.
+    # The case: these gave a dict.
     with pytest.raises(ValueError, match="pressure is not a known key; did you mean pressure_mpa"):
         mc.Test.triaxial(pressure=10.0)
     with pytest.raises(ValueError, match="strian"):
@@ -409,7 +409,7 @@ def test_a_named_test_is_the_argument_of_solve_and_its_words_and_values_are_chec
 
 
 def test_a_free_expansion_has_strains_and_no_strength(mesh):
-    """Found by an audit: the title said "0.00 MPa at a strain of 0.00000", and no figure was a strain."""
+    """The case: the title said "0.00 MPa at a strain of 0.00000", and no figure was a strain."""
     swollen = mesh.solve(test=mc.Test.expansion(aggregate=1e-4, mortar=1e-4, itz=1e-4))
     strains = swollen.result["strains_at_end"]
     assert set(strains) == {"strain_x", "strain_y", "strain_z"}
@@ -419,7 +419,7 @@ def test_a_free_expansion_has_strains_and_no_strength(mesh):
 
 
 def test_a_test_that_is_not_quasi_static_warns_and_has_a_flag(mesh):
-    """Found by an audit: 46 % of kinetic energy were no word in Python."""
+    """The case: 46 % of kinetic energy were no word in Python."""
     with pytest.warns(UserWarning, match="not quasi-static before its peak"):
         fast = mesh.solve(duration_s=2e-5)
     assert any(flag.startswith("not quasi-static (") for flag in fast.result["flags"])

@@ -41,6 +41,11 @@ impl Leg {
         [self.number as f64, self.time, self.end, self.speed, self.from[0], self.from[1]]
     }
 
+    /// The leg after it, which has not begun.
+    fn next(&self) -> Self {
+        Self { number: self.number + 1, ..Self::default() }
+    }
+
     /// The leg of numbers that [`values`](Self::values) gave.
     pub(crate) const fn from_values([number, time, end, speed, reading, travel]: [f64; 6]) -> Self {
         Self { number: number as usize, time, end, speed, from: [reading, travel] }
@@ -111,13 +116,13 @@ impl Path {
         if leg.end.is_finite() {
             let speed = leg.speed * smooth(middle / self.ramp_s) * smooth((leg.end - middle) / self.ramp_s);
             if leg.time >= leg.end {
-                *leg = Leg { number: leg.number + 1, ..Leg::default() };
+                *leg = leg.next();
             }
             return speed;
         }
         let rest = self.rest(leg, turn.at, travel, reading(turn.of));
         if rest <= 0.0 {
-            *leg = Leg { number: leg.number + 1, ..Leg::default() };
+            *leg = leg.next();
             return 0.0;
         }
         leg.speed * smooth(middle / self.ramp_s).min(slowed(rest / (0.5 * self.ramp_s * self.speed)))
@@ -224,6 +229,6 @@ mod tests {
         for s in [0.1, 0.4, 0.8, 1.0_f64] {
             assert!((slowed(s.powi(3) * (2.0 - s)) - smooth(s)).abs() < 1e-6, "{s}");
         }
-        assert_eq!((slowed(7.0), slowed(0.0).max(0.01)), (1.0, 0.01));
+        assert_eq!((slowed(7.0), slowed(0.0)), (1.0, 0.01));
     }
 }

@@ -8,6 +8,7 @@ mod setup;
 
 pub use load::{Along, Expansion, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 pub use setup::Setup;
+pub(crate) use setup::word;
 
 use crate::error::{SolveError, TEST};
 use crate::sample::Geometry;

@@ -102,7 +102,7 @@ mod tests {
         test
     }
 
-    /// Found by an audit: `init --test biaxial` had a ratio of 0.5, and `--test biaxial` one of 1.
+    /// The case: `init --test biaxial` had a ratio of 0.5, and `--test biaxial` one of 1.
     #[test]
     fn a_recipe_is_the_named_test() {
         for kind in ALL {
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Found by an audit: `# friction = 0.1` stood beside `friction = 0.1`, and `# strain = 0.005` in a tension test.
+    /// The case: `# friction = 0.1` stood beside `friction = 0.1`, and `# strain = 0.005` in a tension test.
     #[test]
     fn every_option_of_a_recipe_can_be_uncommented_alone_and_has_the_default_of_its_test() {
         for kind in ALL {

@@ -99,12 +99,13 @@ impl Turn {
 impl SupportSpec {
     /// Its name, side and rule.
     fn words(&self) -> String {
-        let word = |value: serde_json::Result<serde_json::Value>| {
-            value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
-        };
-        let (on, rule) = (word(serde_json::to_value(self.on)), word(serde_json::to_value(self.rule)));
-        format!("{} ({on}, {rule})", self.name)
+        format!("{} ({}, {})", self.name, word(&self.on), word(&self.rule))
     }
+}
+
+/// The word that a spec or a flag has for a value.
+pub(crate) fn word(value: &impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -113,7 +114,7 @@ mod tests {
 
     const CUBE: Geometry = Geometry { size_mm: [40.0; 3], section_mm2: 1600.0, notch_mm: 0.0, upper_notch_mm: 0.0 };
 
-    /// Found by an audit: neither `result.json` nor the page of a triaxial test named its 5 MPa.
+    /// The case: neither `result.json` nor the page of a triaxial test named its 5 MPa.
     #[test]
     fn the_record_of_a_test_has_its_loads_and_supports_and_plain_compression_has_none() {
         let of = |kind| Setup::of(&Test { kind, ..Test::default() }, &CUBE);

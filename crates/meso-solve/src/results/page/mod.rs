@@ -6,7 +6,7 @@ use super::shots::{Body, Shot};
 use super::snapshot::Moment;
 use super::{Outcome, ResultFile};
 use crate::march::{Ended, Row, Summary};
-use crate::test::{Gauge, TestKind};
+use crate::test::{Gauge, TestKind, word};
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
@@ -79,11 +79,6 @@ fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         "<p class=\"note\">mesocrete {version}; packing of seed {seed}, fraction {fraction:.4}; {elements} elements ({mesh}, \
          {size} mm)</p>"
     )
-}
-
-/// The word that a spec or a flag has for a value.
-fn word(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// How the test ended, unless it was completed, and its errors and warnings.
