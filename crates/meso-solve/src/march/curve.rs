@@ -144,9 +144,14 @@ impl Figures {
     }
 }
 
-/// The row at which the path begins: the last one of a lead of `lead_s`, or the origin.
-pub(crate) fn begin(rows: &[Row], lead_s: f64) -> Row {
-    rows.iter().take_while(|row| row.time_s < lead_s).last().copied().unwrap_or_default()
+/// The rows of a lead of `lead_s`, before the path begins.
+pub(crate) fn lead(rows: &[Row], lead_s: f64) -> &[Row] {
+    &rows[..rows.iter().take_while(|row| row.time_s < lead_s).count()]
+}
+
+/// The row at which the path begins: the last one of the lead, or the origin.
+fn begin(rows: &[Row], lead_s: f64) -> Row {
+    lead(rows, lead_s).last().copied().unwrap_or_default()
 }
 
 /// The rows whose strain is the largest so far, with their numbers: a path that turns back comes to its envelope again.

@@ -1,6 +1,6 @@
 //! Figures of a curve with a gauge of lateral strain: Poisson's ratio, and the stress at which the volume is least.
 
-use crate::march::curve::{Row, begin, peak};
+use crate::march::curve::{Row, lead, peak};
 use serde::{Deserialize, Serialize};
 
 /// Lateral figures of a specimen that is pressed.
@@ -23,9 +23,10 @@ const ELASTIC: f64 = 0.3;
 impl Lateral {
     /// Figures of `rows`, whose path begins after `lead_s`, with the lateral strain of each; none of a curve without a peak.
     pub fn of(rows: &[Row], lateral: &[f64], lead_s: f64) -> Self {
-        let leads = rows.iter().take_while(|row| row.time_s < lead_s).count().saturating_sub(1);
-        let (rows, lateral) = (&rows[leads..], lateral.get(leads..).unwrap_or_default());
-        let (top, origin) = (peak(rows), begin(rows, lead_s).stress_mpa);
+        let leads = lead(rows, lead_s);
+        let (from, origin) = (leads.len().saturating_sub(1), leads.last().map_or(0.0, |row| row.stress_mpa));
+        let (rows, lateral) = (&rows[from..], lateral.get(from..).unwrap_or_default());
+        let top = peak(rows);
         let all: Vec<(&Row, f64)> = rows.iter().zip(lateral.iter().copied()).collect();
         let Some((highest, at_peak)) = all.get(top).filter(|(row, _)| row.stress_mpa > 0.0) else {
             return Self::default();
