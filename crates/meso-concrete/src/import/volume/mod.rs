@@ -102,7 +102,7 @@ impl<N: LabelNumber> Volume<N> {
     }
 }
 
-/// Labels as they are read, numbered in the order of their first voxel.
+/// Labels as they are read, numbered in the order in which they are met.
 #[derive(Default)]
 struct Values<N> {
     numbers: BTreeMap<i64, N>,
@@ -142,15 +142,10 @@ impl<N: LabelNumber> Values<N> {
 
     /// Adds values as a file has them.
     fn add_bytes(&mut self, bytes: &[u8], kind: Kind, is_big: bool) -> Result<(), VolumeError> {
-        // A byte has few values: each is looked up once.
-        let mut known = [None; 256];
+        if kind.size == 1 {
+            return self.add_single(bytes, kind.number);
+        }
         for value in bytes.chunks_exact(kind.size) {
-            if let [byte] = value
-                && let Some(number) = known[usize::from(*byte)]
-            {
-                self.of.push(number);
-                continue;
-            }
             let mut eight = [0; 8];
             eight[..kind.size].copy_from_slice(value);
             if is_big {
@@ -164,10 +159,21 @@ impl<N: LabelNumber> Values<N> {
                 Number::Real if kind.size == 4 => self.add_real(f64::from(f32::from_bits(raw as u32)))?,
                 Number::Real => self.add_real(f64::from_bits(raw))?,
             }
-            if let [byte] = value {
-                known[usize::from(*byte)] = self.last.map(|(_, number)| number);
-            }
         }
+        Ok(())
+    }
+
+    /// Adds labels of one byte, which have few values: each is looked up once.
+    fn add_single(&mut self, bytes: &[u8], number: Number) -> Result<(), VolumeError> {
+        let mut occurs = [false; 256];
+        bytes.iter().for_each(|byte| occurs[usize::from(*byte)] = true);
+        let mut numbers = [N::default(); 256];
+        for byte in (0..=u8::MAX).filter(|byte| occurs[usize::from(*byte)]) {
+            let is_signed = matches!(number, Number::Signed);
+            let label = if is_signed { i64::from(byte.cast_signed()) } else { i64::from(byte) };
+            numbers[usize::from(byte)] = self.number(label)?;
+        }
+        self.of.extend(bytes.iter().map(|byte| numbers[usize::from(*byte)]));
         Ok(())
     }
 
@@ -190,7 +196,9 @@ impl<N: LabelNumber> Values<N> {
             places[(*number).into()] = N::try_from(place).unwrap_or_default();
         }
         let mut of = self.of;
-        of.iter_mut().for_each(|number| *number = places[(*number).into()]);
+        if (0..).zip(&places).any(|(number, place)| number != (*place).into()) {
+            of.iter_mut().for_each(|number| *number = places[(*number).into()]);
+        }
         let is_length = |h: &f64| h.is_finite() && *h > 0.0;
         let spacing_mm = spacing_mm.filter(|spacing| spacing.iter().all(is_length));
         Ok(Volume { counts, spacing_mm, labels: self.numbers.into_keys().collect(), of })

@@ -5,12 +5,16 @@
 
 use super::{LabelNumber, Values, Volume, VolumeError};
 use std::io::Cursor;
+use tiff::ColorType;
 use tiff::TiffError;
 use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
 const FIX: &str = "save one grey page for every layer, without compression";
+
+/// Photometric interpretation where 0 is black.
+const BLACK_IS_ZERO: u32 = 1;
 
 pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(fault)?;
@@ -22,7 +26,7 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeErro
         if decoder.dimensions().map_err(fault)? != (width, height) {
             return Err(unread(format!("page {pages}, counted from 0, of another size than the first")));
         }
-        page(&mut decoder, width as usize * height as usize, &mut values)?;
+        page(&mut decoder, [width as usize, height as usize], &mut values)?;
         pages += 1;
         if !decoder.more_images() {
             break;
@@ -38,11 +42,20 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeErro
 
 fn page<N: LabelNumber>(
     decoder: &mut Decoder<Cursor<&[u8]>>,
-    pixels: usize,
+    [width, height]: [usize; 2],
     values: &mut Values<N>,
 ) -> Result<(), VolumeError> {
-    let before = values.of.len();
+    let (before, pixels) = (values.of.len(), width * height);
+    let kind = decoder.colortype().map_err(fault)?;
     match decoder.read_image().map_err(fault)? {
+        DecodingResult::U8(page) if kind == ColorType::Gray(1) => {
+            if decoder.get_tag_u32(Tag::PhotometricInterpretation).map_err(fault)? != BLACK_IS_ZERO {
+                return Err(unread("a mask whose zeros are white".to_owned()));
+            }
+            // Each row begins with a byte of its own, and its first pixel is the highest bit.
+            let bits = |row: &[u8]| (0..width).map(|x| row[x / 8] >> (7 - x % 8) & 1).collect::<Vec<_>>();
+            page.chunks_exact(width.div_ceil(8)).flat_map(bits).try_for_each(|bit| values.add(bit.into()))
+        }
         DecodingResult::U8(page) => page.into_iter().try_for_each(|value| values.add(value.into())),
         DecodingResult::U16(page) => page.into_iter().try_for_each(|value| values.add(value.into())),
         DecodingResult::U32(page) => page.into_iter().try_for_each(|value| values.add(value.into())),
