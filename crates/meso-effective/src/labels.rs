@@ -215,7 +215,7 @@ impl Medium for Labelled<'_, f64> {
     fn links(&self, grid: &Grid, last: usize) -> Links {
         let labels = self.sampled(grid.counts, last);
         let across = [0, 1, 2].map(|axis| along(grid, &labels, self.of, axis));
-        Links { counts: grid.counts, wraps: grid.ends[2] == End::Periodic, across }
+        Links::of(grid.counts, grid.ends[2] == End::Periodic, across)
     }
 
     fn phases(&self) -> Vec<PhaseShare> {

@@ -269,5 +269,5 @@ fn links(grid: &Grid, voxels: &Voxels, component: usize, is_clamped: &(impl Fn(u
         };
         parallel::map_short(nx * ny * (nz + usize::from(axis == 2)), link)
     });
-    Links { counts: grid.counts, wraps: true, across }
+    Links::of(grid.counts, true, across)
 }

@@ -38,13 +38,20 @@ pub(crate) struct Links {
     /// Whether voxels at opposite ends of z are neighbours. Along x and y they always are, by a link of 0 at walls.
     pub(crate) wraps: bool,
     pub(crate) across: [Vec<f32>; 3],
+    /// Width of the last voxel along each axis, over that of the others: blocks of odd counts have narrow last ones.
+    pub(crate) last: [f32; 3],
 }
 
 impl Links {
+    /// Links of a grid, whose voxels are alike.
+    pub(crate) fn of(counts: [usize; 3], wraps: bool, across: [Vec<f32>; 3]) -> Self {
+        Self { counts, wraps, across, last: [1.0; 3] }
+    }
+
     /// The links of `layers` in mortar of value `mortar`.
     pub(crate) fn new(grid: &Grid, layers: &[Layer], mortar: f64) -> Self {
         let across = [0, 1, 2].map(|axis| along(grid, layers, mortar, axis));
-        Self { counts: grid.counts, wraps: grid.ends[2] == End::Periodic, across }
+        Self::of(grid.counts, grid.ends[2] == End::Periodic, across)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Blocks of 2 x 2 x 2 voxels as the groups of a coarse level.
 //!
-//! A coarse link has the sum of the fine links between two blocks, halved where the blocks' distance has doubled. A gap keeps its
-//! links on every level, and closed voxels stay closed.
+//! A coarse link has the sum of the fine links between two blocks, over the growth of the distance: half of it but at the last
+//! block of an odd count, which is narrow. A gap keeps its links on every level, and closed voxels stay closed.
 
 use super::network::{Network, over};
 use super::stencil::{Layer, layers_mut, layers_mut_sum, product};
@@ -104,16 +104,39 @@ impl Links {
     /// The links between blocks.
     fn of_blocks(&self) -> Self {
         let steps = self.steps();
+        let last = |axis: usize| match self.counts[axis] {
+            1 => self.last[axis],
+            count if count % 2 == 0 => (1.0 + self.last[axis]) / 2.0,
+            _ => self.last[axis] / 2.0,
+        };
         let counts = [0, 1, 2].map(|axis| self.counts[axis].div_ceil(steps[axis]));
-        let across = [0, 1, 2].map(|axis| self.coarse_along(axis, steps, counts));
-        Self { counts, wraps: self.wraps, across }
+        let mut coarse = Self { counts, wraps: self.wraps, across: Default::default(), last: [0, 1, 2].map(last) };
+        coarse.across = [0, 1, 2].map(|axis| self.coarse_along(axis, steps, &coarse));
+        coarse
     }
 
-    fn coarse_along(&self, axis: usize, steps: [usize; 3], counts: [usize; 3]) -> Vec<f32> {
+    /// Length of the link below voxel `number` along an axis, over the width of all voxels but the last.
+    fn length(&self, axis: usize, number: usize) -> f32 {
+        let count = self.counts[axis];
+        let width = |number: usize| if number + 1 == count { self.last[axis] } else { 1.0 };
+        if axis == 2 && !self.wraps && number.is_multiple_of(count) {
+            return width(number.min(count - 1)) / 2.0;
+        }
+        let number = number % count;
+        let before = if number == 0 { count - 1 } else { number - 1 };
+        (width(before) + width(number)) / 2.0
+    }
+
+    fn coarse_along(&self, axis: usize, steps: [usize; 3], coarse: &Self) -> Vec<f32> {
         let [nx, ny, nz] = self.counts;
-        let [cx, cy, cz] = counts;
+        let [cx, cy, cz] = coarse.counts;
+        // Lengths count in voxels of each level.
+        let shorter = |block: usize| {
+            let fine = self.length(axis, (block * steps[axis]).min(self.counts[axis]));
+            fine / (steps[axis] as f32 * coarse.length(axis, block))
+        };
+        let shorter: Vec<f32> = (0..=coarse.counts[axis]).map(shorter).collect();
         let layers = cz + usize::from(axis == 2);
-        let weight = 1.0 / steps[axis] as f32;
         let mut links = vec![0.0; cx * cy * layers];
         // Only the first link of a block leads out of it; the last layer of z is that above the last voxels.
         let range = |a: usize, block: usize, count: usize| {
@@ -130,8 +153,10 @@ impl Links {
                         sums.iter_mut().zip(row).for_each(|(sum, link)| *sum += link);
                     }
                 }
-                for (link, block) in links.iter_mut().zip(sums.chunks(steps[0])) {
-                    *link = weight * if axis == 0 { block[0] } else { block.iter().sum() };
+                let blocks = sums.chunks(steps[0]).enumerate();
+                for (link, (i, block)) in links.iter_mut().zip(blocks) {
+                    let sum = if axis == 0 { block[0] } else { block.iter().sum() };
+                    *link = shorter[[i, j, layer][axis]] * sum;
                 }
             }
         });
