@@ -130,7 +130,7 @@ def rows(what, name, voxels, found):
 
 def own(program, image, phases, what, voxels):
     """Yield the rows of mesocrete: the whole process with all its solutions, those on the coarse image too."""
-    axes, tolerances = (["--axes", "x"], [1e-5, 1e-9]) if what == "diffusivity" else (["--periodic", "xyz"], [1e-6, 1e-12])
+    axes, tolerances = (["--axes", "x"], [1e-4, 1e-5, 1e-9]) if what == "diffusivity" else (["--periodic", "xyz"], [1e-6, 1e-12])
     found = []
     for tolerance in tolerances:
         with tempfile.TemporaryDirectory() as folder:

@@ -11,6 +11,9 @@ fn a_property_is_written_as_figures_page_and_fields() {
     let figures: serde_json::Value = serde_json::from_slice(&folder.read("out/effective.json")).unwrap();
     assert_eq!(figures["voxels"], serde_json::json!([10, 10, 10]));
     assert!(figures["tensor"][1][1].is_null() && figures["tensor"][2][2].as_f64().unwrap() > 0.0);
+    // Phases that a packing does not have had a volume of -0.
+    let shares = figures["phases"].as_array().unwrap().iter().map(|phase| phase["volume_fraction"].as_f64().unwrap());
+    assert!(shares.into_iter().all(f64::is_sign_positive), "{figures}");
     let page = String::from_utf8(folder.read("out/effective.html")).unwrap();
     assert_eq!(page.matches("<img").count(), 2);
     assert!(folder.read("out/diffusivity_z.vti").starts_with(b"<?xml"));
@@ -180,6 +183,12 @@ fn refusals_name_the_flag_and_the_range() {
         (&["--method", "lattice", "--voxel-size-mm", "2"], "--method lattice takes --element-size-mm"),
         (&["--element-size-mm", "2"], "--element-size-mm needs --method lattice"),
         (&["--method", "lattice", "--element-size-mm", "30"], "--element-size-mm is 30; it must be 0.04 to 10 mm"),
+        (&["--boundary", "uniform"], "it must be fixed, uniform-gradient, uniform-flux"),
+        (&["--boundary", "uniform-flux"], "--boundary uniform-flux needs --method lattice"),
+        (
+            &["--what", "stiffness", "--boundary", "uniform-flux", "--method", "lattice"],
+            "--boundary needs --what diffusivity",
+        ),
         (&["--tolerance", "0.1"], "--tolerance is 0.1; it must be 1e-13 to 0.01"),
         (&["--what", "stiffness", "--tolerance", "0"], "--tolerance is 0; it must be 1e-13 to 0.01"),
         (&["--what", "strength"], "it must be diffusivity, conductivity, stiffness or all"),

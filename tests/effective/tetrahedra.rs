@@ -11,7 +11,7 @@ use meso_core::mesh::{Mesh, Phase};
 use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Silent, Spec, pack};
 use meso_effective::{
-    Effective, EffectiveError, EffectiveOptions, MeshField, Moduli, PhaseModuli, Phases, Property, Stiffness,
+    Boundary, Effective, EffectiveError, EffectiveOptions, MeshField, Moduli, PhaseModuli, Phases, Property, Stiffness,
     StiffnessOptions, effective_in_tetrahedra, stiffness_in_tetrahedra,
 };
 use std::f64::consts::PI;
@@ -95,8 +95,8 @@ fn a_thin_conductive_shell_is_exact_at_ten_elements_a_radius() {
     for (core, shell) in [(0.0, 10.0), (0.0, 1000.0), (2.0, 50.0), (2.0, 0.1)] {
         let (radius, thickness) = (3.0, 0.03);
         let phases = phases(1.0, core, shell);
-        let found = solve_along(X, &[body(radius, thickness)], &cube(10.0, true), &phases, 0.3125);
-        let exact = cubic_array(4.0 / 3.0 * PI * 0.027, coated(core, shell, 1.0 - thickness / radius));
+        let found = solve_along(X, &[body(radius, thickness)], &cube(8.0, true), &phases, 8.0 / 26.0);
+        let exact = cubic_array(4.0 / 3.0 * PI * 0.375_f64.powi(3), coated(core, shell, 1.0 - thickness / radius));
         let error = entry(&found, 0, 0) / exact - 1.0;
         assert!(error.abs() < 0.01, "{error} for {core}, {shell}");
     }
@@ -105,7 +105,7 @@ fn a_thin_conductive_shell_is_exact_at_ten_elements_a_radius() {
 /// Voxels of an eighth of the smallest grain are within 0.2 % of voxels half as large.
 #[test]
 fn packings_have_the_values_of_voxels_in_tetrahedra() {
-    let model = packing(0.4, 30.0, ", periodic = [\"x\", \"y\", \"z\"]");
+    let model = packing(0.4, 24.0, ", periodic = [\"x\", \"y\", \"z\"]");
     let options = EffectiveOptions { axes: X, ..EffectiveOptions::new(Property::Diffusivity, 0.625) };
     let phases = phases(1.0, 0.0, 1.0);
     let found = effective_in_tetrahedra(&model, &phases, &options, 0.75, &Silent).unwrap().0;
@@ -241,6 +241,67 @@ fn moduli_are_those_of_calculix_on_the_same_tetrahedra() {
         let theirs = 2.0 * energy / 1e-6 / 1000.0;
         assert!((entry / theirs - 1.0).abs() < 1e-4, "ours {entry}, theirs {theirs}");
     }
+}
+
+/// The result under some conditions at walls.
+fn bounded(
+    boundary: Boundary,
+    bodies: &[Aggregate],
+    specimen: &Specimen,
+    value: f64,
+) -> Result<Effective, EffectiveError> {
+    let options = EffectiveOptions { boundary, ..EffectiveOptions::new(Property::Diffusivity, 2.5) };
+    effective_in_tetrahedra((bodies, specimen), &phases(1.0, value, 1.0), &options, 2.5, &Silent)
+        .map(|(found, _)| found)
+}
+
+/// A uniform flux across layers makes every plane an equipotential, and so does a uniform gradient along them.
+#[test]
+fn layers_are_exact_under_uniform_flux_and_uniform_gradient() {
+    let specimen = cube(SIDE, false);
+    for value in [0.3, 50.0] {
+        let [gradient, flux] = [Boundary::UniformGradient, Boundary::UniformFlux]
+            .map(|boundary| bounded(boundary, &layer(), &specimen, value).unwrap());
+        let (parallel, series) = (0.63 + 0.37 * value, 1.0 / (0.63 + 0.37 / value));
+        for axis in 0..2 {
+            assert!((entry(&gradient, axis, axis) / parallel - 1.0).abs() < 1e-6, "{gradient:?}");
+            assert!(entry(&flux, axis, axis) < parallel && entry(&flux, axis, axis) > series, "{flux:?}");
+        }
+        assert!((entry(&flux, 2, 2) / series - 1.0).abs() < 1e-6, "{flux:?}");
+        assert!(entry(&gradient, 2, 2) > series, "{gradient:?}");
+        assert_eq!(flux.resolution.boundary, ["uniform-flux"; 3]);
+    }
+}
+
+#[test]
+fn uniform_flux_and_uniform_gradient_enclose_fixed_ends() {
+    let model = packing(0.3, 25.0, "");
+    let [fixed, gradient, flux] = [Boundary::Fixed, Boundary::UniformGradient, Boundary::UniformFlux].map(|boundary| {
+        let options = EffectiveOptions { boundary, ..EffectiveOptions::new(Property::Diffusivity, 2.0) };
+        effective_in_tetrahedra(&model, &phases(1.0, 0.0, 1.0), &options, 2.0, &Silent).unwrap().0
+    });
+    for axis in 0..3 {
+        let [low, middle, high] = [&flux, &fixed, &gradient].map(|found| found.fine[axis][axis].unwrap());
+        assert!(low < middle && middle < high && high < 1.1 * low, "{low} {middle} {high} along {axis}");
+    }
+    let off = (entry(&flux, 0, 1) - entry(&flux, 1, 0)).abs();
+    assert!(off < 1e-4, "{off}");
+}
+
+#[test]
+fn uniform_conditions_are_refused_where_they_have_no_meaning() {
+    let (walls, periodic) = (cube(SIDE, false), cube(SIDE, true));
+    let said = |boundary, specimen, value| bounded(boundary, &layer(), specimen, value).unwrap_err().to_string();
+    for boundary in [Boundary::UniformGradient, Boundary::UniformFlux] {
+        let text = said(boundary, &periodic, 2.0);
+        assert!(text.ends_with("the specimen must be a cube, a box or a prism that has walls on all sides"), "{text}");
+    }
+    let text = said(Boundary::UniformFlux, &walls, 0.0);
+    assert_eq!(text, "boundary is uniform-flux; a phase without conduction meets a wall, and no flux enters there");
+    let options =
+        EffectiveOptions { boundary: Boundary::UniformFlux, ..EffectiveOptions::new(Property::Diffusivity, 2.5) };
+    let text = meso_effective::effective((&[][..], &walls), &Phases::default(), &options, &Silent).err().unwrap();
+    assert!(text.to_string().ends_with("take the method lattice"), "{text}");
 }
 
 #[test]

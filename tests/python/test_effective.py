@@ -47,12 +47,25 @@ def test_tetrahedra_have_the_values_of_voxels(cube):
         cube.effective("stiffness", method="lattice", element_size=5)
 
 
+def test_uniform_flux_and_uniform_gradient_enclose_fixed_ends():
+    walled = mc.pack({**SPEC, "fraction": 0.2, "specimen": {"kind": "cube", "side_mm": 30}})
+    low, middle, high = (
+        walled.effective(method="lattice", element_size=2.5, boundary=name, axes="x")["fine"][0][0]
+        for name in ("uniform-flux", "fixed", "uniform-gradient")
+    )
+    assert low < middle < high
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         ({"method": "conforming"}, 'method is "conforming"; it must be one of "voxel", "lattice"'),
         ({"element_size": 1}, 'element_size needs method="lattice"'),
         ({"method": "lattice", "voxel_size": 1}, 'method="lattice" takes element_size'),
+        ({"boundary": "free"}, 'boundary is "free"; it must be one of fixed, uniform-gradient, uniform-flux'),
+        ({"boundary": "uniform-flux"}, "boundary is uniform-flux; voxels have fixed; take the method lattice"),
+        ({"what": "stiffness", "boundary": "uniform-flux"}, 'boundary is "uniform-flux"; stiffness takes "fixed"'),
+        ({"boundary": "uniform-flux", "method": "lattice"}, "a cube, a box or a prism that has walls on all sides"),
         ({"method": "lattice", "element_size": 20}, "element_size is 20; it must be 0.03 to 7.5 mm"),
     ],
 )

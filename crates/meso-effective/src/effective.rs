@@ -1,5 +1,6 @@
 //! From a packing to its tensor: two grids, the solution along each axis, error and bounds.
 
+use crate::boundary::Boundary;
 use crate::bounds::PropertyBounds;
 use crate::error::{self, EffectiveError};
 use crate::field::{Flow, FluxField, Fluxes};
@@ -7,8 +8,9 @@ use crate::grid::{self, End, Grid, Space};
 use crate::links::{Layer, Links};
 use crate::phases::{PhaseValues, Phases, Property};
 use crate::resolution::Resolution;
+use crate::shares;
+use crate::solver::{self, Energy};
 use crate::surfaces::Phase;
-use crate::{shares, solver};
 use meso_collision::simd::widest;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
@@ -33,6 +35,8 @@ pub struct EffectiveOptions {
     pub tolerance: f64,
     /// Whether to return the fields.
     pub fields: bool,
+    /// Conditions at walls.
+    pub boundary: Boundary,
 }
 
 impl EffectiveOptions {
@@ -42,6 +46,7 @@ impl EffectiveOptions {
     /// A voxel size or a tolerance out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
         error::accept_tolerance(self.tolerance)?;
+        self.boundary.accept_in_voxels()?;
         Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
     }
 
@@ -54,7 +59,7 @@ impl EffectiveOptions {
 
     /// All axes, to nine digits, without fields.
     pub fn new(what: Property, voxel_size_mm: f64) -> Self {
-        Self { what, voxel_size_mm, axes: [true; 3], tolerance: 1e-9, fields: false }
+        Self { what, voxel_size_mm, axes: [true; 3], tolerance: 1e-9, fields: false, boundary: Boundary::Fixed }
     }
 
     /// Size of voxels for a grading from `d_min_mm` up: an eighth.
@@ -133,6 +138,7 @@ pub(crate) fn of_medium(
     watch: &dyn Watch,
 ) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
     error::accept_tolerance(options.tolerance)?;
+    options.boundary.accept_in_voxels()?;
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
     let task = Task { medium, space: medium.space(), options, watch, stages };
     let coarse = EffectiveOptions { fields: false, ..*options };
@@ -260,7 +266,7 @@ impl Task<'_> {
                 self.watch.stage(Stage::Solve, share);
             }
         };
-        let found = solver::solve(links, rhs, energy, self.options.tolerance, &report)?;
+        let found = solver::solve(links, rhs, Energy::falling(energy), self.options.tolerance, &report)?;
         let flow = Flow { grid, links, axis, potential: &found.potential };
         let mean = flow.mean();
         let place = |axis: usize| (last + 1 + axis) % 3;

@@ -20,6 +20,7 @@
 // No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
+mod boundary;
 mod bounds;
 mod effective;
 mod elastic;
@@ -38,6 +39,7 @@ mod solver;
 mod surfaces;
 mod tetrahedra;
 
+pub use boundary::Boundary;
 pub use bounds::PropertyBounds;
 pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
 pub use elastic::{

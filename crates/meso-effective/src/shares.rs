@@ -10,7 +10,8 @@ pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen) -> [f6
     let volume = specimen.volume();
     let of = |kind: Kind| {
         let bodies = bodies.iter().filter(move |body| body.kind == kind);
-        bodies.map(|body| body.body.volume()).sum::<f64>() / volume
+        // A sum of nothing is -0.
+        (0.0 + bodies.map(|body| body.body.volume()).sum::<f64>()) / volume
     };
     let core = |number: usize| {
         let body = &bodies[number];

@@ -10,7 +10,7 @@ use crate::grid::{self, Grid, Space};
 use crate::moduli::{Moduli, PhaseModuli, Table};
 use crate::resolution::Resolution;
 use crate::shares::volume_fractions;
-use crate::solver::{Equations, solve_equations};
+use crate::solver::{Energy, Equations, solve_equations};
 use crate::surfaces::{Phase, Surface};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
@@ -292,7 +292,7 @@ impl<F> Solved<F> {
         strained.forces(&nothing, &mean, &mut rhs);
         rhs.iter_mut().for_each(|force| *force = -*force);
         drop(nothing);
-        let found = solve_equations(strained, rhs, energy, tolerance, report)?;
+        let found = solve_equations(strained, rhs, Energy::falling(energy), tolerance, report)?;
         let sums = strained.sums(&found.potential, &mean);
         let volume = strained.volume();
         (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);

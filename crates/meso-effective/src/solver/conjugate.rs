@@ -2,7 +2,7 @@
 
 use super::multigrid::Multigrid;
 use super::network::Network;
-use super::stencil::{Real, add, dot, dots, layers_mut};
+use super::stencil::{Real, add, dot, dots, follow};
 use crate::error::EffectiveError;
 use meso_concrete::parallel;
 
@@ -18,6 +18,28 @@ pub(crate) struct Solution {
 const MOST: usize = 500;
 /// A result below this share of the energy without equilibrium is zero.
 const BLOCKED: f64 = 1e-9;
+
+/// Energy at the potentials found so far.
+#[derive(Clone, Copy)]
+pub(crate) struct Energy {
+    now: f64,
+    /// Errors count over at least this.
+    least: f64,
+    /// Change by one of an iteration.
+    sign: f64,
+}
+
+impl Energy {
+    /// Energy of a given gradient, `first` without potentials: it falls.
+    pub(crate) fn falling(first: f64) -> Self {
+        Self { now: first, least: BLOCKED * first, sign: -1.0 }
+    }
+
+    /// Energy of a given flux, 0 without potentials: it rises to more than `least`.
+    pub(crate) fn rising(least: f64) -> Self {
+        Self { now: 0.0, least, sign: 1.0 }
+    }
+}
 
 /// Symmetric equations with a preconditioner.
 pub(crate) trait Equations {
@@ -69,7 +91,7 @@ impl<N: Network> Equations for Potentials<'_, N> {
 pub(crate) fn solve(
     links: &impl Network,
     rhs: Vec<f64>,
-    energy: f64,
+    energy: Energy,
     tolerance: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
@@ -79,7 +101,7 @@ pub(crate) fn solve(
 
 /// The solution of `A u = rhs`.
 ///
-/// `energy` is that of `u = 0`. Each iteration lowers it by `step^2 p . A p`, and `r . z` bounds the rest but for the
+/// Each iteration changes the `energy` by `step^2 p . A p`, and `r . z` bounds the rest but for the
 /// quality of the preconditioner. Stops at `tolerance` of the energy, after one more step along the last correction.
 ///
 /// # Errors
@@ -87,7 +109,7 @@ pub(crate) fn solve(
 pub(crate) fn solve_equations<E: Equations>(
     equations: &mut E,
     rhs: Vec<E::Number>,
-    energy: f64,
+    mut energy: Energy,
     tolerance: f64,
     report: &dyn Fn(usize, f64),
 ) -> Result<Solution, EffectiveError> {
@@ -95,11 +117,11 @@ pub(crate) fn solve_equations<E: Equations>(
     let mut r = rhs;
     // Empty before the first step, which only writes: pages that are read first would be mapped twice.
     let (mut potential, mut p, mut product) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut left, mut curvature, mut iterations) = (energy, 0.0, 0);
+    let (mut curvature, mut iterations) = (0.0, 0);
     loop {
         let z = equations.correction(&r);
         let [rz, pz] = if iterations == 0 { [dot(&r, z, len), 0.0] } else { dots([&r, &product], z, len) };
-        let error = rz / left.max(BLOCKED * energy);
+        let error = rz / energy.now.max(energy.least);
         // A first residual of rounding alone has no step: it may lie where no link leads away.
         if rz <= 0.0 || iterations == 0 && error <= tolerance {
             potential.resize(r.len(), 0.0);
@@ -110,14 +132,15 @@ pub(crate) fn solve_equations<E: Equations>(
             let fix = "raise the size of voxels or elements, or lower the contrast";
             return Err(EffectiveError::Diverged { iterations, reached: error, fix });
         }
+        let mut along = rz;
         if iterations == 0 {
             p = parallel::map_short(r.len(), |i| E::Number::from(z[i]));
             product = vec![E::Number::default(); r.len()];
         } else {
-            follow(&mut p, z, -pz / curvature, len);
+            along = follow(&mut p, z, -pz / curvature, &r, len);
         }
         curvature = equations.apply(&p, &mut product);
-        let step: f64 = E::Number::of(dot(&p, &r, len) / curvature).into();
+        let step: f64 = E::Number::of(along / curvature).into();
         match iterations {
             0 => potential = parallel::map_short(r.len(), |i| step * p[i].into()),
             _ => add(&mut potential, step, &p, len),
@@ -127,14 +150,6 @@ pub(crate) fn solve_equations<E: Equations>(
             return Ok(Solution { potential, iterations, error });
         }
         equations.lower(&mut r, step, &product, &potential);
-        left -= step * step * curvature;
+        energy.now += energy.sign * step * step * curvature;
     }
-}
-
-/// `p = z + ratio p`.
-fn follow<T: Real>(p: &mut [T], z: &[f32], ratio: f64, len: usize) {
-    layers_mut(p, len, |k, p| {
-        let z = &z[k * len..][..p.len()];
-        p.iter_mut().zip(z).for_each(|(p, z)| *p = T::from(*z) + T::of(ratio) * *p);
-    });
 }

@@ -9,7 +9,7 @@ mod multigrid;
 mod network;
 mod stencil;
 
-pub(crate) use conjugate::{Equations, solve, solve_equations};
+pub(crate) use conjugate::{Energy, Equations, Solution, solve, solve_equations};
 pub(crate) use graph::{Graph, Rows};
 pub(crate) use multigrid::Multigrid;
 pub(crate) use stencil::{dot, layers_mut};

@@ -222,8 +222,43 @@ pub(super) fn layers_mut_sum<T: Send, const N: usize>(
 
 /// `to += factor * from`.
 pub(super) fn add<S: Real, T: Real>(to: &mut [S], factor: f64, from: &[T], len: usize) {
-    layers_mut(to, len, |k, to| {
-        let from = &from[k * len..][..to.len()];
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = S::of((*to).into() + factor * (*from).into()));
+    layers_mut(to, len, |k, to| widest(Added { to, factor, from: &from[k * len..] }));
+}
+
+struct Added<'a, S, T> {
+    to: &'a mut [S],
+    factor: f64,
+    from: &'a [T],
+}
+
+impl<S: Real, T: Real> Wide for Added<'_, S, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let add = |(to, from): (&mut S, &T)| *to = S::of((*to).into() + self.factor * (*from).into());
+        self.to.iter_mut().zip(self.from).for_each(add);
+    }
+}
+
+/// `p = z + ratio p`; returns `p . r`.
+pub(super) fn follow<T: Real>(p: &mut [T], z: &[f32], ratio: f64, r: &[T], len: usize) -> f64 {
+    let [sum] = layers_mut_sum(p, len, |k, p| {
+        widest(Follow { p: &mut *p, z: &z[k * len..], ratio: T::of(ratio) });
+        [product(p, &r[k * len..][..p.len()])]
     });
+    sum
+}
+
+struct Follow<'a, T> {
+    p: &'a mut [T],
+    z: &'a [f32],
+    ratio: T,
+}
+
+impl<T: Real> Wide for Follow<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        self.p.iter_mut().zip(self.z).for_each(|(p, z)| *p = T::from(*z) + self.ratio * *p);
+    }
 }

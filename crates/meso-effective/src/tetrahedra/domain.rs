@@ -3,14 +3,14 @@
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
 use meso_mesh::Mesh;
-use meso_mesh::cells::{NodeImages, Sides};
+use meso_mesh::cells::{CellKind, NodeImages, Sides};
 
 /// A mesh of tetrahedra with the cells around its nodes.
 pub(super) struct Domain {
     pub(super) mesh: Mesh,
     /// Volume with the voids, mm3.
     pub(super) volume: f64,
-    sides: Sides,
+    pub(super) sides: Sides,
     /// The image of every node that stands for all its periodic images.
     image: Vec<u32>,
     /// Corners at every such image, by node: four times the cell and the place in it.
@@ -103,6 +103,12 @@ impl Domain {
     pub(super) fn nodes(&self, cell: usize) -> [usize; 4] {
         let nodes = &self.mesh.cells[4 * cell..][..4];
         [0, 1, 2, 3].map(|corner| nodes[corner] as usize)
+    }
+
+    /// Nodes of a face of a cell.
+    pub(super) fn face(&self, cell: usize, face: usize) -> [usize; 3] {
+        let (nodes, corners) = (self.nodes(cell), CellKind::Tetrahedron.faces()[face]);
+        [0, 1, 2].map(|corner| nodes[corners[corner]])
     }
 
     pub(super) fn cell(&self, cell: usize) -> Tetrahedron {

@@ -3,12 +3,13 @@
 use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
 use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
+use crate::boundary::Boundary;
 use crate::effective::{Column, Effective, EffectiveOptions, REST};
 use crate::error::{self, EffectiveError};
 use crate::grid::Space;
 use crate::phases::{PhaseValues, Phases};
 use crate::resolution::Resolution;
-use crate::solver::{self, Graph, Rows};
+use crate::solver::{self, Energy, Graph, Rows, Solution};
 use crate::surfaces::Phase;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
@@ -35,14 +36,15 @@ pub fn effective_in_tetrahedra<'a>(
     let bodies = error::accepted(bodies)?;
     let itz = Itz::of([values.mortar, values.aggregate, values.itz], values.aggregate == 0.0);
     let meshed = Bodies::new(&bodies, specimen, itz, values.void > 0.0);
-    let stages = options.axes.iter().filter(|axis| **axis).count();
+    let is_flux = options.boundary == Boundary::UniformFlux;
+    let stages = options.axes.iter().filter(|axis| is_flux || **axis).count();
     let solve = |domain: &Domain, is_fine: bool| {
         let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
         Task { conduction: Conduction::new(domain, &meshed, &values), options, fields, watch, stages }.columns()
     };
     let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
-    let boundary = Space::of(specimen).boundary("fixed");
+    let boundary = Space::of(specimen).boundary(options.boundary.name());
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
     let fields = MeshField::all(domain.mesh, fields);
     Ok((Effective::new(options.what, [&fine, &coarse], values.shares(&bodies, specimen), REST, resolution), fields))
@@ -57,6 +59,7 @@ impl EffectiveOptions {
     /// # Errors
     /// An element size or a tolerance out of its range, and a specimen without flat ends.
     pub fn bytes_in_tetrahedra(&self, specimen: &Specimen, element_size_mm: f64) -> Result<f64, EffectiveError> {
+        self.boundary.accept(specimen)?;
         has_ends(specimen, self.axes)?;
         error::accept_tolerance(self.tolerance)?;
         Ok(BYTES * cubes(specimen, element_size_mm)?)
@@ -74,8 +77,8 @@ fn has_ends(specimen: &Specimen, axes: [bool; 3]) -> Result<(), EffectiveError> 
 }
 
 /// Conductivities of a mesh's cells.
-struct Conduction<'a> {
-    domain: &'a Domain,
+pub(super) struct Conduction<'a> {
+    pub(super) domain: &'a Domain,
     /// Number of every cell's tensor.
     of: Vec<u32>,
     tensors: Vec<Mat3>,
@@ -104,12 +107,12 @@ impl<'a> Conduction<'a> {
         &self.tensors[self.of[cell] as usize]
     }
 
-    fn conducts(&self, cell: usize) -> bool {
+    pub(super) fn conducts(&self, cell: usize) -> bool {
         *self.tensor(cell) != Mat3::zeros()
     }
 
     /// The links between unknowns, and those to nodes without one.
-    fn graph(&self, unknowns: &Unknowns) -> Graph {
+    pub(super) fn graph(&self, unknowns: &Unknowns) -> Graph {
         let link = |cell: usize, at: usize, other: usize| {
             let Tetrahedron { volume, gradients } = self.domain.cell(cell);
             let link = -volume * gradients[at].dot(&(self.tensor(cell) * gradients[other]));
@@ -127,11 +130,10 @@ impl<'a> Conduction<'a> {
         Graph::new(rows, parallel::map_short(unknowns.nodes.len(), given))
     }
 
-    /// Gradient in a cell of unit mean gradient along `axis`.
-    fn gradient(&self, cell: usize, axis: usize, of: &[u32], potential: &[f64]) -> Vec3 {
+    /// Gradient in a cell, for a `given` one and the potential's.
+    fn gradient(&self, cell: usize, given: &Vec3, of: &[u32], potential: &[f64]) -> Vec3 {
         let (nodes, Tetrahedron { gradients, .. }) = (self.domain.nodes(cell), self.domain.cell(cell));
-        let mut sum = Vec3::zeros();
-        sum[axis] = 1.0;
+        let mut sum = *given;
         for (node, gradient) in nodes.into_iter().zip(gradients).filter(|(node, _)| of[*node] != GIVEN) {
             sum += gradient * potential[of[node] as usize];
         }
@@ -152,22 +154,28 @@ impl<'a> Conduction<'a> {
     }
 
     /// Mean flux, along the gradient by the energy, whose error is the square of the potential's.
-    fn mean(&self, of: &[u32], axis: usize, potential: &[f64]) -> [f64; 3] {
-        let sums = self.domain.sums(|cell| {
-            let gradient = self.gradient(cell, axis, of, potential);
-            let flux = self.tensor(cell) * gradient * self.domain.cell(cell).volume;
-            [flux.x, flux.y, flux.z, flux.dot(&gradient)]
-        });
+    pub(super) fn mean(&self, of: &[u32], axis: usize, potential: &[f64]) -> [f64; 3] {
+        let sums = self.sums(of, &unit(axis), potential);
         [0, 1, 2].map(|a| sums[if a == axis { 3 } else { a }] / self.domain.volume)
     }
 
-    fn field(&self, of: &[u32], axis: usize, potential: &[f64]) -> CellValues {
+    /// Flux along x, y, z and energy, over the specimen.
+    pub(super) fn sums(&self, of: &[u32], given: &Vec3, potential: &[f64]) -> [f64; 4] {
+        self.domain.sums(|cell| {
+            let gradient = self.gradient(cell, given, of, potential);
+            let flux = self.tensor(cell) * gradient * self.domain.cell(cell).volume;
+            [flux.x, flux.y, flux.z, flux.dot(&gradient)]
+        })
+    }
+
+    /// The field along `axis`, for a `given` gradient and the potential's.
+    pub(super) fn field(&self, of: &[u32], axis: usize, given: &Vec3, potential: &[f64]) -> CellValues {
         let node = |node: usize| {
-            let given = self.domain.mesh.points[node][axis];
+            let given = self.domain.mesh.points[node].dot(given);
             (given + if of[node] == GIVEN { 0.0 } else { potential[of[node] as usize] }) as f32
         };
         let flux = |cell: usize| {
-            let flux = self.tensor(cell) * self.gradient(cell, axis, of, potential);
+            let flux = self.tensor(cell) * self.gradient(cell, given, of, potential);
             [flux.x as f32, flux.y as f32, flux.z as f32]
         };
         let mesh = &self.domain.mesh;
@@ -177,29 +185,30 @@ impl<'a> Conduction<'a> {
     }
 }
 
+/// Bits of all sides.
+const ALL_SIDES: u8 = 0b11_1111;
+
 /// Solutions on one mesh.
-struct Task<'a> {
-    conduction: Conduction<'a>,
-    options: &'a EffectiveOptions,
-    fields: bool,
+pub(super) struct Task<'a> {
+    pub(super) conduction: Conduction<'a>,
+    pub(super) options: &'a EffectiveOptions,
+    pub(super) fields: bool,
     watch: &'a dyn Watch,
     /// Solutions that are reported as progress.
     stages: usize,
 }
 
 impl Task<'_> {
-    /// The solutions along the axes asked for. Periodic axes share their equations.
+    /// The solutions along the axes asked for. Axes with the same conditions share their equations.
     fn columns(&self) -> Result<Vec<Column<CellValues>>, EffectiveError> {
         let domain = self.conduction.domain;
-        let asked = |periodic: bool| {
-            (0..3).filter(move |axis| self.options.axes[*axis] && domain.mesh.periodic[*axis] == periodic)
-        };
         let mut columns = Vec::new();
-        let walled = asked(false).map(|axis| (vec![axis], 3 << (2 * axis)));
-        for (axes, given) in [(asked(true).collect(), 0)].into_iter().chain(walled) {
-            if axes.is_empty() {
-                continue;
-            }
+        let groups = match self.options.boundary {
+            Boundary::Fixed => self.groups(),
+            Boundary::UniformGradient => vec![(self.asked().collect(), ALL_SIDES)],
+            Boundary::UniformFlux => return self.columns_of_uniform_flux(),
+        };
+        for (axes, given) in groups {
             let unknowns = domain.unknowns(given, |cell| self.conduction.conducts(cell));
             let graph = self.conduction.graph(&unknowns);
             for axis in axes {
@@ -208,6 +217,18 @@ impl Task<'_> {
         }
         columns.sort_by_key(|column| column.axis);
         Ok(columns)
+    }
+
+    fn asked(&self) -> impl Iterator<Item = usize> {
+        (0..3).filter(|axis| self.options.axes[*axis])
+    }
+
+    /// Periodic axes, and each of the others, with the bits of the sides that have given potentials.
+    fn groups(&self) -> Vec<(Vec<usize>, u8)> {
+        let periodic = &self.conduction.domain.mesh.periodic;
+        let (repeated, walled): (Vec<usize>, Vec<usize>) = self.asked().partition(|axis| periodic[*axis]);
+        let first = (!repeated.is_empty()).then_some((repeated, 0));
+        first.into_iter().chain(walled.into_iter().map(|axis| (vec![axis], 3 << (2 * axis)))).collect()
     }
 
     fn column(
@@ -220,6 +241,21 @@ impl Task<'_> {
         let conduction = &self.conduction;
         let nothing = vec![0.0; unknowns.nodes.len()];
         let energy = conduction.mean(&unknowns.of, axis, &nothing)[axis] * conduction.domain.volume;
+        let sources = conduction.sources(unknowns, axis);
+        let found = self.solve(graph, sources, Energy::falling(energy), done)?;
+        let flux = conduction.mean(&unknowns.of, axis, &found.potential);
+        let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &unit(axis), &found.potential));
+        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, field })
+    }
+
+    /// Solution number `done`.
+    pub(super) fn solve(
+        &self,
+        graph: &Graph,
+        rhs: Vec<f64>,
+        energy: Energy,
+        done: usize,
+    ) -> Result<Solution, EffectiveError> {
         let report = |iteration: usize, _: f64| {
             // Some 20 iterations are usual.
             let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
@@ -227,10 +263,11 @@ impl Task<'_> {
                 self.watch.stage(Stage::Solve, share);
             }
         };
-        let sources = conduction.sources(unknowns, axis);
-        let found = solver::solve(graph, sources, energy, self.options.tolerance, &report)?;
-        let flux = conduction.mean(&unknowns.of, axis, &found.potential);
-        let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &found.potential));
-        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, field })
+        solver::solve(graph, rhs, energy, self.options.tolerance, &report)
     }
+}
+
+/// A unit gradient.
+fn unit(axis: usize) -> Vec3 {
+    Vec3::from_fn(|row, _| f64::from(u8::from(row == axis)))
 }

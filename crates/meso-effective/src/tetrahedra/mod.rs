@@ -8,6 +8,7 @@ mod field;
 mod flux;
 mod meshed;
 mod solid;
+mod uniform;
 
 pub use field::MeshField;
 pub use flux::effective_in_tetrahedra;

@@ -378,6 +378,7 @@ class Packing:
         phases: Mapping[str, float] | None = None,
         eigenstrain: None = None,
         axes: str = "xyz",
+        boundary: Literal["fixed", "uniform-gradient", "uniform-flux"] = "fixed",
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Effective:
@@ -401,6 +402,9 @@ class Packing:
             Strains without stress of the phases by name, for stiffness: shrinkage is negative.
         axes : str
             Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+        boundary : {"fixed", "uniform-gradient", "uniform-flux"}
+            Conditions at walls: given values at the ends of the gradient and insulated sides; in tetrahedra also a uniform
+            gradient, an upper estimate, or a uniform flux, a lower one.
         tolerance : float, optional
             Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
         progress : bool or callable, optional
@@ -435,6 +439,7 @@ class Packing:
         phases: Mapping[str, Mapping[str, float]] | None = None,
         eigenstrain: Mapping[str, float] | None = None,
         axes: Literal["xyz"] = "xyz",
+        boundary: Literal["fixed"] = "fixed",
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> _results.Stiffness: ...

@@ -9,8 +9,9 @@ use meso_core::import::volume::{LabelNumber, Volume};
 use meso_core::watch::Stage;
 use meso_core::{Model, spec};
 use meso_effective::{
-    EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, PhaseModuli, Phases, Property, StiffnessOptions,
-    effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
+    Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, PhaseModuli, Phases, Property,
+    StiffnessOptions, effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra,
+    stiffness_of_labels,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
@@ -30,6 +31,7 @@ pub(super) struct Asked<'a> {
     pub(super) phases: Option<&'a Bound<'a, PyAny>>,
     pub(super) eigenstrain: Option<&'a Bound<'a, PyAny>>,
     pub(super) axes: &'a str,
+    pub(super) boundary: &'a str,
     pub(super) tolerance: Option<f64>,
 }
 
@@ -48,10 +50,20 @@ impl Asked<'_> {
         if property.is_some() && self.eigenstrain.is_some() {
             return Err(wrong_value(format!("eigenstrain needs what=\"stiffness\", not {:?}", self.what)));
         }
+        if property.is_none() && self.boundary()? != Boundary::Fixed {
+            return Err(wrong_value(format!("boundary is {:?}; stiffness takes \"fixed\"", self.boundary)));
+        }
         if property.is_none() && self.axes != "xyz" {
             return Err(wrong_value(format!("axes is {:?}; stiffness takes all, \"xyz\"", self.axes)));
         }
         Ok(property)
+    }
+
+    fn boundary(&self) -> PyResult<Boundary> {
+        let wrong = || {
+            wrong_value(format!("boundary is {:?}; it must be one of {}", self.boundary, Boundary::NAMES.join(", ")))
+        };
+        Boundary::named(self.boundary).ok_or_else(wrong)
     }
 
     /// Whether the specimen is divided into tetrahedra.
@@ -80,7 +92,8 @@ impl Asked<'_> {
             return Err(wrong_value("axes is \"\"; it must be some of x, y, z, each once, as in \"xz\""));
         }
         let usual = EffectiveOptions::new(what, voxel_size_mm);
-        Ok(EffectiveOptions { axes, tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual })
+        let tolerance = self.tolerance.unwrap_or(usual.tolerance);
+        Ok(EffectiveOptions { axes, tolerance, boundary: self.boundary()?, ..usual })
     }
 
     fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
@@ -233,8 +246,9 @@ pub(crate) fn of_labels<'py>(
     periodic: &str,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let (method, boundary) = ("voxel", "fixed");
     let asked =
-        Asked { what, voxel_size: None, method: "voxel", element_size: None, phases, eigenstrain, axes, tolerance };
+        Asked { what, voxel_size: None, method, element_size: None, phases, eigenstrain, axes, boundary, tolerance };
     guard(|| {
         let property = asked.property()?;
         let phases = asked.label_phases(property)?;

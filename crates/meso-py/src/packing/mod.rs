@@ -292,6 +292,9 @@ impl PyPacking {
     ///     Strains without stress of the phases by name, for stiffness: shrinkage is negative.
     /// axes : str
     ///     Axes of the gradient, some of x, y, z; each takes a solution. Stiffness always has all.
+    /// boundary : {"fixed", "uniform-gradient", "uniform-flux"}
+    ///     Conditions at walls: given values at the ends of the gradient and insulated sides; in tetrahedra also a uniform
+    ///     gradient, an upper estimate, or a uniform flux, a lower one.
     /// tolerance : float, optional
     ///     Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
     /// progress : bool or callable, optional
@@ -313,7 +316,7 @@ impl PyPacking {
     ///     also take a cylinder along z.
     /// RuntimeError
     ///     Where the equations do not converge.
-    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, method="voxel", element_size=None, phases=None, eigenstrain=None, axes="xyz", tolerance=None, progress=None))]
+    #[pyo3(signature = (what="diffusivity", *, voxel_size=None, method="voxel", element_size=None, phases=None, eigenstrain=None, axes="xyz", boundary="fixed", tolerance=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn effective<'py>(
         &self,
@@ -325,10 +328,12 @@ impl PyPacking {
         phases: Option<&Bound<'py, PyAny>>,
         eigenstrain: Option<&Bound<'py, PyAny>>,
         axes: &str,
+        boundary: &str,
         tolerance: Option<f64>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let asked = effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes, tolerance };
+        let asked =
+            effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes, boundary, tolerance };
         effective::compute(py, &self.0, &asked, progress)
     }
 

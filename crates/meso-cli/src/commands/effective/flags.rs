@@ -3,6 +3,7 @@
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
 use meso_core::mesh::MethodName;
+use meso_effective::Boundary;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -44,6 +45,10 @@ pub(crate) struct Args {
     /// Axes of the gradient; each takes a solution. Stiffness always has all
     #[arg(long, value_name = "AXES", default_value = "xyz", value_parser = axes)]
     pub(super) axes: Axes,
+    /// Conditions at walls: fixed, given potentials at the ends of the gradient and insulated sides; uniform-gradient, an upper
+    /// estimate, or uniform-flux, a lower one, in tetrahedra
+    #[arg(long, value_name = "NAME", default_value = "fixed", value_parser = boundary)]
+    pub(super) boundary: Boundary,
     /// Error of the equations, over the result, beside that of the voxels [default: 1e-9; of stiffness 1e-12]
     #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) tolerance: Option<f64>,
@@ -75,6 +80,10 @@ fn what(text: &str) -> Result<What, String> {
         return Err("it must be diffusivity, conductivity, stiffness or all".to_owned());
     }
     Ok(what)
+}
+
+fn boundary(text: &str) -> Result<Boundary, String> {
+    Boundary::named(text).ok_or_else(|| format!("it must be {}", Boundary::NAMES.join(", ")))
 }
 
 fn eigenstrain(text: &str) -> Result<(String, f64), String> {

@@ -8,7 +8,7 @@ use meso_core::mesh::MethodName;
 use meso_core::{Spec, spec};
 use meso_effective::results::{FIGURES, PAGE, field_ending, field_file, stress_file};
 use meso_effective::{
-    EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
+    Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
 };
 
 /// Values of the phases.
@@ -34,6 +34,12 @@ impl Args {
         }
         if self.properties().is_empty() && self.axes.0 != [true; 3] {
             return Err(Failure::Usage("--axes needs --what diffusivity, conductivity or all".to_owned()));
+        }
+        if self.boundary != Boundary::Fixed && !self.in_tetrahedra() {
+            return Err(Failure::Usage(format!("--boundary {} needs --method lattice", self.boundary.name())));
+        }
+        if self.boundary != Boundary::Fixed && self.properties().is_empty() {
+            return Err(Failure::Usage("--boundary needs --what diffusivity, conductivity or all".to_owned()));
         }
         self.suit_method()?;
         if self.periodic.is_some() && !self.is_volume() {
@@ -140,7 +146,7 @@ impl Args {
     pub(super) fn options(&self, what: Property, voxel_size_mm: f64) -> EffectiveOptions {
         let usual = EffectiveOptions::new(what, voxel_size_mm);
         let tolerance = self.tolerance.unwrap_or(usual.tolerance);
-        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, tolerance, ..usual }
+        EffectiveOptions { axes: self.axes.0, fields: !self.no_fields, tolerance, boundary: self.boundary, ..usual }
     }
 
     pub(super) fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
@@ -176,6 +182,7 @@ pub(super) fn wrong(error: &EffectiveError) -> Failure {
         EffectiveError::Value(value) if value.table == "effective" => {
             Failure::Usage(format!("--{} {}", value.key.replace('_', "-"), value.fault()))
         }
+        EffectiveError::Boundary(name, why) => Failure::Usage(format!("--boundary is {name}; {why}")),
         EffectiveError::Diverged { .. } => Failure::Run(error.to_string()),
         _ => Failure::Usage(error.to_string()),
     }
