@@ -2,7 +2,6 @@
 //! thickness. For the tests and for the bench of conforming meshes.
 
 use meso_core::Model;
-use meso_core::geometry::Plane;
 use meso_core::math::Vec3;
 use meso_core::mesh::{Mesh, Phase};
 
@@ -20,11 +19,7 @@ impl LayerErrors {
         let (mut squares, mut area) = (0.0, 0.0);
         for (id, corners) in inner_side(mesh) {
             let aggregate = &model.aggregates[id as usize];
-            let planes: Vec<Plane> = aggregate.body.planes().collect();
-            let height = |x: Vec3| {
-                let heights = planes.iter().map(|p| p.normal.dot(&x) - p.offset);
-                heights.fold(f64::MIN, f64::max) + aggregate.itz_thickness_mm
-            };
+            let height = |x: Vec3| aggregate.body.height(&x) + aggregate.itz_thickness_mm;
             let triangle = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0;
             squares += triangle * points_of(corners).map(|x| height(x).powi(2)).sum::<f64>() / (PARTS * PARTS) as f64;
             area += triangle;
