@@ -2,8 +2,8 @@
 
 Three shapes of one sieve curve and one fraction: how do strength, diffusivity and the densest packing differ? The stone comes
 from NIST's public VCCTL, as spherical harmonics up to degree 8; a folder of such files is a folder of stones.
-[Grains with dents](../packing.md#grains-with-dents) has the options. The specimens are too small
-to trust, have no ITZ, and keep the page quick.
+[Grains with dents](../packing.md#grains-with-dents) has the options. The specimens are too small to trust, have no ITZ, and
+keep the page quick.
 """
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ grading = {"d_min_mm": 6.0, "d_max_mm": 10.0, "size": "sieve"}
 spec = {"grading": grading, "itz": {"thickness_mm": [0, 0]}, "fraction": 0.35}
 cube = spec | {"specimen": mc.Specimen.cube(30), "placement": {"min_gap_mm": 1.0}}
 periodic = spec | {"specimen": mc.Specimen.cube(30, periodic=True)}
+crowded = spec | {"specimen": mc.Specimen.cube(40, periodic=True)}
 seeds = (1, 2, 3)
 
 
@@ -48,9 +49,9 @@ def diffusivity(shape: dict[str, Any], seed: int) -> float:
 
 def densest(shape: dict[str, Any]) -> mc.Packing:
     """Return the densest packing of the whole sieve curve, in steps of 0.02."""
-    packing = mc.pack(periodic | {"shape": shape}, fraction=0.5, seed=1)
+    packing = mc.pack(crowded | {"shape": shape}, fraction=0.5, seed=1)
     while True:
-        denser = mc.pack(periodic | {"shape": shape}, fraction=packing.fraction + 0.02, seed=1)
+        denser = mc.pack(crowded | {"shape": shape}, fraction=packing.fraction + 0.02, seed=1)
         if denser.report()["stop_reason"] != "target-reached":
             return packing
         packing = denser
