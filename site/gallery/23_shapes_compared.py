@@ -44,7 +44,8 @@ def peak(shape: dict[str, Any], seed: int) -> float:
 
 def diffusivity(shape: dict[str, Any], seed: int) -> float:
     """Return the diffusivity over that of the mortar, around impermeable grains, as a mean of three axes."""
-    return float(np.trace(mc.pack(periodic | {"shape": shape}, seed=seed).effective()["tensor"]) / 3)
+    tensor = mc.pack(periodic | {"shape": shape}, seed=seed).effective()["tensor"]
+    return float(np.trace(np.array(tensor, dtype=float)) / 3)
 
 
 def densest(shape: dict[str, Any]) -> mc.Packing:

@@ -36,7 +36,7 @@ enum Form {
     /// A closed surface.
     Surface(Polyhedron),
     /// The points deeper than the shell.
-    Deeper(Facets),
+    Deeper(Box<Facets>),
 }
 
 /// Halvings of a voxel that the surface of a sampled core may cross.
@@ -96,7 +96,7 @@ fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
     let whole = || part(faceted(&aggregate.body), 1.0);
     let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(faceted(&core), sign));
     let (thickness, aabb) = (aggregate.itz_thickness_mm, aggregate.body.aabb());
-    let deeper = |than: f64, sign: f32| Body { aabb, form: Form::Deeper(Facets::of(aggregate, than)), sign };
+    let deeper = |than: f64, sign: f32| Body { aabb, form: Form::Deeper(Box::new(Facets::of(aggregate, than))), sign };
     let is_sampled = thickness > 0.0 && !aggregate.body.has_inner_body();
     match (of, aggregate.kind) {
         (ShareOf::Aggregate, Kind::Aggregate) | (ShareOf::Void, Kind::Void) | (ShareOf::Fibre, Kind::Fibre) => {
