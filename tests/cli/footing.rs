@@ -3,9 +3,9 @@
 use crate::command::{Folder, Run};
 use serde_json::Value;
 
-/// A cube of 50 mm with 40 % of 5 to 16 mm: in elements of 4 mm a third of its aggregates is lost.
-const WRONG: &str = "fraction = 0.4\n[specimen]\nkind = 'cube'\nside_mm = 50\n[grading]\nd_min_mm = 5\nd_max_mm = 16\n";
-const COARSE: [&str; 2] = ["--element-size-mm", "4"];
+/// A cube with 40 % of 5 to 10 mm: in elements of 3 mm a third of its aggregates is lost.
+const WRONG: &str = "fraction = 0.4\n[specimen]\nkind = 'cube'\nside_mm = 30\n[grading]\nd_min_mm = 5\nd_max_mm = 10\n";
+const COARSE: [&str; 2] = ["--element-size-mm", "3"];
 /// A short test.
 const SHORT: [&str; 6] = ["--strain", "0.0003", "--frames", "0", "-o", "out"];
 
@@ -22,14 +22,31 @@ fn refusal(run: &Run) -> String {
     line.unwrap_or_else(|| panic!("{}", run.stderr)).to_owned()
 }
 
-/// The case: `solve SPEC.toml` gave a strength, `pack --analysis` and Python refused the mesh.
 #[test]
 fn a_mesh_without_a_third_of_its_aggregates_gets_one_answer_from_every_command() {
-    let folder = wrong();
+    get_one_answer(&wrong(), COARSE, "-31 %");
+}
+
+/// The case: `solve SPEC.toml` gave a strength, `pack --analysis` and Python refused the mesh.
+#[test]
+#[ignore = "slow tier: 20 s of processor time"]
+fn a_cube_of_50_mm_in_elements_of_4_mm_gets_one_answer_from_every_command() {
+    get_one_answer(&of_50_mm(), ["--element-size-mm", "4"], "-34 %");
+}
+
+/// A cube of 50 mm with 40 % of 5 to 16 mm.
+fn of_50_mm() -> Folder {
+    let folder = Folder::new();
+    folder.write("wrong.toml", WRONG.replace("30", "50").replace("10", "16"));
+    folder
+}
+
+fn get_one_answer(folder: &Folder, coarse: [&str; 2], lost: &str) {
     let deck = ["pack", "wrong.toml", "-o", "p.json", "-o", "p.inp", "--analysis", "compression"];
-    let said = refusal(&folder.run(&[&deck[..], &COARSE].concat()));
+    let said = refusal(&folder.run(&[&deck[..], &coarse].concat()));
     assert!(
-        said.contains(" of the specimen in the mesh and ") && said.contains(": -34 %, where 10 % are accepted"),
+        said.contains(" of the specimen in the mesh and ")
+            && said.contains(&format!(": {lost}, where 10 % are accepted")),
         "{said}"
     );
     assert!(
@@ -42,12 +59,12 @@ fn a_mesh_without_a_third_of_its_aggregates_gets_one_answer_from_every_command()
         &["solve", "wrong.toml", "-o", "out"],
         &["solve", "p.json", "-o", "out"],
     ] {
-        let run = folder.run(&[command, &COARSE].concat());
+        let run = folder.run(&[command, &coarse].concat());
         assert_eq!(refusal(&run), said, "{command:?}");
         assert!(!run.stderr.contains("peak"), "{}", run.stderr);
     }
     assert_eq!(folder.names().iter().filter(|name| !model.contains(name) && *name != "out").count(), 0);
-    folder.write("STUDY.toml", "spec = 'wrong.toml'\n[solve]\nelement-size-mm = 4\n");
+    folder.write("STUDY.toml", format!("spec = 'wrong.toml'\n[solve]\nelement-size-mm = {}\n", coarse[1]));
     let study = folder.run(&["study", "STUDY.toml", "-o", "s"]);
     assert_eq!(study.code, 1, "{}", study.stderr);
     assert!(study.stderr.contains(said.trim_start_matches("error: ")), "{}", study.stderr);
@@ -61,14 +78,14 @@ fn an_accepted_phase_error_is_carried_by_the_last_line_the_figures_and_the_title
     let at = |text: &str| run.stderr.find(text).unwrap_or_else(|| panic!("{text}: {}", run.stderr));
     assert!(at("of the aggregates' cells became mortar") < at(" elements, at least "), "{}", run.stderr);
     let last = run.stderr.lines().last().unwrap();
-    assert!(last.starts_with("warning: peak ") && last.ends_with(" MPa, mesh too coarse: aggregate -34 %"), "{last}");
+    assert!(last.starts_with("warning: peak ") && last.ends_with(" MPa, mesh too coarse: aggregate -31 %"), "{last}");
     let result: Value = serde_json::from_slice(&folder.read("out/result.json")).unwrap();
-    assert_eq!(result["flags"], serde_json::json!(["mesh too coarse: aggregate -34 %"]));
+    assert_eq!(result["flags"], serde_json::json!(["mesh too coarse: aggregate -31 %"]));
     assert_eq!(result["phase_error_of"], "aggregate");
-    assert!((-0.35..-0.33).contains(&result["phase_error"].as_f64().unwrap()), "{}", result["phase_error"]);
+    assert!((-0.32..-0.30).contains(&result["phase_error"].as_f64().unwrap()), "{}", result["phase_error"]);
     let page = String::from_utf8(folder.read("out/result.html")).unwrap();
     let title = page.split("<title>").nth(1).unwrap().split("</title>").next().unwrap();
-    assert!(title.ends_with(", mesh too coarse: aggregate -34 %"), "{title}");
+    assert!(title.ends_with(", mesh too coarse: aggregate -31 %"), "{title}");
 }
 
 #[test]
@@ -82,7 +99,7 @@ fn an_automatic_element_size_keeps_the_phases_and_is_named_in_the_deck() {
     assert!((1.2..=3.0).contains(&size.parse::<f64>().unwrap()), "{size}");
     let advised = folder.run(&[&["mesh", "p.json", "-o", "m.msh", "--analysis", "compression"][..], &COARSE].concat());
     assert!(
-        refusal(&advised).contains(&format!("take --element-size-mm {size} (tried on a cube of 40 mm")),
+        refusal(&advised).contains(&format!("take --element-size-mm {size} (tried on a cube of 25 mm")),
         "{}",
         advised.stderr
     );
@@ -91,7 +108,7 @@ fn an_automatic_element_size_keeps_the_phases_and_is_named_in_the_deck() {
 /// The case: a gap of 2 mm, as the warning advised, stood at 46 % for minutes.
 #[test]
 fn a_jam_is_named_within_20_seconds_and_ends_with_the_time_limit() {
-    let folder = wrong();
+    let folder = of_50_mm();
     let asked = ["solve", "wrong.toml", "--min-gap-mm", "2", "--time-limit", "18", "--element-size-mm", "2.5"];
     let run = folder.run(&[&asked[..], &["--accept-phase-error"], &SHORT].concat());
     let line =

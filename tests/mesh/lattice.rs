@@ -93,12 +93,13 @@ fn assert_on_aggregates(model: &Model, mesh: &Mesh) {
 
 #[test]
 fn interface_distance_separates_nodes_that_are_off_from_nodes_that_close_gaps() {
-    let (model, mesh) = &*DENSE;
-    let nodes = off(mesh, model);
+    let model = packed(Specimen::cube(25.0), 0.5, 3);
+    let mesh = fitted(&model, 2.0);
+    let nodes = off(&mesh, &model);
     let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
     let options = MeshOptions { method: Method::FITTED, itz: ItzForm::Cohesive, ..Default::default() };
-    for mesh in [mesh, &mesh::build(model, &options, &Tools::default()).unwrap()] {
-        let found = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
+    for mesh in [mesh, mesh::build(&model, &options, &Tools::default()).unwrap()] {
+        let found = InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
         assert_eq!((found.nodes, found.joined, found.off), (nodes.len(), joined, 0));
         assert!(found.max_mm < 1e-8, "{found:?}");
         assert!(found.joined_rms_mm > 0.05 && found.joined_max_mm < 2.5, "{found:?}");

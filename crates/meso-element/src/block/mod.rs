@@ -319,6 +319,17 @@ pub fn history<L: Lanes, W: Law<L>>(memory: &[Octet]) -> W::History {
 /// then the integrity, less 1, so that zeros are a sound element.
 #[inline(always)]
 fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Octet], width: L) -> Answer<L> {
+    if L::IS_FALLBACK { called(law, strain, memory, width) } else { inlined(law, strain, memory, width) }
+}
+
+/// [`inlined`] as one function a law: on machines that hardly exist, kernels of every shape share it.
+#[inline(never)]
+fn called<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Octet], width: L) -> Answer<L> {
+    inlined(law, strain, memory, width)
+}
+
+#[inline(always)]
+fn inlined<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Octet], width: L) -> Answer<L> {
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();

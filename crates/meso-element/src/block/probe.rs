@@ -53,36 +53,27 @@ impl Task for Probe<'_> {
         let mut points = Vec::new();
         for group in &block.groups {
             let matter = &common.matter[usize::from(group.matter)];
-            points.extend(matter.law::<L, _>(GroupProbe { group, common, u: &scratch.u }));
+            let strains = group_strains::<L>(group, common, &scratch.u);
+            points.extend(matter.law::<L, _>(GroupProbe { group, strains, free: common.over(group.phase) }));
         }
         points
     }
 }
 
-struct GroupProbe<'a> {
+struct GroupProbe<'a, L> {
     group: &'a Group,
-    common: &'a Common,
-    u: &'a Vectors,
+    /// Strains and widths of crack bands, eight elements each.
+    strains: Vec<(Tensor<L>, L)>,
+    free: Option<L>,
 }
 
-impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
+impl<L: Lanes> LawTask<L> for GroupProbe<'_, L> {
     type Output = Vec<(Element, Point)>;
 
     #[inline(always)]
     fn run<W: Law<L>>(self, law: &W) -> Self::Output {
-        let Self { group, common, u } = self;
-        let strains: Vec<(Tensor<L>, L)> = match &group.cells {
-            Batch::Tets(cells) => strains(cells, u),
-            Batch::Patches8(cells) => strains(cells, u),
-            Batch::Patches9(cells) => strains(cells, u),
-            Batch::Patches12(cells) => strains(cells, u),
-            Batch::Hexes(cells) => {
-                cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()
-            }
-            Batch::Triangles(_) | Batch::Quads(_) => Vec::new(),
-        };
+        let Self { group, strains, free } = self;
         let remembered = group.memory.len() / strains.len().max(1);
-        let free = common.over(group.phase);
         let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
         let mut points = Vec::with_capacity(strains.len() * LANES);
         for (i, (strain, width)) in strains.iter().enumerate() {
@@ -97,7 +88,21 @@ impl<L: Lanes> LawTask<L> for GroupProbe<'_> {
     }
 }
 
-/// Strains and widths of crack bands.
+/// Strains and widths of crack bands; cohesive faces have none.
+#[inline(always)]
+fn group_strains<L: Lanes>(group: &Group, common: &Common, u: &Vectors) -> Vec<(Tensor<L>, L)> {
+    match &group.cells {
+        Batch::Tets(cells) => strains(cells, u),
+        Batch::Patches8(cells) => strains(cells, u),
+        Batch::Patches9(cells) => strains(cells, u),
+        Batch::Patches12(cells) => strains(cells, u),
+        Batch::Hexes(cells) => {
+            cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()
+        }
+        Batch::Triangles(_) | Batch::Quads(_) => Vec::new(),
+    }
+}
+
 #[inline(always)]
 fn strains<L: Lanes, const N: usize>(cells: &[Uniform<N>], u: &Vectors) -> Vec<(Tensor<L>, L)> {
     cells.iter().map(|cells| (cells.strain(u), L::load(&cells.width))).collect()

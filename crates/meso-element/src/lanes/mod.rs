@@ -41,6 +41,9 @@ pub fn vectors() -> Box<Vectors> {
 
 /// A register of eight f32.
 pub trait Lanes: Real + 'static {
+    /// Whether these lanes serve machines without wide registers alone, where code is small before it is fast.
+    const IS_FALLBACK: bool;
+
     /// From memory.
     fn load(from: &Octet) -> Self;
     /// To memory.

@@ -126,6 +126,9 @@ impl Real for Portable {
 }
 
 impl Lanes for Portable {
+    // On arm64 these lanes become NEON.
+    const IS_FALLBACK: bool = cfg!(target_arch = "x86_64");
+
     #[inline(always)]
     fn load(from: &Octet) -> Self {
         Self(from.0)

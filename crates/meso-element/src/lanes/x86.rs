@@ -162,6 +162,8 @@ impl Real for Avx {
 }
 
 impl Lanes for Avx {
+    const IS_FALLBACK: bool = false;
+
     #[inline(always)]
     fn load(from: &Octet) -> Self {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
