@@ -3,10 +3,10 @@
 #
 #     benches/gpu.sh MESOCRETE CUBE LARGE OUT
 #
-# MESOCRETE is the built command, CUBE and LARGE are saved models: a cube of 24 mm, and the 150 mm cube of
-# `mesocrete pack --fraction 0.4 --min-gap-mm 1`. OUT gets gpu.csv, one row a run, written as soon as it is known, and the
-# logs. Every stage has a time limit of its own, and one that fails does not end the others. DEVICE (cuda:0), COMMIT (a note
-# in gpu.csv) and PROFILE=1 (ncu) may be set.
+# MESOCRETE is the command, built with `cargo build --release -p meso-cli --features gpu`. CUBE and LARGE are saved models:
+# a cube of 24 mm, and the 150 mm cube of `mesocrete pack --fraction 0.4 --min-gap-mm 1`. OUT gets gpu.csv, one row a run,
+# written as soon as it is known, and the logs. Every stage has a time limit of its own, and one that fails does not end
+# the others. DEVICE (cuda:0), COMMIT (a note in gpu.csv) and PROFILE=1 (ncu) may be set.
 set -u
 mesocrete=$(realpath "$1") cube=$(realpath "$2") large=$(realpath "$3") out=$4
 device=${DEVICE:-cuda:0}

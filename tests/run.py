@@ -86,6 +86,7 @@ def main() -> int:
     with ThreadPoolExecutor() as beside:
         beside.submit(run, "cargo build of the tests", [*cargo_test(slow=args.slow), "--no-run", "--quiet"], live=False)
         install_packages(python)
+    find_kernel_compilers()
     if not args.slow:
         must(*wheel(python))
     # The release wheel is linked on one core for minutes, so beside the tests.
@@ -150,6 +151,14 @@ def install_packages(python: Path) -> None:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
 
 
+def find_kernel_compilers() -> None:
+    """Point the tests of the GPU's kernels to NVRTC and ptxas, where their packages could be had."""
+    folders = [str(path.parent) for path in sorted(VENV.glob("lib/python*/site-packages/nvidia/*/lib/libnvrtc.so.*"))]
+    os.environ["LD_LIBRARY_PATH"] = os.pathsep.join([*folders, *filter(None, [os.environ.get("LD_LIBRARY_PATH")])])
+    assemblers = sorted(VENV.glob("lib/python*/site-packages/nvidia/*/bin/ptxas"))
+    os.environ.update({"PTXAS": str(path) for path in assemblers})
+
+
 # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
 AGAIN = ["--force-reinstall", "--no-deps"]
 
@@ -184,6 +193,7 @@ def quick_stages() -> list[Stage]:
     return [
         ("cargo fmt", ["cargo", "fmt", "--all", "--check"]),
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
+        ("cargo clippy of devices", ["cargo", "clippy", "--quiet", "--all-targets", "-p", "meso-gpu", "-p", "meso-cli", "--features", "meso-cli/gpu", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-collision"]),
         ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
@@ -262,7 +272,10 @@ def shipping(python: Path) -> list[Stage]:
 
 def rust_stages(*, slow: bool) -> list[Stage]:
     """Name the commands of Rust's tests, in order."""
-    return [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
+    stages = [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
+    # The whole workspace has devices, since the wheel has them.
+    alone = ("the command without devices", ["cargo", "test", "-p", "meso-cli", "--test", "cli", "no_devices"])
+    return [*stages, *([alone] if slow else [])]
 
 
 def cargo_test(*, slow: bool) -> list[str]:

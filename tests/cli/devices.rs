@@ -69,3 +69,65 @@ fn a_study_on_a_device_has_the_curves_of_the_processor() {
     };
     assert_eq!(curve("gpu"), curve("cpu"));
 }
+
+#[test]
+fn a_study_whose_device_is_missing_is_refused_before_anything_is_packed() {
+    // Every case was packed, and then failed.
+    let folder = Folder::with_spec();
+    folder.write("STUDY.toml", "spec = 'small.toml'\n[solve]\ndevice = 'opencl:99'\n[over]\nseed = [1, 2]\n");
+    let run = folder.run(&["study", "STUDY.toml", "-o", "out"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("STUDY.toml: there is no device opencl:99; "), "{}", run.stderr);
+    assert!(!folder.path("out").exists() || folder.names_in("out").iter().all(|name| !name.starts_with("seed-")));
+}
+
+#[test]
+fn names_that_are_no_device_are_refused() {
+    let folder = Folder::with_spec();
+    for (name, part) in [
+        ("abacus", "\"abacus\" is no device; take cpu, gpu, cuda:N or opencl:N"),
+        ("cuda:99", "there is no device cuda:99; "),
+        ("opencl:0:48", "\"opencl:0:48\" is no device; "),
+    ] {
+        let run = folder.run(&["solve", "small.toml", "--device", name]);
+        assert!(run.code == 2 && run.stderr.contains(part), "{}", run.stderr);
+        assert_eq!(folder.names(), ["small.toml"]);
+    }
+}
+
+/// Results of a test in a folder, but for the seconds that it took.
+fn results(folder: &Folder, name: &str) -> Vec<(String, Vec<u8>)> {
+    let without_seconds = |text: Vec<u8>| {
+        let mut tree: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+        tree.as_object_mut().expect("an object").remove("seconds");
+        tree.to_string().into_bytes()
+    };
+    let read = |file: String| {
+        let bytes = folder.read(&format!("{name}/{file}"));
+        let bytes = if file == "result.json" { without_seconds(bytes) } else { bytes };
+        (file, bytes)
+    };
+    folder.names_in(name).into_iter().map(read).collect()
+}
+
+#[test]
+fn a_test_on_a_device_has_every_file_that_the_processor_writes() {
+    let folder = Folder::with_spec();
+    if lines(&folder, &["devices"]).is_empty() {
+        eprintln!("skipped: no device here (Debian: pocl-opencl-icd)");
+        return;
+    }
+    let solve = |name: &str, more: &[&str]| {
+        let flags =
+            "--element-size-mm 6 --accept-phase-error --strain 0.0004 --frames 2 --duration 1e-4 --min-gap-mm 0";
+        let args: Vec<&str> = flags.split(' ').chain(more.iter().copied()).collect();
+        let run = folder.run(&[&["solve", "small.toml", "-o", name], &*args].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    };
+    solve("here", &[]);
+    solve("there", &["--device", "gpu"]);
+    assert_eq!(results(&folder, "here").len(), 6);
+    assert!(results(&folder, "here") == results(&folder, "there"));
+    let result = String::from_utf8(folder.read("there/result.json")).expect("text");
+    assert!(!result.contains("opencl") && !result.contains("device"), "{result}");
+}

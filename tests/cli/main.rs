@@ -16,6 +16,7 @@ mod conforming;
 mod conforming_periodic;
 mod conforming_slabs;
 mod conforming_specimens;
+#[cfg(feature = "gpu")]
 mod devices;
 mod effective;
 mod files;
@@ -31,6 +32,8 @@ mod interrupt;
 #[path = "../layer_errors.rs"]
 mod layer_errors;
 mod meshing;
+#[cfg(not(feature = "gpu"))]
+mod no_devices;
 mod outputs;
 mod phase_error;
 mod report;

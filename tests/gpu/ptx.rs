@@ -46,7 +46,8 @@ fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
 /// Assembles a kernel's PTX and compares its registers, spills and shared memory with the bars.
 fn assemble(path: &Path, architecture: &str) {
     let arguments = ["-v", &format!("-arch=sm_{architecture}"), "-o", "/dev/null"];
-    let Ok(output) = Command::new("ptxas").args(arguments).arg(path).output() else {
+    let assembler = std::env::var_os("PTXAS").unwrap_or_else(|| "ptxas".into());
+    let Ok(output) = Command::new(assembler).args(arguments).arg(path).output() else {
         return eprintln!("skipped: no ptxas (pip: nvidia-cuda-nvcc)");
     };
     let report = String::from_utf8_lossy(&output.stderr).into_owned();

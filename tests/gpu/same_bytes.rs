@@ -263,7 +263,7 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
 #[test]
 fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
-    let cube = cube(20.0, 4.0);
+    let cube = cube(16.0, 4.0);
     let expansion = Some(Expansion { mortar: -8e-4, itz: Some(2e-4), aggregate: 3e-4, ..Expansion::default() });
     for (kind, smoothing) in [(TestKind::Expansion, Smoothing::Edges), (TestKind::Tension, Smoothing::None)] {
         let test = Test { kind, expansion, smoothing: Some(smoothing), ..Test::default() };
@@ -289,7 +289,7 @@ fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
 #[test]
 fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
-    let cube = meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive);
+    let cube = meshed(Specimen::cube(16.0), 4.0, ItzForm::Cohesive);
     assert!(!cube.mesh.cohesive.is_empty());
     let expansion = Some(Expansion { aggregate: 2e-4, ..Expansion::default() });
     let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
@@ -327,6 +327,20 @@ fn a_checkpoint_moves_from_the_processor_to_a_device_and_back() {
             }
             assert!(finish(&mut run, &Frames::default()).1 == *end, "{goes_on_there} {test:?}");
         }
+    }
+}
+
+#[test]
+fn a_tetrahedron_holds_a_hundred_bytes_on_a_device_and_an_elastic_step_moves_125() {
+    let cube = cube(24.0, 2.0);
+    let traffic = meso_gpu::traffic(&cube.run(&Test::default()), meso_gpu::THREADS).unwrap();
+    let each = |bytes: usize| bytes as f64 / cube.mesh.cell_count() as f64;
+    let [held, moved, damaged] = [traffic.held, traffic.moved, traffic.moved_with_damage].map(each);
+    assert!((80.0..100.0).contains(&held) && (100.0..125.0).contains(&moved), "{held} {moved}");
+    assert!((moved + 5.0..135.0).contains(&damaged), "{damaged}");
+    if let Some(device) = device() {
+        let mut run = cube.run(&Test::default());
+        assert_eq!(attach(&mut run, &device).unwrap(), traffic.held);
     }
 }
 

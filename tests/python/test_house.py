@@ -1,5 +1,6 @@
 """The bars on how the source is built hold: tests/house.py counts, here they are compared."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -13,6 +14,27 @@ import house  # noqa: E402
 def test_the_source_keeps_its_bars(figure: house.Figure) -> None:
     """A figure above its bar names the places that it counts."""
     assert figure.count <= figure.most, "\n".join(figure.places)
+
+
+def test_the_text_of_a_law_exists_once() -> None:
+    """Kernels are traced from the laws: meso-gpu has none of their constants, and its kernel none of their functions."""
+    element, gpu = house.CRATES / "meso-element" / "src", house.CRATES / "meso-gpu" / "src"
+    laws = [*(element / "law").glob("*.rs"), element / "face.rs"]
+    kernel = gpu / "kernel.cl"
+    constants = set().union(*map(fractions, laws))
+    assert len(constants) > 50, "constants of the laws are found"
+    for path in [kernel, *gpu.rglob("*.rs")]:
+        assert fractions(path) & constants == set(), path
+    for word in ("exp", "log", "pow", "strength", "damage", "yield", "Young", "Poisson"):
+        assert not re.search(rf"\b{word}\w*", house.text_of(kernel)), word
+
+
+def fractions(path: Path) -> set[float]:
+    """Read the numbers of a file's code that are no whole ones; a half is geometry's, too."""
+    text = house.TESTS.split(re.sub(r"//[^\n]*|/\*.*?\*/", "", house.text_of(path), flags=re.DOTALL))[0]
+    numbers = re.findall(r"(?<![\w.])\d[\d_]*(?:\.\d+)?(?:e-?\d+)?(?![\w.])", text)
+    values = {float(number.replace("_", "")) for number in numbers}
+    return {value for value in values if value % 1 not in (0, 0.5)}
 
 
 def test_a_comment_that_leans_on_the_line_above_is_counted(tmp_path: Path) -> None:

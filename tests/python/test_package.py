@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import pickle
+import re
 import shutil
 import subprocess
 import sys
@@ -106,6 +107,34 @@ def test_the_wheel_and_the_rust_tests_share_their_crates():
         return {line.removesuffix(" (*)") for line in lines}
 
     assert features("normal,build", "-p", "meso-py") <= features("normal,build,dev", "--workspace", "--exclude", "meso-bench")
+
+
+def crates(*selected):
+    """The names of the crates that a build of the selected packages compiles into them."""
+    if shutil.which("cargo") is None:
+        pytest.skip("no cargo here")
+    tree = ["cargo", "tree", "--quiet", "--prefix", "none", "--format", "{p}", "--edges", "normal", *selected]
+    lines = subprocess.run(tree, cwd=ROOT, capture_output=True, text=True, timeout=60, check=True).stdout.splitlines()
+    return {line.split()[0] for line in lines if line}
+
+
+def test_a_default_build_has_no_crate_for_devices_and_the_wheel_has_two():
+    command, with_devices = crates("-p", "meso-cli"), crates("-p", "meso-cli", "--features", "gpu")
+    assert with_devices - command == {"meso-gpu", "libloading"}
+    assert not crates() & {"meso-gpu", "libloading"} and crates() > command
+    assert with_devices < crates("-p", "meso-py")
+
+
+def test_the_library_names_no_driver_of_a_gpu():
+    """Drivers are opened when `device` asks. The command of the wheel is the same library."""
+    if sys.platform != "linux" or shutil.which("readelf") is None:
+        pytest.skip("no readelf here (Debian: binutils)")
+    library = Path(mc.__file__).parent.glob("_mesocrete*.so")
+    dynamic = ["readelf", "--dynamic", "--wide", str(next(library))]
+    section = subprocess.run(dynamic, capture_output=True, text=True, timeout=60, check=True).stdout
+    needed = [line.split("[")[1].rstrip("]") for line in section.splitlines() if "(NEEDED)" in line]
+    assert "libc.so.6" in needed
+    assert [name for name in needed if re.search("opencl|cuda|nvrtc", name, re.IGNORECASE)] == []
 
 
 def test_every_published_crate_names_the_page_of_its_documentation():

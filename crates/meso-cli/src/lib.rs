@@ -5,6 +5,8 @@
 
 mod commands;
 mod failure;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
+mod gpu;
 mod inputs;
 mod interrupt;
 mod outputs;

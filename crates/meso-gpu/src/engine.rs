@@ -4,7 +4,7 @@ use crate::devices::open;
 use crate::host::{Buffer, Host, Kernel};
 use crate::name::DeviceName;
 use crate::source::Laws;
-use crate::tables::{LANES, Tables};
+use crate::tables::{LANES, Tables, accept};
 use bytemuck::{cast_slice, cast_slice_mut};
 use meso_solve::device::{Action, Device, Moved, Rules, Scalars, StepSums, Touch, Upload};
 use std::time::{Duration, Instant};
@@ -71,9 +71,14 @@ impl Store<'_> {
 impl Engine {
     /// Puts a run onto a device.
     pub(crate) fn new(upload: &Upload, device: &DeviceName) -> Result<Self, String> {
+        Self::on(open(device)?, upload, device.threads)
+    }
+
+    /// Puts a run onto an open device, whose groups of elements have so many threads.
+    pub(crate) fn on(mut host: Box<dyn Host>, upload: &Upload, threads: usize) -> Result<Self, String> {
+        accept(upload)?;
         let laws = Laws::of(upload);
-        let (tables, threads) = fitting(upload, &laws, device.threads);
-        let mut host = open(device)?;
+        let (tables, threads) = fitting(upload, &laws, threads);
         host.compile(&laws.source(&tables, threads))?;
         let mut store = Store { host: &mut *host, bytes: 0 };
         let [u, v] = upload.motion();

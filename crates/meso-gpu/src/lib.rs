@@ -12,10 +12,12 @@ mod law;
 mod name;
 mod source;
 mod tables;
+mod traffic;
 
-pub use devices::{Choice, devices};
+pub use devices::{Choice, Lease, devices};
 pub use host::cuda::ptx;
 pub use name::{DeviceName, Driver, THREADS};
+pub use traffic::Traffic;
 
 use meso_solve::{Run, SolveError};
 
@@ -25,10 +27,8 @@ use meso_solve::{Run, SolveError};
 /// Tests that devices cannot take, and failures of the device.
 pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, SolveError> {
     let engine = engine::Engine::new(&run.upload()?, device);
-    let engine = engine.map_err(|why| {
-        let fix = "take another device (`mesocrete devices` lists all), or the device cpu";
-        SolveError::Device(format!("{}:{}: {why}; {fix}", device.driver, device.number))
-    })?;
+    let engine = engine
+        .map_err(|why| SolveError::Device(format!("{}:{}: {why}; {}", device.driver, device.number, devices::OTHER)))?;
     let bytes = engine.bytes;
     run.hand_to(Box::new(engine));
     Ok(bytes)
@@ -42,4 +42,12 @@ pub fn source(run: &Run, threads: usize) -> Result<String, SolveError> {
     let upload = run.upload()?;
     let laws = source::Laws::of(&upload);
     Ok(laws.source(&tables::Tables::of(&upload, &laws.of_material, threads), threads))
+}
+
+/// Bytes that `run` holds on a device, and that every step moves there, for groups of `threads`. No device is needed.
+///
+/// # Errors
+/// Tests that devices cannot take.
+pub fn traffic(run: &Run, threads: usize) -> Result<Traffic, SolveError> {
+    traffic::count(&run.upload()?, threads).map_err(SolveError::Device)
 }

@@ -26,8 +26,12 @@ pub struct DeviceName {
     pub memory: u64,
     /// Threads of a group of elements.
     pub threads: usize,
-    /// What it cannot keep of the promise of the same bytes, by its own account.
+    /// Whether it is a processor with a driver of OpenCL, as pocl's are: `gpu` takes others first.
+    pub is_processor: bool,
+    /// Faults by its own account that cost the promise of the same bytes.
     pub faults: Vec<&'static str>,
+    /// Reason for which it takes no test.
+    pub refusal: Option<&'static str>,
 }
 
 impl fmt::Display for Driver {
@@ -42,5 +46,14 @@ impl fmt::Display for Driver {
 impl fmt::Display for DeviceName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{} {}", self.driver, self.number, self.name)
+    }
+}
+
+impl DeviceName {
+    /// The warning of a device that cannot keep the promise of the same bytes.
+    pub fn warning(&self) -> Option<String> {
+        let faults = self.faults.join("; ");
+        (!faults.is_empty())
+            .then(|| format!("{}:{}: {faults}; results are not the processor's to the bit", self.driver, self.number))
     }
 }

@@ -78,6 +78,16 @@ struct Part {
     most_slots: usize,
 }
 
+/// Refuses runs whose elements have more words than a number of 32 bits counts: some 390 million smoothed tetrahedra.
+pub(crate) fn accept(upload: &Upload) -> Result<(), String> {
+    let elements = (0..upload.blocks()).flat_map(|block| upload.elements_of(block));
+    let words: u64 = elements.map(|own| own.eights() as u64 * words_of(own.others()) as u64).sum();
+    if words > u64::from(u32::MAX) {
+        return Err(format!("its elements would have {words} words, and it takes 4 G; take larger elements"));
+    }
+    Ok(())
+}
+
 impl Tables {
     /// Tables for groups of `threads`.
     pub(crate) fn of(upload: &Upload, laws: &[OwnLaw], threads: usize) -> Self {

@@ -43,6 +43,7 @@ pub mod loads;
 pub mod location;
 pub mod materials;
 mod options;
+mod planes;
 mod tet;
 mod triangulation;
 mod voxel;

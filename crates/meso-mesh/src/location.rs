@@ -5,6 +5,7 @@
 //! meets a row in several intervals, and a shell of one point by point, by their depths.
 
 use crate::cells::{NO_BODY, Phase};
+use crate::planes::{self, EightPlanes};
 use meso_collision::geometry::{Plane, Round, Triangles};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
@@ -18,7 +19,9 @@ pub struct Facets {
     /// Phase of its inside.
     pub(crate) phase: Phase,
     pub(crate) aabb: Aabb,
-    pub(crate) planes: Vec<Plane>,
+    planes: Vec<Plane>,
+    /// The planes again.
+    eights: Vec<EightPlanes>,
     /// The surface of a body with dents, of which the planes tell nothing.
     dents: Option<Triangles>,
     /// A ball or an ellipsoid, which needs no planes.
@@ -36,9 +39,10 @@ impl Facets {
     /// One aggregate with a shell of `shell` mm.
     pub fn of(a: &Aggregate, shell: f64) -> Self {
         let round = a.body.round();
-        let planes = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
+        let planes: Vec<Plane> = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
+        let eights = EightPlanes::all(&planes);
         let dents = (!a.body.is_convex()).then(|| a.body.surface());
-        Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, round, shell }
+        Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, eights, dents, round, shell }
     }
 
     /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.
@@ -51,7 +55,7 @@ impl Facets {
         match (&self.dents, &self.round) {
             (Some(surface), _) => -surface.depth(x),
             (None, Some(round)) => round.height(x),
-            (None, None) => Plane::height_over(&self.planes, x),
+            (None, None) => planes::height_over(&self.eights, x),
         }
     }
 
@@ -64,14 +68,7 @@ impl Facets {
         if let Some(round) = &self.round {
             return round.chord(inside, &direction).map_or(0.0, |(_, exit)| exit.clamp(0.0, 1.0));
         }
-        let mut exit: f64 = 1.0;
-        for plane in &self.planes {
-            let speed = plane.normal.dot(&direction);
-            if speed > 0.0 {
-                exit = exit.min((plane.offset - plane.normal.dot(inside)) / speed);
-            }
-        }
-        exit.max(0.0)
+        planes::exit(&self.eights, inside, &direction)
     }
 }
 

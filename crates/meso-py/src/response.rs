@@ -12,7 +12,7 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
-use meso_gpu::{Choice, DeviceName};
+use meso_gpu::{Choice, Lease};
 use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
@@ -66,7 +66,7 @@ pub(crate) struct Asked {
     test: Test,
     materials: Materials,
     threads: Option<usize>,
-    device: Option<DeviceName>,
+    device: Option<Lease>,
 }
 
 /// The kind of a test by the keyword's name, which errors then have.
@@ -184,6 +184,8 @@ pub(crate) fn solve(
     let progress = listener(py, progress)?;
     let threads = asked.threads;
     warn_of(py, &meshed)?;
+    let warning = asked.device.as_ref().and_then(|lease| lease.device.warning());
+    warning.map_or(Ok(()), |text| warn(py, format!("{text}; `mesocrete devices --check` measures the difference")))?;
     let response = |tested| PyResponse(Arc::new(tested));
     let tested = beside_python_keeping(py, Terms::of(threads), progress.as_ref(), None, move |watch| {
         watch.stops_soon();
@@ -225,8 +227,8 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     // Progress is asked for while the test is still prepared.
     watch.reached(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
-    if let Some(device) = &asked.device {
-        meso_gpu::attach(&mut run, device)?;
+    if let Some(lease) = &asked.device {
+        meso_gpu::attach(&mut run, &lease.device)?;
     }
     watch.keeps_what_it_has();
     let watching =

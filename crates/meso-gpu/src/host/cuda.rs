@@ -94,7 +94,10 @@ fn answer(
     String::from_utf8_lossy(&text).trim_matches('\0').to_owned()
 }
 
-/// NVRTC of CUDA 11 to 13, from the system or from NVIDIA's Python packages.
+const NO_COMPILER: &str = "there is no libnvrtc, which compiles the kernels; install CUDA's NVRTC, or pip's \
+                           nvidia-cuda-nvrtc with its folder in LD_LIBRARY_PATH";
+
+/// NVRTC of CUDA 11 to 13, where the system looks for libraries.
 fn compiler_library() -> Result<Library, String> {
     let versions = ["13", "12", "11.2"];
     let mut names: Vec<String> = versions.iter().map(|version| format!("libnvrtc.so.{version}")).collect();
@@ -102,9 +105,7 @@ fn compiler_library() -> Result<Library, String> {
         ["libnvrtc.so", "/usr/local/cuda/lib64/libnvrtc.so", "nvrtc64_130_0.dll", "nvrtc64_120_0.dll"]
             .map(str::to_owned),
     );
-    library(&names).map_err(|_| {
-        "there is no libnvrtc, which compiles kernels; install CUDA's NVRTC (pip: nvidia-cuda-nvrtc)".to_owned()
-    })
+    library(&names).map_err(|_| NO_COMPILER.to_owned())
 }
 
 fn compiled(status: c_int, what: &str) -> Result<(), String> {
@@ -177,10 +178,12 @@ impl Functions {
 pub(crate) fn devices() -> Vec<DeviceName> {
     let Ok((library, functions)) = open() else { return Vec::new() };
     std::mem::forget(library);
+    let refusal = compiler_library().err().map(|_| NO_COMPILER);
     let named = |number: usize| {
         let device = functions.device(number).ok()?;
-        let (name, memory) = (functions.name(device), functions.memory(device));
-        Some(DeviceName { driver: Driver::Cuda, number, name, memory, threads: THREADS, faults: Vec::new() })
+        let (name, memory, driver) = (functions.name(device), functions.memory(device), Driver::Cuda);
+        let (threads, is_processor, faults) = (THREADS, false, Vec::new());
+        Some(DeviceName { driver, number, name, memory, threads, is_processor, faults, refusal })
     };
     (0..functions.count()).filter_map(named).collect()
 }

@@ -52,6 +52,8 @@ functions!(Functions {
 });
 
 const ALL_DEVICES: u64 = 0xFFFF_FFFF;
+const TYPE: u32 = 0x1000;
+const PROCESSOR: u64 = 2;
 const NAME: u32 = 0x102B;
 const SINGLE_CONFIG: u32 = 0x101B;
 const DOUBLE_CONFIG: u32 = 0x1032;
@@ -71,7 +73,12 @@ fn open() -> Result<(Library, Functions), String> {
 }
 
 fn checked(status: Status, what: &str) -> Result<(), String> {
-    if status == 0 { Ok(()) } else { Err(format!("OpenCL: {what} gave {status}")) }
+    let why = match status {
+        0 => return Ok(()),
+        -4 | -6 | -61 => ", it has too little memory",
+        _ => "",
+    };
+    Err(format!("OpenCL: {what} gave {status}{why}"))
 }
 
 /// Held while platforms are found: pocl 3.1 crashes where two threads begin at once.
@@ -120,9 +127,6 @@ pub(crate) fn devices() -> Vec<DeviceName> {
     let describe = |(number_of, device): (usize, Handle)| {
         let (single, double) = (number(&functions, device, SINGLE_CONFIG), number(&functions, device, DOUBLE_CONFIG));
         let mut faults = Vec::new();
-        if double == 0 {
-            faults.push("it has no double precision");
-        }
         if single & NEEDED != NEEDED {
             faults.push("it flushes denormals or has no fused multiply-add");
         }
@@ -136,7 +140,9 @@ pub(crate) fn devices() -> Vec<DeviceName> {
             name: name(&functions, device),
             memory,
             threads: THREADS,
+            is_processor: number(&functions, device, TYPE) & PROCESSOR != 0,
             faults,
+            refusal: (double == 0).then_some("it has no double precision, in which nodes move"),
         }
     };
     handles(&functions).into_iter().enumerate().map(describe).collect()

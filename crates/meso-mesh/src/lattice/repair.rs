@@ -29,19 +29,21 @@ const REMESHINGS: [f64; 3] = [GUARD_DEG, 9.0, 8.0];
 /// Rounds of smoothing with the nodes on their surfaces, then off them.
 const ROUNDS: usize = 12;
 
-/// Repairs a mesh whose sweeps are done; returns how many nodes without images are still off.
+/// Repairs a mesh whose sweeps are done, and left all cells but the `suspects` above the guard; returns how many nodes without
+/// images are still off.
 pub(super) fn repair(
     exact: &Exact,
     mesh: &mut TetMesh,
+    suspects: Vec<u32>,
     incidence: Incidence,
     roles: Vec<Role>,
     pairs: &PeriodicPairs,
 ) -> usize {
     // Smoothing after contractions would let nodes off the specimen's own surface where that is no box.
     let contractions = if exact.boundary.surface.is_some() { &[] } else { CONTRACTIONS.as_slice() };
-    let (nodes, cells) = ((0..roles.len() as u32).collect(), mesh.numbers().collect());
+    let nodes = (0..roles.len() as u32).collect();
     let mut work = Repair { exact, mesh, incidence, roles, pairs, off: nodes, lost: 0 };
-    work.enlarge_angles(cells);
+    work.enlarge_angles(suspects);
     for &least_deg in contractions {
         let grown = work.relabel_or_contract(least_deg);
         work.enlarge_angles(grown.into_iter().flat_map(|node| work.incidence.cells(node)).copied().collect());

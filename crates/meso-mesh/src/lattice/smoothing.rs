@@ -130,6 +130,11 @@ pub(super) fn clearly_fine(role: Role) -> f64 {
     poor(role) - ROUNDING
 }
 
+/// The measure below which a cell is above the guard, whatever its precision and the order of its corners.
+pub(super) fn surely_guarded() -> f64 {
+    cos2_of(GUARD_DEG) - ROUNDING
+}
+
 /// The measure above which the cells around a node are poor.
 fn poor(role: Role) -> f64 {
     cos2_of(if role == Role::Contact { GUARD_DEG } else { POOR_DEG })

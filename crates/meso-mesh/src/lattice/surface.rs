@@ -1,6 +1,7 @@
 //! A body's surface as the fit needs it: edges and corners near a point, and steps along a face.
 
 use crate::cells::owned_volumes;
+use crate::planes::{EightPlanes, LANES, bits, each_bit, touched};
 use crate::tet::TetMesh;
 use meso_collision::geometry::{Plane, Polyhedron, Round, nearest_on_triangle};
 use meso_collision::math::Vec3;
@@ -12,12 +13,14 @@ const PARALLEL: f64 = 1e-3;
 /// Faces, edges and corners of a body.
 pub(super) struct Surface {
     planes: Vec<Plane>,
-    /// The planes again; the last eight is filled up with a plane that it has already.
+    /// The planes again.
     eights: Vec<EightPlanes>,
     /// The triangle in each plane of a body with dents, beyond which the plane is no part of the surface.
     triangles: Vec<[Vec3; 3]>,
     edges: Edges,
     corners: Vec<Vec3>,
+    /// The corners again by eights: x, y and z; the last one is filled up with a corner that it has already.
+    eight_corners: Vec<[[f64; LANES]; 3]>,
     /// mm3.
     pub(super) volume: f64,
     /// Points this far from a plane count as on it, mm.
@@ -26,42 +29,21 @@ pub(super) struct Surface {
     round: Option<Round>,
 }
 
-/// Planes that a point is held against together.
-const LANES: usize = 8;
-
-/// Eight planes of a body.
-struct EightPlanes {
-    normal: [[f64; LANES]; 3],
-    offset: [f64; LANES],
-    /// Offset of the plane above which a point lies outside.
-    bound: [f64; LANES],
-}
-
-impl EightPlanes {
-    fn new(planes: &[Plane], slack: f64) -> Self {
-        let lane = |l: usize| planes[l.min(planes.len() - 1)];
-        Self {
-            normal: [0, 1, 2].map(|axis| std::array::from_fn(|l| lane(l).normal[axis])),
-            offset: std::array::from_fn(|l| lane(l).offset),
-            bound: std::array::from_fn(|l| lane(l).offset + slack),
-        }
-    }
-}
-
-/// The distance of a point to the nearest of some planes, and its height over the bound that it exceeds most, mm.
-struct Against<'a>(&'a [EightPlanes], &'a Vec3);
+/// The distance of a point to the nearest of some planes, and its height over the bound that it exceeds most, mm. Bounds lie
+/// so far above the planes.
+struct Against<'a>(&'a [EightPlanes], f64, &'a Vec3);
 
 impl Wide for Against<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
     fn run(self) -> [f64; 2] {
-        let Self(eights, x) = self;
+        let Self(eights, slack, x) = self;
         let (mut nearest, mut highest) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-        for EightPlanes { normal: [nx, ny, nz], offset, bound } in eights {
+        for EightPlanes { normal: [nx, ny, nz], offset } in eights {
             for l in 0..LANES {
                 let along = nx[l] * x.x + ny[l] * x.y + nz[l] * x.z;
-                let (distance, above) = ((along - offset[l]).abs(), along - bound[l]);
+                let (distance, above) = ((along - offset[l]).abs(), along - (offset[l] + slack));
                 nearest[l] = if distance < nearest[l] { distance } else { nearest[l] };
                 highest[l] = if above > highest[l] { above } else { highest[l] };
             }
@@ -194,13 +176,40 @@ impl Wide for Near<'_> {
     }
 }
 
+/// Coordinates of eight points, or of fewer and the last one again.
+fn eight_points(points: &[Vec3]) -> [[f64; LANES]; 3] {
+    [0, 1, 2].map(|axis| std::array::from_fn(|l| points[l.min(points.len() - 1)][axis]))
+}
+
+/// Points of some eights that lie nearer to `x` than the root of `square`.
+struct Close<'a> {
+    eights: &'a [[[f64; LANES]; 3]],
+    x: &'a Vec3,
+    square: f64,
+}
+
+impl Wide for Close<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let (x, mut all) = (self.x, 0);
+        for (number, [px, py, pz]) in self.eights.iter().enumerate() {
+            let away = |l: usize| [px[l] - x.x, py[l] - x.y, pz[l] - x.z];
+            let square = |[a, b, c]: [f64; 3]| a * a + b * b + c * c;
+            all |= bits(|l| square(away(l)) < self.square) << (LANES * number);
+        }
+        all
+    }
+}
+
 impl Surface {
     pub(super) fn new(body: &Polyhedron) -> Self {
         let (volume, slack) = (body.volume(), SLACK * body.aabb().size().max());
         if let Some(round) = body.round() {
             let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Edges::default(), Vec::new());
-            let (eights, round) = (Vec::new(), Some(round));
-            return Self { planes, eights, triangles, edges, corners, volume, slack, round };
+            let (eights, eight_corners, round) = (Vec::new(), Vec::new(), Some(round));
+            return Self { planes, eights, triangles, edges, corners, eight_corners, volume, slack, round };
         }
         let at = |i: u32| body.vertices()[i as usize];
         let mut edges = Vec::new();
@@ -215,10 +224,11 @@ impl Surface {
         }
         let planes: Vec<Plane> = body.planes().collect();
         Self {
-            eights: planes.chunks(LANES).map(|planes| EightPlanes::new(planes, slack)).collect(),
+            eights: EightPlanes::all(&planes),
             planes,
             triangles: if body.is_convex() { Vec::new() } else { body.triangles().map(|t| t.map(at)).collect() },
             edges: Edges::new(&edges),
+            eight_corners: body.vertices().chunks(LANES).map(eight_points).collect(),
             corners: body.vertices().to_vec(),
             volume,
             slack,
@@ -228,14 +238,19 @@ impl Surface {
 
     /// Calls `visit` with the corners and the nearest points of the edges within `reach` of `x`.
     pub(super) fn features_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
-        let near = |p: &Vec3| (p - x).norm_squared() < reach * reach;
-        self.corners.iter().filter(|corner| near(corner)).for_each(|corner| visit(*corner));
-        self.edges.near(x, reach * reach, visit);
+        let (eights, square) = (&self.eight_corners, reach * reach);
+        each_bit(eights, self.corners.len(), |eights| widest(Close { eights, x, square }), |i| visit(self.corners[i]));
+        self.edges.near(x, square, visit);
     }
 
     /// The faces at `x`.
     pub(super) fn foothold(&self, x: &Vec3) -> Foothold<'_> {
-        let faces = self.planes.iter().enumerate().filter(|(face, _)| self.is_on(*face, x)).collect();
+        let mut faces = Vec::new();
+        touched(&self.eights, self.planes.len(), x, self.slack, |face| {
+            if self.triangle_has(face, x) {
+                faces.push((face, &self.planes[face]));
+            }
+        });
         Foothold { surface: self, x: *x, faces }
     }
 
@@ -304,13 +319,13 @@ impl Surface {
         if !self.triangles.is_empty() {
             return (0..self.planes.len()).any(|face| self.is_on(face, x));
         }
-        let [nearest, highest] = widest(Against(&self.eights, x));
+        let [nearest, highest] = widest(Against(&self.eights, self.slack, x));
         nearest <= self.slack && highest <= 0.0
     }
 
     /// Whether `x` lies in the closed convex body. The faces of a body with dents bound themselves.
     fn holds(&self, x: &Vec3) -> bool {
-        !self.triangles.is_empty() || widest(Against(&self.eights, x))[1] <= 0.0
+        !self.triangles.is_empty() || widest(Against(&self.eights, self.slack, x))[1] <= 0.0
     }
 
     /// Whether `x` lies on a face, or on its plane where that bounds a convex body.

@@ -11,11 +11,11 @@
 use super::boundary::Boundary;
 use super::nodes::{Exact, PeriodicPairs, Role, near_surface, relabel, release, roles};
 use super::repair::repair;
-use super::smoothing::{clearly_fine, is_poor, smoothed, snapped};
+use super::smoothing::{clearly_fine, is_poor, smoothed, snapped, surely_guarded};
 use super::surface::{Surface, volume_deficits};
 use crate::cells::Owners;
 use crate::location::Locator;
-use crate::tet::{Incidence, LANES, Star, TetMesh, min_dihedral_cos2};
+use crate::tet::{Incidence, LANES, Star, TetMesh, eight_cos2};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::prefetch::prefetch;
 use meso_concrete::parallel;
@@ -59,10 +59,11 @@ pub(super) fn fit(
         sweeps.sweep(mesh, state, |turn, node| turn.smooth(node, round));
         parallel::each_short_mut(&mut mesh.points, |node, point| *point = sweeps.points[node].position());
     }
+    let suspects = sweeps.suspects();
     drop(sweeps);
     let pairs = PeriodicPairs::of(&mesh.points, domain, boundary.repeats);
     release(&mut roles_now, mesh, &pairs, domain);
-    repair(&exact, mesh, incidence, roles_now, &pairs)
+    repair(&exact, mesh, suspects, incidence, roles_now, &pairs)
 }
 
 /// The steps that a node waits for, as bits.
@@ -92,13 +93,18 @@ struct Sweeps {
 
 impl Sweeps {
     fn new(patches: Patches, mesh: &TetMesh) -> Self {
-        let measure = |&cell: &[u32; 4]| single(min_dihedral_cos2(mesh.corners(cell)));
         Self {
             patches,
             points: parallel::map_each(&mesh.points, Spot::at),
             waiting: mesh.points.iter().map(|_| AtomicU8::new(ALL)).collect(),
-            measures: parallel::map_each(&mesh.cells, |cell| AtomicU32::new(measure(cell))),
+            measures: measures(mesh),
         }
+    }
+
+    /// The cells that may be below the guard, ascending.
+    fn suspects(&self) -> Vec<u32> {
+        let limit = surely_guarded() as f32;
+        parallel::filter(self.measures.len(), |cell| f32::from_bits(self.measures[cell].load(Relaxed)) >= limit)
     }
 
     /// Takes one step at every node, colour by colour.
@@ -115,6 +121,27 @@ impl Sweeps {
         }
     }
 }
+
+/// The bits of every cell's measure.
+fn measures(mesh: &TetMesh) -> Vec<AtomicU32> {
+    let mut all: Vec<AtomicU32> = mesh.cells.iter().map(|_| AtomicU32::new(0)).collect();
+    parallel::chunks_mut(&mut all, CHUNK, |chunk, measures| {
+        let cells = &mesh.cells[chunk * CHUNK..];
+        for (measures, cells) in measures.chunks_mut(LANES).zip(cells.chunks(LANES)) {
+            let mut corners = [[1.0; LANES]; 12];
+            for (lane, &cell) in cells.iter().enumerate() {
+                let values = mesh.corners(cell).into_iter().flat_map(<[f64; 3]>::from);
+                corners.iter_mut().zip(values).for_each(|(row, value)| row[lane] = value);
+            }
+            let found = eight_cos2(&corners);
+            measures.iter_mut().zip(found).for_each(|(measure, found)| *measure.get_mut() = single(found));
+        }
+    });
+    all
+}
+
+/// Cells that are measured in one go.
+const CHUNK: usize = 1 << 12;
 
 /// The bits of a measure in single precision.
 fn single(measure: f64) -> u32 {

@@ -50,6 +50,29 @@ impl Eight {
     }
 }
 
+/// [`min_dihedral_cos2`] of eight tetrahedra: x, y and z of their first corners, then of the others.
+pub(crate) fn eight_cos2(corners: &[[f64; LANES]; 12]) -> [f64; LANES] {
+    widest(Cells(corners))
+}
+
+struct Cells<'a>(&'a [[f64; LANES]; 12]);
+
+impl Wide for Cells<'_> {
+    type Output = [f64; LANES];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self([ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz]) = self;
+        let mut all = [0.0; LANES];
+        for l in 0..LANES {
+            let [a, b] = [[ax[l], ay[l], az[l]], [bx[l], by[l], bz[l]]].map(Vec3::from);
+            let [c, d] = [[cx[l], cy[l], cz[l]], [dx[l], dy[l], dz[l]]].map(Vec3::from);
+            all[l] = lane_cos2([a, b, c, d]);
+        }
+        all
+    }
+}
+
 /// The worst tetrahedron of some faces with a node at `x`; the search ends at the first eight with one above `limit`.
 struct Worst<'a> {
     eights: &'a [Eight],
@@ -328,6 +351,9 @@ mod tests {
             let cells: Vec<[u32; 4]> = (0..count).map(|i| [0, 3 * i + 1, 3 * i + 2, 3 * i + 3]).collect();
             let at = |node: u32| points[node as usize];
             let one_by_one: Vec<f64> = cells.iter().map(|cell| min_dihedral_cos2(cell.map(at))).collect();
+            let corner = |l: usize, row: usize| at(cells[l.min(cells.len() - 1)][row / 3])[row % 3];
+            let eight = eight_cos2(&std::array::from_fn(|row| std::array::from_fn(|l| corner(l, row))));
+            assert!(eight.iter().zip(&one_by_one).all(|(a, b)| a.to_bits() == b.to_bits()), "{count}");
             let worst = one_by_one.iter().copied().fold(-1.0, f64::max);
             turned += usize::from(worst == INVERTED);
             for isa in Isa::ALL {

@@ -10,7 +10,9 @@ mod tetrahedra;
 mod topology;
 
 pub(crate) use crate::cells::volume;
-pub(crate) use improve::{Constraint, Improver, LANES, Star, ascending, best_position, directions, improve, smoothed};
+pub(crate) use improve::{
+    Constraint, Improver, LANES, Star, ascending, best_position, directions, eight_cos2, improve, smoothed,
+};
 pub(crate) use operators::{ON_MM, are_coplanar, contraction, edges, insertion, swapped};
 #[cfg(test)]
 pub(crate) use operators::{edge_removal, face_swap};

@@ -3,7 +3,7 @@
 use crate::commands::meshing::MeshFlags;
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
-use meso_gpu::Choice;
+use crate::gpu::Choice;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
 use std::path::{Path, PathBuf};
 

@@ -8,12 +8,11 @@ use crate::commands::names;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{inputs, interrupt, stderr};
+use crate::{gpu, inputs, interrupt, stderr};
 use meso_concrete::thousands;
 use meso_core::Model;
 use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
-use meso_gpu::DeviceName;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Control, Ended, Response, Run, Sample, Summary, Test};
 use std::time::Instant;
@@ -44,7 +43,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     folder.go_on(written, !args.resume)?;
     args.announce(&test, &run, &mesh);
     if let Some(device) = &device {
-        args.attach(&mut run, device)?;
+        gpu::attach(&mut run, device, args.writing.quiet)?;
     }
     let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&Polling::begin(), &watch);
@@ -104,16 +103,6 @@ impl Args {
         Ok(mesh)
     }
 
-    /// Puts the run onto a device.
-    fn attach(&self, run: &mut Run, device: &DeviceName) -> Result<(), Failure> {
-        let bytes = meso_gpu::attach(run, device).map_err(|error| Failure::Run(error.to_string()))?;
-        if !self.writing.quiet {
-            stderr::line(format!("on {device}, {:.0} MB", bytes as f64 / 1e6));
-        }
-        device.faults.iter().for_each(|fault| stderr::line(format!("warning: {fault}; {NOT_EQUAL}")));
-        Ok(())
-    }
-
     fn announce(&self, asked: &Test, run: &Run, mesh: &Mesh) {
         if self.writing.quiet {
             return;
@@ -137,10 +126,6 @@ impl Args {
         ));
     }
 }
-
-/// Result of a device that cannot keep the promise.
-const NOT_EQUAL: &str =
-    "results are not the processor's to the bit; `mesocrete devices --check` measures the difference";
 
 /// Restores the state that an earlier run kept.
 fn resume(run: &mut Run, mut kept: Kept) -> Result<Note, Failure> {

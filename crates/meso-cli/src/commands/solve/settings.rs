@@ -5,6 +5,7 @@ use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
 use crate::commands::names;
 use crate::failure::Failure;
+use crate::gpu::{self, Choice, Device};
 use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
@@ -12,7 +13,6 @@ use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
 use meso_core::spec::{Files as _, options_from_toml, options_from_value};
 use meso_core::{Spec, SpecError};
 use meso_files::Beside;
-use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
 use meso_solve::{Geometry, Smoothing, SolveError, Test, TestKind};
 use meso_study::{NameError, Names};
@@ -59,6 +59,7 @@ impl Args {
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         meso_solve::validate(&self.mesh.materials()?, &self.test()?).map_err(|error| self.wrong(&error))?;
         self.validate()?;
+        self.device()?;
         self.settings(spec).map(drop)
     }
 
@@ -145,8 +146,8 @@ impl Args {
     }
 
     /// The device that takes the steps; none where this processor does.
-    pub(super) fn device(&self) -> Result<Option<DeviceName>, Failure> {
-        self.device.find().map_err(Failure::Usage)
+    pub(super) fn device(&self) -> Result<Option<Device>, Failure> {
+        gpu::find(&self.device)
     }
 
     /// Whether there is no saved model yet.

@@ -108,13 +108,13 @@ impl<'a> Watching<'a> {
         }
     }
 
-    /// Seconds to the end, at the pace so far.
-    fn left(&self, done: f64) -> f64 {
-        let first = self.first.get().unwrap_or_else(|| {
+    /// Seconds to the end, at the pace since the first row; none at the first row.
+    fn left(&self, done: f64) -> Option<f64> {
+        let Some(first) = self.first.get() else {
             self.first.set(Some(done));
-            done
-        });
-        self.started.elapsed().as_secs_f64() * (1.0 - done) / (done - first).max(1e-9)
+            return None;
+        };
+        (done > first).then(|| self.started.elapsed().as_secs_f64() * (1.0 - done) / (done - first))
     }
 }
 
@@ -155,13 +155,14 @@ impl Observer for Watching<'_> {
     }
 }
 
-fn line(row: &Row, done: f64, left: f64) -> String {
+fn line(row: &Row, done: f64, left: Option<f64>) -> String {
     format!("solving {} {}", bar(done), figures(row, left))
 }
 
-fn figures(row: &Row, left: f64) -> String {
-    let (strain, stress, left) = (row.strain, row.stress_mpa, time(left));
-    format!("strain {strain:.5}, {stress:.2} MPa, {left} left")
+fn figures(row: &Row, left: Option<f64>) -> String {
+    let (strain, stress) = (row.strain, row.stress_mpa);
+    let left = left.map_or_else(String::new, |left| format!(", {} left", time(left)));
+    format!("strain {strain:.5}, {stress:.2} MPa{left}")
 }
 
 /// Seconds as one reads them: 42 s, 3:05 min, 1:20 h.
@@ -181,9 +182,16 @@ mod tests {
     #[test]
     fn the_line_fits_a_terminal() {
         let row = Row { strain: 0.00213, stress_mpa: 31.42, ..Row::default() };
-        let text = line(&row, 0.5, 185.2);
+        let text = line(&row, 0.5, Some(185.2));
         assert_eq!(text, "solving [========        ] strain 0.00213, 31.42 MPa, 3:05 min left");
         assert!(text.len() < 80);
+    }
+
+    #[test]
+    fn the_first_row_of_a_resumed_test_has_no_time_left() {
+        // A test that was resumed at a fifth said that 3827 hours were left.
+        let row = Row { strain: 0.00007, stress_mpa: 1.75, ..Row::default() };
+        assert_eq!(figures(&row, None), "strain 0.00007, 1.75 MPa");
     }
 
     #[test]
