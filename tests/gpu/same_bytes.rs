@@ -264,7 +264,12 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
 fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = cube(20.0, 4.0);
-    let expansion = Some(Expansion { mortar: -8e-4, itz: Some(2e-4), aggregate: 3e-4, ..Expansion::default() });
+    let expansion = Some(Expansion {
+        mortar: (-8e-4).into(),
+        itz: Some(2e-4.into()),
+        aggregate: 3e-4.into(),
+        ..Expansion::default()
+    });
     for (kind, smoothing) in [(TestKind::Expansion, Smoothing::Edges), (TestKind::Tension, Smoothing::None)] {
         let test = Test { kind, expansion, smoothing: Some(smoothing), ..Test::default() };
         let steps = if kind == TestKind::Tension { 120.0 } else { 60.0 };
@@ -291,7 +296,7 @@ fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive);
     assert!(!cube.mesh.cohesive.is_empty());
-    let expansion = Some(Expansion { aggregate: 2e-4, ..Expansion::default() });
+    let expansion = Some(Expansion { aggregate: 2e-4.into(), ..Expansion::default() });
     let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
     for (steps, test) in [
         (500.0, Test { smoothing: edges, ..Test::default() }),
