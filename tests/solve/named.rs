@@ -1,4 +1,4 @@
-//! All named tests on small concrete: how quasi-static they are, how long they take, and splitting beside tension.
+//! All named tests on small concrete: how quasi-static they are, and how long they take.
 
 use crate::loads::all_kinds;
 use crate::samples::{Meshed, brittle, options};
@@ -6,7 +6,7 @@ use meso_core::aggregate::Grading;
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
-use meso_solve::{Expansion, LawName, Test, TestKind};
+use meso_solve::{Expansion, Test, TestKind};
 use std::time::{Duration, Instant};
 
 /// Concrete of 4 to `most` mm in a specimen, with a smeared ITZ.
@@ -58,19 +58,6 @@ fn all_named_tests_are_quasi_static_until_half_their_peak_and_take_ten_minutes_t
     }
     assert!(fast.is_empty(), "{fast:?}");
     assert!(begun.elapsed() < Duration::from_secs(600), "{:?}", begun.elapsed());
-}
-
-/// Tests of concrete have 0.9 to 1.15.
-#[test]
-#[ignore = "slow tier: two tests of a cylinder of 40 mm, minutes of processor time"]
-fn concrete_splits_at_its_strength_in_tension() {
-    let meshed = concrete(Specimen::Cylinder { diameter_mm: 40.0, height_mm: 24.0 }, 0.4, 10.0, 2.5);
-    let [split, pulled] = [TestKind::Splitting, TestKind::Tension].map(|kind| {
-        let test = Test { kind, law: LawName::Meso, ..Test::default() };
-        meshed.solve(&brittle(), &test).result.figures.peak_mpa
-    });
-    eprintln!("splitting {split:.3} MPa, tension {pulled:.3} MPa");
-    assert!((0.9..1.15).contains(&(split / pulled)), "{split} {pulled}");
 }
 
 #[test]
