@@ -206,7 +206,7 @@ pub(super) enum AnalysisText {
     Named(Analysis),
     Test(TestKind),
     /// A file, and its test once it was read.
-    File(PathBuf, OnceLock<Test>),
+    File(PathBuf, Box<OnceLock<Test>>),
 }
 
 /// Names of the tests that are no analysis.
@@ -220,7 +220,7 @@ impl AnalysisText {
     fn read(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
         if is_toml(&path) {
-            return Ok(Self::File(path, OnceLock::new()));
+            return Ok(Self::File(path, Box::default()));
         }
         let test = |_| names::read(text).map(Self::Test);
         let named = names::read(text).map(Self::Named).or_else(test);
