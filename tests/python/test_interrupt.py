@@ -91,6 +91,32 @@ def test_progress_that_says_no_gets_the_best_packing_found():
     assert 0.0 < packing.fraction < 0.6
 
 
+# The case: `mesh` computed for eight seconds after its listener had said no, and others went on to their ends.
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda packing, no: packing.mesh(method="lattice", element_size=1.0, itz="none", progress=no),
+        lambda packing, no: packing.check(progress=no),
+        lambda packing, no: packing.statistics(lines=20_000, progress=no),
+        lambda packing, no: packing.effective("diffusivity", voxel_size=0.5, progress=no),
+        lambda packing, no: packing.effective("diffusivity", method="lattice", element_size=1.0, progress=no),
+        lambda packing, no: mc.from_labels(packing.voxelize(0.4, "grain") + 1, voxel_size=0.4, progress=no),
+    ],
+)
+def test_progress_that_says_no_ends_work_that_has_no_part_to_give(work):
+    packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 60.0}, "fraction": 0.45})
+    said = []
+
+    def no(done, total):
+        said.append(time.process_time())
+        return False
+
+    with pytest.raises(RuntimeError, match="stopped: progress returned False"):
+        work(packing, no)
+    assert len(said) == 1
+    assert time.process_time() - said[0] < 0.6
+
+
 def test_what_progress_raises_comes_out():
     def progress(fraction, target):
         raise Stop("mine")

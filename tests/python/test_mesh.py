@@ -208,18 +208,6 @@ def test_a_packing_for_a_test_is_that_of_the_command(run, tmp_path):
     assert gap == 1.25
 
 
-def test_a_progress_that_returns_false_stops_meshing(packing):
-    shares = []
-
-    def stop(done, total):
-        shares.append(done)
-        return False
-
-    with pytest.raises(RuntimeError, match="meshing was stopped"):
-        packing.mesh(method="lattice", element_size=1.0, itz="none", progress=stop)
-    assert shares[-1] < 1.0
-
-
 def test_control_characters_of_names_are_escaped_in_messages(tmp_path):
     # shared/cases/trust/escape.toml
     path = tmp_path / "escape.toml"

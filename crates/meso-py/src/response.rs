@@ -4,7 +4,7 @@ use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};
 use crate::files;
 use crate::pickle::{self, Fields};
-use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
+use crate::run::{Broken, Terms, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
@@ -185,7 +185,7 @@ pub(crate) fn solve(
     let threads = asked.threads;
     warn_of(py, &meshed)?;
     let response = |tested| PyResponse(Arc::new(tested));
-    let tested = beside_python_keeping(py, threads, progress.as_ref(), None, move |watch| {
+    let tested = beside_python_keeping(py, Terms::of(threads), progress.as_ref(), None, move |watch| {
         watch.stops_soon();
         test(&meshed, &asked, watch)
     });

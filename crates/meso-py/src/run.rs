@@ -145,14 +145,16 @@ pub(crate) fn beside_python<T: Send + 'static>(
     beside_python_on(py, None, progress, None, work)
 }
 
-/// Runs `work` in stages; see [`beside_python`].
+/// Runs `work` in stages, half of which is worth nothing: a `progress` that returns False ends it with a `RuntimeError`.
+/// See [`beside_python`].
 pub(crate) fn in_stages<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
     plan: Plan,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
-    beside_python_on(py, None, progress, Some(plan), work)
+    let all = Terms { is_whole_or_nothing: true, threads: None };
+    beside_python_keeping(py, all, progress, Some(plan), work).map_err(|broken| broken.error)
 }
 
 /// Runs `work` on a number of threads, or on all cores; see [`beside_python`].
@@ -163,7 +165,23 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     plan: Option<Plan>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
-    beside_python_keeping(py, threads, progress, plan, work).map_err(|broken| broken.error)
+    beside_python_keeping(py, Terms::of(threads), progress, plan, work).map_err(|broken| broken.error)
+}
+
+/// How work runs.
+#[derive(Clone, Copy)]
+pub(crate) struct Terms {
+    /// Threads; `None` takes all cores.
+    threads: Option<usize>,
+    /// Whether work that is told to stop has nothing to give.
+    is_whole_or_nothing: bool,
+}
+
+impl Terms {
+    /// On a number of threads, with a result that may be kept.
+    pub(crate) fn of(threads: Option<usize>) -> Self {
+        Self { threads, is_whole_or_nothing: false }
+    }
 }
 
 /// End of the wait for some work: the error, and the partial result.
@@ -181,7 +199,7 @@ impl<T, E: Into<PyErr>> From<E> for Broken<T> {
 /// Runs `work`, whose partial result on Ctrl-C comes with the error if it [keeps](Watch::keeps_what_it_has) it.
 pub(crate) fn beside_python_keeping<T: Send + 'static>(
     py: Python<'_>,
-    threads: Option<usize>,
+    terms: Terms,
     progress: Option<&Bound<'_, PyAny>>,
     plan: Option<Plan>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
@@ -190,7 +208,7 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
     let heard = Arc::clone(&watch);
     // For rayon 0 means all cores.
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
+        .num_threads(terms.threads.unwrap_or(0))
         .start_handler(move |_| stop::listen(&*heard))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
@@ -201,7 +219,7 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
         // Nobody waits any more after Ctrl-C.
         let _ = sender.send(result);
     })?;
-    Waiting { py, receiver, watch: &watch, progress }.for_the_end()
+    Waiting { py, receiver, watch: &watch, progress, terms }.for_the_end()
 }
 
 /// Result of the worker, or the payload of its panic.
@@ -213,6 +231,7 @@ struct Waiting<'a, 'py, T> {
     receiver: Receiver<Worked<T>>,
     watch: &'a Watch,
     progress: Option<&'a Bound<'py, PyAny>>,
+    terms: Terms,
 }
 
 impl<T: Send> Waiting<'_, '_, T> {
@@ -231,6 +250,9 @@ impl<T: Send> Waiting<'_, '_, T> {
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(error) = self.py.check_signals().and_then(|()| tell(self.progress, self.watch)) {
                         return Err(self.broken(error));
+                    }
+                    if self.terms.is_whole_or_nothing && !self.watch.goes_on() {
+                        return Err(self.broken(PyRuntimeError::new_err("stopped: progress returned False")));
                     }
                 }
             }

@@ -404,7 +404,8 @@ class Packing:
         tolerance : float, optional
             Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
         progress : bool or callable, optional
-            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            the work ends with a `RuntimeError`.
 
         Returns
         -------
@@ -631,7 +632,8 @@ class Packing:
         Parameters
         ----------
         progress : bool or callable, optional
-            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            the work ends with a `RuntimeError`.
 
         Returns
         -------
@@ -647,7 +649,8 @@ class Packing:
         Parameters
         ----------
         progress : bool or callable, optional
-            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            the work ends with a `RuntimeError`.
         **options
             How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
 
@@ -1152,7 +1155,8 @@ def effective(
     periodic : str
         Axes along which the volume repeats itself; along others both faces have given values.
     progress : bool or callable, optional
-        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+        the work ends with a `RuntimeError`.
 
     Returns
     -------
@@ -1220,7 +1224,8 @@ def from_labels(
     step : float
         Distance of the points between which a surface is found, in voxels.
     progress : bool or callable, optional
-        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+        the work ends with a `RuntimeError`.
 
     Returns
     -------
@@ -1243,8 +1248,8 @@ def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -
     path : path-like
         A `.json` or `.json.gz` that `Packing.write` or the command wrote.
     progress : bool or callable, optional
-        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
-        specimen's surface, where it is one.
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+        the work ends with a `RuntimeError`. The time goes into the proof of the specimen's surface, where it is one.
 
     Raises
     ------

@@ -204,7 +204,8 @@ pub(super) fn compute<'py>(
 /// periodic : str
 ///     Axes along which the volume repeats itself; along others both faces have given values.
 /// progress : bool or callable, optional
-///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+///     the work ends with a `RuntimeError`.
 ///
 /// Returns
 /// -------

@@ -38,7 +38,8 @@ use std::sync::Arc;
 /// step : float
 ///     Distance of the points between which a surface is found, in voxels.
 /// progress : bool or callable, optional
-///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+///     the work ends with a `RuntimeError`.
 ///
 /// Returns
 /// -------

@@ -67,8 +67,8 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// path : path-like
 ///     A `.json` or `.json.gz` that `Packing.write` or the command wrote.
 /// progress : bool or callable, optional
-///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
-///     specimen's surface, where it is one.
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+///     the work ends with a `RuntimeError`. The time goes into the proof of the specimen's surface, where it is one.
 ///
 /// Raises
 /// ------
@@ -222,7 +222,8 @@ impl PyPacking {
     /// Parameters
     /// ----------
     /// progress : bool or callable, optional
-    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+    ///     the work ends with a `RuntimeError`.
     ///
     /// Returns
     /// -------
@@ -245,7 +246,8 @@ impl PyPacking {
     /// Parameters
     /// ----------
     /// progress : bool or callable, optional
-    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+    ///     the work ends with a `RuntimeError`.
     /// **options
     ///     How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
     ///
@@ -293,7 +295,8 @@ impl PyPacking {
     /// tolerance : float, optional
     ///     Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
     /// progress : bool or callable, optional
-    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+    ///     the work ends with a `RuntimeError`.
     ///
     /// Returns
     /// -------
