@@ -255,7 +255,7 @@ mod tests {
             ..Expansion::default()
         };
         assert_eq!(expansion.at(0.0, 0.0), [0.0; 5]);
-        assert_eq!(expansion.at(0.25, 0.1), [-2e-4, -2e-4, through(&[[60.0, 1e-4], [120.0, 3e-4]], 30.0), 0.0, 1e-6]);
+        assert_eq!(expansion.at(0.25, 0.5), [-2e-4, -2e-4, through(&[[60.0, 1e-4], [120.0, 3e-4]], 30.0), 0.0, 5e-6]);
         assert_eq!(expansion.at(1.0, 1.0), [-2e-4, -2e-4, 3e-4, 0.0, 1e-5]);
         assert_eq!(expansion.words(), "mortar -2e-4 at 30 in 1 rows, aggregate 3e-4 at 120 in 2 rows, fibre 1e-5");
     }
