@@ -6,5 +6,6 @@ mod round;
 mod shapes;
 mod sieve_tables;
 mod specimens;
+mod stones;
 mod surfaces;
 mod volumes;

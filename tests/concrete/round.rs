@@ -175,9 +175,9 @@ fn a_ball_has_an_inner_ball_and_an_ellipsoid_none_of_its_kind() {
     let [a, b, c] = semi_axes(ellipsoid);
     let t = ellipsoid.itz_thickness_mm;
     let lost = ellipsoid.body.volume() - ellipsoid.core_volume(t).unwrap();
-    // The ellipsoid with axes shorter by the thickness lies within the core.
+    // The ellipsoid with axes shorter by the thickness lies within the core; the volume is sampled.
     let most = ellipsoid.body.volume() * (1.0 - (1.0 - t / a) * (1.0 - t / b) * (1.0 - t / c));
-    assert!(lost < most && lost > 0.98 * most && lost < ellipsoid.body.area() * t, "{most} {lost}");
+    assert!(lost < 1.005 * most && lost > 0.98 * most && lost < ellipsoid.body.area() * t, "{most} {lost}");
 }
 
 #[test]

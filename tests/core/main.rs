@@ -12,6 +12,8 @@ mod bad_specs;
 #[path = "../concrete/mod.rs"]
 mod concrete;
 mod inclusions;
+#[path = "../layer_errors.rs"]
+mod layer_errors;
 mod matrix;
 #[path = "../mesh/mod.rs"]
 mod mesh;

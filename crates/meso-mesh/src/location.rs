@@ -30,13 +30,20 @@ pub struct Facets {
 impl Facets {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
-        let facets = |a: &Aggregate| {
-            let round = a.body.round();
-            let planes = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
-            let dents = (!a.body.is_convex()).then(|| a.body.surface());
-            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, round, shell: shell(a) }
-        };
-        parallel::map_each(aggregates, facets)
+        parallel::map_each(aggregates, |a| Self::of(a, shell(a)))
+    }
+
+    /// One aggregate with a shell of `shell` mm.
+    pub fn of(a: &Aggregate, shell: f64) -> Self {
+        let round = a.body.round();
+        let planes = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
+        let dents = (!a.body.is_convex()).then(|| a.body.surface());
+        Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, dents, round, shell }
+    }
+
+    /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.
+    pub fn depth_below_shell(&self, x: &Vec3) -> f64 {
+        -self.height(x) - self.shell
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.

@@ -6,6 +6,9 @@ use crate::gjk::{self, GjkError};
 use crate::math::Vec3;
 use crate::round_bodies::Other;
 
+/// Divisions of the box for the volume of an erosion.
+const EROSION_HALVINGS: usize = 5;
+
 impl Polyhedron {
     /// How far `x` is from the body, mm, negative inside: beyond the farthest face plane, which is less than the distance
     /// where an edge or corner is nearest; the distance itself where the body has dents.
@@ -17,12 +20,17 @@ impl Polyhedron {
         }
     }
 
-    /// Volume of the points deeper than `thickness` mm in a body with dents or an ellipsoid, mm3, to some 1e-3 of the body.
+    /// Volume of the points deeper than `thickness` mm in a body with dents or an ellipsoid, mm3.
+    ///
+    /// Cubes cut off by a curved surface count 0.2 % too much at this size. They do so at both depths, so the ratio of the
+    /// volumes is exact to 2 % of the shell.
     pub fn eroded_volume(&self, thickness: f64) -> f64 {
-        match self.round() {
-            Some(round) => eroded_volume(&round.aabb(), thickness, |point| -round.height(point)),
-            None => self.surface().eroded_volume(thickness),
-        }
+        let aabb = self.aabb();
+        let cube = ((aabb.min + aabb.max) / 2.0, aabb.size().max() / 2.0);
+        let (round, surface) = (self.round(), self.surface());
+        let depth = |point: &Vec3| round.map_or_else(|| surface.depth(point), |round| -round.height(point));
+        let deeper = |least: f64| eroded_volume(cube, EROSION_HALVINGS, |point| depth(point) - least);
+        self.volume() * (deeper(thickness) / deeper(0.0))
     }
 
     /// Distance of two bodies, mm; 0 where they share a point.

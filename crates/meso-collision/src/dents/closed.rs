@@ -109,14 +109,6 @@ impl Triangles {
         best
     }
 
-    /// Volume of the points deeper than `thickness` mm, mm3, to some 1e-3 of the body.
-    ///
-    /// Cubes are divided down to 1/32 of the longest side; the distance at its middle tells the share of a cube that the
-    /// inner surface divides, as if that were plane.
-    pub fn eroded_volume(&self, thickness: f64) -> f64 {
-        eroded_volume(&self.aabb(), thickness, |point| self.depth(point))
-    }
-
     /// True when the bodies are proved more than `gap` mm apart. Both surfaces must be closed and connected.
     ///
     /// Bodies whose coordinates are too large or too small to be asked about are not proved apart.
@@ -154,21 +146,21 @@ const MOST_HALVINGS: usize = 7;
 /// A cube is divided where it may hold a point deeper than the best by this factor.
 const ENOUGH: f64 = 1.05;
 
-/// Divisions of the box for the volume of an erosion.
-const EROSION_HALVINGS: usize = 5;
-
-/// Volume of the points in a box that are deeper than `thickness`, mm3; `depth` has a slope of 1.
-pub(super) fn eroded_volume(aabb: &Aabb, thickness: f64, depth: impl Fn(&Vec3) -> f64) -> f64 {
-    let mut half = aabb.size().max() / 2.0;
-    let (mut cubes, mut volume) = (vec![(aabb.min + aabb.max) / 2.0], 0.0);
-    for halving in 0..=EROSION_HALVINGS {
+/// Volume of the points in a cube where `height` is positive, mm3; it has a slope of 1. The cube is its middle and half its
+/// edge.
+///
+/// Cubes are halved `halvings` times where the surface may divide them. The share of the last ones follows from the
+/// height at their middle, as if the surface were a plane across an axis.
+pub fn eroded_volume((middle, mut half): (Vec3, f64), halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
+    let (mut cubes, mut volume) = (vec![middle], 0.0);
+    for halving in 0..=halvings {
         let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
         let mut divided = Vec::new();
         for middle in cubes {
-            let height = depth(&middle) - thickness;
+            let height = height(&middle);
             if height >= reach {
                 volume += whole;
-            } else if height > -reach && halving == EROSION_HALVINGS {
+            } else if height > -reach && halving == halvings {
                 volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
             } else if height > -reach {
                 divided.push(middle);

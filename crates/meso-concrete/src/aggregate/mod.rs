@@ -57,8 +57,7 @@ impl Aggregate {
         self.body.inset(self.itz_thickness_mm).map(Some).ok_or(OffsetError::NotConvex)
     }
 
-    /// The volume inside a shell of `thickness` mm, mm3; sampled to some 1e-3 of the body where that has dents or is an
-    /// ellipsoid.
+    /// The volume inside a shell of `thickness` mm, mm3; sampled where the body has dents or is an ellipsoid.
     ///
     /// # Errors
     /// Fails like [`core`](Self::core).

@@ -74,7 +74,6 @@ impl VoxelImage {
             Quantity::Distance => specimen.aabb().size().max() / 2.0,
             _ => 0.0,
         };
-        options.accept(&model.aggregates)?;
         let mut bodies = images_near(&model.bodies(), specimen, margin);
         if options.quantity != Quantity::Distance {
             let voxel = Vec3::repeat(options.voxel_size_mm);

@@ -1,7 +1,6 @@
 //! Options of an image.
 
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
 use meso_mesh::location::PointGrid;
 use meso_pack::spec::SpecError;
@@ -90,19 +89,6 @@ pub struct ImageOptions {
 impl Default for ImageOptions {
     fn default() -> Self {
         Self { voxel_size_mm: 1.0, quantity: Quantity::Phase, of: ShareOf::Aggregate, region: Region::Whole }
-    }
-}
-
-impl ImageOptions {
-    /// Refuses shares of shells and cores where an aggregate has dents or is an ellipsoid: these have no
-    /// inner surface of their kind.
-    pub(super) fn accept(&self, aggregates: &[Aggregate]) -> Result<(), SpecError> {
-        let is_inner = self.quantity == Quantity::Share && matches!(self.of, ShareOf::Core | ShareOf::Itz);
-        if is_inner && aggregates.iter().any(|aggregate| !aggregate.body.has_inner_body()) {
-            let accepted = "ellipsoids and aggregates with dents take aggregate; images of phases have their shells";
-            return Err(wrong("of", if self.of == ShareOf::Core { "core" } else { "itz" }, accepted));
-        }
-        Ok(())
     }
 }
 

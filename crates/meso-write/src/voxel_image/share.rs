@@ -1,20 +1,24 @@
-//! The share of every voxel that bodies take, exact to rounding.
+//! The share of every voxel that bodies take, exact to rounding; sampled where a core has no surface.
 //!
 //! In a column of voxels along x, a body lies between its faces towards -x and its faces towards +x. So every face is
 //! divided by the planes between voxels, and each piece counts twice: the volume between it and its voxel's lower side,
 //! and its projection, which all voxels below it in the column have whole (the divergence theorem). The work grows with
 //! the surface, not with the planes that cross a voxel.
+//!
+//! The core of a body with dents or an ellipsoid is the set of its points deeper than the ITZ. Its share is sampled in the
+//! voxels that its surface may cross.
 
 use super::options::ShareOf;
+use meso_collision::dents::eroded_volume;
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::parallel;
 use meso_concrete::stop;
-use meso_mesh::location::PointGrid;
+use meso_mesh::location::{Facets, PointGrid};
 use std::ops::Range;
 
-/// Convex bodies whose shares are added up, or subtracted.
+/// Bodies whose shares are added up, or subtracted.
 pub(super) struct Shares {
     grid: PointGrid,
     bodies: Vec<Body>,
@@ -22,11 +26,21 @@ pub(super) struct Shares {
 }
 
 struct Body {
-    surface: Polyhedron,
+    form: Form,
     aabb: Aabb,
     /// 1, or -1 of the core that a shell lacks.
     sign: f32,
 }
+
+enum Form {
+    /// A closed surface.
+    Surface(Polyhedron),
+    /// The points deeper than the shell.
+    Deeper(Box<Facets>),
+}
+
+/// Halvings of a voxel that the surface of a sampled core may cross.
+const HALVINGS: usize = 2;
 
 /// Shares this close to 0 or 1 are; rounding leaves less.
 const WHOLE: f64 = 1e-9;
@@ -50,24 +64,47 @@ impl Shares {
         for &index in &self.by_layer[k] {
             stop::point();
             let body = &self.bodies[index as usize];
-            columns.fill(&self.grid, k, body);
-            columns.add_to(&self.grid, body.sign, layer);
+            match &body.form {
+                Form::Surface(surface) => {
+                    columns.fill(&self.grid, k, surface, &body.aabb);
+                    columns.add_to(&self.grid, body.sign, layer);
+                }
+                Form::Deeper(facets) => add_sampled(&self.grid, k, facets, body, layer),
+            }
         }
     }
 }
 
-/// The convex parts of an aggregate that count.
+/// Adds the shares of the points deeper than the shell in the voxels of layer `k`.
+fn add_sampled(grid: &PointGrid, k: usize, facets: &Facets, body: &Body, layer: &mut [f32]) {
+    let half = grid.spacing.x / 2.0;
+    for j in touched(grid, 1, &body.aabb) {
+        for i in touched(grid, 0, &body.aabb) {
+            let middle = Vec3::new(grid.coordinate(0, i), grid.coordinate(1, j), grid.coordinate(2, k));
+            let volume = eroded_volume((middle, half), HALVINGS, |point| facets.depth_below_shell(point));
+            layer[j * grid.counts[0] + i] += body.sign * snapped(volume / (8.0 * half.powi(3))) as f32;
+        }
+    }
+}
+
+/// The parts of an aggregate that count.
 fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
     stop::point();
-    let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), surface, sign };
+    let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), form: Form::Surface(surface), sign };
     // A ball or an ellipsoid counts by facets that hold its volume.
     let faceted = |body: &Polyhedron| body.faceted().into_owned();
     let whole = || part(faceted(&aggregate.body), 1.0);
     let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(faceted(&core), sign));
+    let (thickness, aabb) = (aggregate.itz_thickness_mm, aggregate.body.aabb());
+    let deeper = |than: f64, sign: f32| Body { aabb, form: Form::Deeper(Box::new(Facets::of(aggregate, than))), sign };
+    let is_sampled = thickness > 0.0 && !aggregate.body.has_inner_body();
     match (of, aggregate.kind) {
         (ShareOf::Aggregate, Kind::Aggregate) | (ShareOf::Void, Kind::Void) | (ShareOf::Fibre, Kind::Fibre) => {
             vec![whole()]
         }
+        (ShareOf::Core, Kind::Aggregate) if is_sampled => vec![deeper(thickness, 1.0)],
+        // Both sides of the shell have one error, so no share is negative.
+        (ShareOf::Itz, Kind::Aggregate) if is_sampled => vec![deeper(0.0, 1.0), deeper(thickness, -1.0)],
         (ShareOf::Core, Kind::Aggregate) => core(1.0).into_iter().collect(),
         (ShareOf::Itz, Kind::Aggregate) => std::iter::once(whole()).chain(core(-1.0)).collect(),
         _ => Vec::new(),
@@ -105,15 +142,15 @@ struct Pieces {
 }
 
 impl Columns {
-    fn fill(&mut self, grid: &PointGrid, k: usize, body: &Body) {
-        (self.across, self.along) = (touched(grid, 1, &body.aabb), touched(grid, 0, &body.aabb));
+    fn fill(&mut self, grid: &PointGrid, k: usize, surface: &Polyhedron, aabb: &Aabb) {
+        (self.across, self.along) = (touched(grid, 1, aabb), touched(grid, 0, aabb));
         self.pieces.clear();
         self.pieces.resize(self.across.len() * (self.along.len() + 1), Pieces::default());
         let (bottom, top) = (side(grid, 2, k), side(grid, 2, k + 1));
         let Self { across, along, pieces, knives: [by_y, by_x] } = self;
         let [mut above, mut layer, mut rest] = [const { Vec::new() }; 3];
-        for face in body.surface.faces() {
-            let polygon: Vec<Vec3> = face.iter().map(|corner| body.surface.vertices()[corner as usize]).collect();
+        for face in surface.faces() {
+            let polygon: Vec<Vec3> = face.iter().map(|corner| surface.vertices()[corner as usize]).collect();
             divide(&polygon, 2, bottom, &mut rest, &mut above);
             divide(&above, 2, top, &mut layer, &mut rest);
             by_y.slice(grid, 1, across.clone(), &layer, |j, strip| {
@@ -253,7 +290,7 @@ mod tests {
     /// Shares of `body` in voxels of `h` mm from `first` voxels off the origin on, layer by layer.
     fn shares(body: &Polyhedron, h: f64, first: f64, counts: [usize; 3]) -> Vec<f64> {
         let grid = PointGrid { origin: Vec3::repeat((first + 0.5) * h), spacing: Vec3::repeat(h), counts };
-        let body = Body { surface: body.clone(), aabb: body.aabb(), sign: 1.0 };
+        let body = Body { form: Form::Surface(body.clone()), aabb: body.aabb(), sign: 1.0 };
         let shares = Shares::of(grid, vec![body]);
         let layer = |k: usize| {
             let mut layer = vec![0.0; counts[0] * counts[1]];
