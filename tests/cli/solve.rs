@@ -344,5 +344,7 @@ fn a_test_that_the_specimen_cannot_have_is_refused_before_the_packing() {
     assert_eq!(run.code, 2, "{}", run.stderr);
     assert!(run.stderr.contains("no notch") && !run.stderr.contains("packing"), "{}", run.stderr);
     let run = folder.run(&["solve", "small.toml", "--test", "twisting"]);
-    assert!(run.stderr.contains("or a TEST.toml"), "{}", run.stderr);
+    assert!(run.stderr.contains("NAME|TEST.toml"), "{}", run.stderr);
+    let run = folder.run(&["solve", "small.toml", "--test", "compresion"]);
+    assert!(run.code == 2 && run.stderr.contains("a similar value exists: 'compression'"), "{}", run.stderr);
 }

@@ -203,6 +203,10 @@ fn wrong_studies_are_refused_before_the_work() {
             "outputs has \"a\\0.csv\"; it must be the name of a file",
         ),
         ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
+        (
+            "[solve]\nmin-gap-mm = 1.0\n",
+            "[solve] min-gap-mm is of the packing, which the study makes; give --min-gap-mm",
+        ),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),
         ("[solve]\ntest = 'a.toml'\n", "a.toml: No such file or directory; check the name and the folder"),

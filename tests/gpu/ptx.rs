@@ -17,7 +17,7 @@ fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (smeared, cohesive) = (cube(24.0, 4.0), meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive));
     let (law, kind, smoothing) = (LawName::Meso, TestKind::Triaxial, Some(Smoothing::None));
-    let expansion = Some(Expansion { aggregate: 1e-4, ..Expansion::default() });
+    let expansion = Some(Expansion { aggregate: 1e-4.into(), ..Expansion::default() });
     for (name, body, test) in [
         ("plain", &smeared, Test::default()),
         ("plain-cdpm2", &smeared, Test { law: LawName::Cdpm2, ..Test::default() }),

@@ -7,8 +7,8 @@ use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
 use meso_solve::{
-    Along, Control, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample, Side,
-    Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
+    Along, Control, Course, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample,
+    Side, Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -264,9 +264,16 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
 fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = cube(16.0, 4.0);
-    let expansion = Some(Expansion { mortar: -8e-4, itz: Some(2e-4), aggregate: 3e-4, ..Expansion::default() });
-    for (kind, smoothing) in [(TestKind::Expansion, Smoothing::Edges), (TestKind::Tension, Smoothing::None)] {
-        let test = Test { kind, expansion, smoothing: Some(smoothing), ..Test::default() };
+    let whole =
+        Expansion { mortar: (-8e-4).into(), itz: Some(2e-4.into()), aggregate: 3e-4.into(), ..Expansion::default() };
+    let mortar = Course::Through(vec![[1.0, -2e-4], [3.0, -8e-4]]);
+    let layer = Expansion { mortar, layer_mm: Some(4.0), ..whole.clone() };
+    for (kind, smoothing, expansion) in [
+        (TestKind::Expansion, Smoothing::Edges, whole.clone()),
+        (TestKind::Expansion, Smoothing::Edges, layer),
+        (TestKind::Tension, Smoothing::None, whole),
+    ] {
+        let test = Test { kind, expansion: Some(expansion), smoothing: Some(smoothing), ..Test::default() };
         let steps = if kind == TestKind::Tension { 120.0 } else { 60.0 };
         acts(&same(&cube, &cube.within(steps, test), &device), 0);
     }
@@ -291,7 +298,7 @@ fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = meshed(Specimen::cube(16.0), 4.0, ItzForm::Cohesive);
     assert!(!cube.mesh.cohesive.is_empty());
-    let expansion = Some(Expansion { aggregate: 2e-4, ..Expansion::default() });
+    let expansion = Some(Expansion { aggregate: 2e-4.into(), ..Expansion::default() });
     let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
     for (steps, test) in [
         (500.0, Test { smoothing: edges, ..Test::default() }),

@@ -13,6 +13,7 @@ use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
     self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Purpose, Tools,
 };
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_solve::results::sample_of;
 use meso_solve::{Control, Figures, Run, Sample, Smoothing, Test, TestKind};
@@ -48,6 +49,7 @@ impl Model {
             band_factor: band_factor(&self.mesh),
             notches_mm: [0.0; 2],
             notches_mm3: 0.0,
+            container: Specimen::cuboid(aabb.size().into()).container(),
             exact: None,
         };
         let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);

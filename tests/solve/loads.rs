@@ -1,23 +1,20 @@
 //! Supports, loads, turns and gauges against closed forms, the law at one point, and the frames of the same test.
 
 use crate::samples::{Meshed, brittle, options};
-use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::geometry::convex_hull;
 use meso_core::materials::Materials;
-use meso_core::math::Vec3;
-use meso_core::mesh::{ItzForm, Method, Phase, PhaseVolumes};
+use meso_core::mesh::{ItzForm, Method, Phase};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Silent;
 use meso_solve::law::point::{self, HeldStress};
-use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
+use meso_solve::law::{Cdp, Cdpm2, Law, Meso, cdpm2};
 use meso_solve::{
-    Along, Control, Expansion, Frame, Gauge, LawName, Observer, Response, Rule, Run, Side, Smoothing, Strip,
+    Along, Control, Course, Expansion, Frame, Gauge, LawName, Observer, Response, Rule, Run, Side, Smoothing, Strip,
     SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
 /// Values of a further column of the curve.
-fn column(response: &Response, name: &str) -> Vec<f64> {
+pub(crate) fn column(response: &Response, name: &str) -> Vec<f64> {
     let place = response.extra.names.iter().position(|other| other == name).unwrap();
     (0..response.curve.len()).map(|row| response.extra.row(row)[place]).collect()
 }
@@ -35,11 +32,11 @@ fn at_a_point(materials: &Materials, law: LawName, pressure: f64, strain: f64) -
     fn peak<L: Law<f64>>(law: &L, held: HeldStress, strains: &[f64]) -> f64 {
         point::curve(law, 3.0, held, strains).iter().map(|reading| -reading.stress).fold(0.0, f64::max)
     }
-    if law == LawName::Cdp {
-        peak(&Cdp::<f64>::new(&materials.mortar, &strength, &materials.plasticity), held, &strains)
-    } else {
-        let ratio = materials.plasticity.biaxial_ratio;
-        peak(&Cdpm2::<f64>::new(&materials.mortar, &strength, ratio, &cdpm2::Options::default()), held, &strains)
+    let (mortar, ratio) = (&materials.mortar, materials.plasticity.biaxial_ratio);
+    match law {
+        LawName::Cdp => peak(&Cdp::<f64>::new(mortar, &strength, &materials.plasticity), held, &strains),
+        LawName::Meso => peak(&Meso::<f64>::new(mortar, &strength, ratio, &materials.meso), held, &strains),
+        _ => peak(&Cdpm2::<f64>::new(mortar, &strength, ratio, &cdpm2::Options::default()), held, &strains),
     }
 }
 
@@ -47,7 +44,7 @@ fn at_a_point(materials: &Materials, law: LawName, pressure: f64, strain: f64) -
 fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
     let meshed = cylinder(12.0, 12.0, 3.0);
     let filled = meshed.mesh_volume_mm3() / meshed.specimen.volume();
-    for law in [LawName::Cdp, LawName::Cdpm2] {
+    for law in [LawName::Cdp, LawName::Cdpm2, LawName::Meso] {
         for pressure in [5.0, 10.0] {
             let strain = if law == LawName::Cdp { 0.005 } else { 0.02 };
             let test = Test {
@@ -69,6 +66,9 @@ fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
             let begun = response.curve.iter().position(|row| row.strain > 1e-6).unwrap();
             let before = response.curve[begun].stress_mpa;
             assert!((before / pressure / filled - 1.0).abs() < 0.03, "{law:?} {pressure}: {before}");
+            // The case: the pressure's column was 0.
+            let mantle = column(&response, "mantle_n")[begun] / (pressure * 144.0 * std::f64::consts::PI);
+            assert!((0.93..1.01).contains(&mantle), "{law:?} {mantle}");
             // From there the modulus and Poisson's ratio count.
             let stiffness = response.result.figures.modulus_mpa / brittle().mortar.youngs_modulus_mpa / filled;
             let ratio = response.result.lateral.poisson_ratio.unwrap();
@@ -418,158 +418,84 @@ fn two_pairs_of_plates_press_in_their_ratio_of_stresses() {
     }
 }
 
-/// Largest stress in any cell, MPa.
-#[derive(Default)]
-struct Most(RefCell<f64>);
-
-impl Observer for Most {
-    fn frame(&self, frame: &Frame) {
-        let stress = frame.cells(|point| point.stress);
-        *self.0.borrow_mut() = stress.iter().flatten().fold(0.0, |most, s| f64::from(s.abs()).max(most));
-    }
-}
-
-fn expansion(expansion: Expansion) -> Test {
-    let expansion = Some(expansion);
-    Test { kind: TestKind::Expansion, law: LawName::Elastic, expansion, frames: 1, ..Test::default() }
-}
-
+/// Hooke's law under the stresses s and r s gives the strain (1 - nu r) s / E.
 #[test]
-fn a_free_body_expands_without_stress() {
-    for method in [Method::FITTED, Method::VOXEL] {
-        let meshed = Meshed::mortar([12.0, 15.0, 18.0], method, 3.0);
-        let most = Most::default();
-        let test = expansion(Expansion { mortar: 1e-3, ..Expansion::default() });
-        let response = meshed.watched(&brittle(), &test, &Silent, &most);
-        let stress = *most.0.borrow() / (brittle().mortar.youngs_modulus_mpa * 1e-3);
-        assert!(stress < 1e-6, "{method:?} {stress:e}");
-        for name in ["strain_x", "strain_y", "strain_z"] {
-            let strain = *column(&response, name).last().unwrap();
-            assert!((strain / 1e-3 - 1.0).abs() < 1e-6, "{name} {strain}");
-        }
+fn an_elastic_body_between_two_pairs_of_plates_has_the_modulus_of_hookes_law() {
+    let meshed = Meshed::mortar([12.0, 12.0, 12.0], Method::FITTED, 3.0);
+    let [e, nu] = [brittle().mortar.youngs_modulus_mpa, brittle().mortar.poisson_ratio];
+    for ratio in [0.5, 1.0] {
+        let test = Test {
+            kind: TestKind::Biaxial,
+            law: LawName::Elastic,
+            stress_ratio: Some(ratio),
+            friction: Some(0.0),
+            strain: Some(5e-4),
+            duration_s: Some(4e-4),
+            ..Test::default()
+        };
+        let response = meshed.solve(&brittle(), &test);
+        let last = response.curve.last().unwrap();
+        let found = last.stress_mpa / last.strain / (e / (1.0 - nu * ratio));
+        assert!((found - 1.0).abs() < 0.01, "{ratio}: {found}");
     }
 }
 
+/// The case: a path that never met its turn at a stress turned at its limit, and nothing said so.
 #[test]
-fn two_phases_expand_as_levin_says() {
-    // Layers across y without a Poisson effect.
-    let mut meshed = Meshed::mortar([12.0, 12.0, 12.0], Method::VOXEL, 2.0);
-    let nodes = meshed.mesh.kind.nodes();
-    for (cell, phase) in meshed.mesh.cells.chunks_exact(nodes).zip(&mut meshed.mesh.phase) {
-        let y = cell.iter().map(|&node| meshed.mesh.points[node as usize].y).sum::<f64>() / nodes as f64;
-        // Symmetric layers: the body does not bend.
-        if (y - 6.0).abs() < 2.0 {
-            *phase = Phase::Aggregate;
-        }
-    }
-    let mut materials = brittle();
-    (materials.mortar.poisson_ratio, materials.aggregate.poisson_ratio) = (0.0, 0.0);
-    let test = expansion(Expansion { aggregate: 1e-3, ..Expansion::default() });
-    let response = meshed.solve(&materials, &test);
-    // Across the layers no stress acts on the whole, so that the mean strain is that of the phases by volume.
-    let across = *column(&response, "strain_y").last().unwrap();
-    assert!((across / (1e-3 / 3.0) - 1.0).abs() < 5e-3, "{across}");
-}
-
-/// Mean pressure in the aggregate at the last frame, MPa.
-struct Squeezed<'a>(&'a Meshed, RefCell<f64>);
-
-impl Observer for Squeezed<'_> {
-    fn frame(&self, frame: &Frame) {
-        let mesh = &self.0.mesh;
-        let stress = frame.cells(|point| point.stress);
-        let mut sums = [0.0; 2];
-        for (cell, stress) in stress.iter().enumerate().filter(|(cell, _)| mesh.phase[*cell] == Phase::Aggregate) {
-            let volume = volume(&mesh.cell(cell).iter().map(|&node| mesh.points[node as usize]).collect::<Vec<_>>());
-            let pressure = -f64::from(stress[0] + stress[1] + stress[2]) / 3.0;
-            sums = [sums[0] + volume * pressure, sums[1] + volume];
-        }
-        *self.1.borrow_mut() = sums[0] / sums[1];
-    }
-}
-
-/// Volume of a tetrahedron, mm3.
-fn volume(corners: &[Vec3]) -> f64 {
-    (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).dot(&(corners[3] - corners[0])).abs() / 6.0
-}
-
-/// A ball of mortar, 24 mm wide, around an aggregate of 14 mm whose surface the mesh follows.
-fn sphere_in_shell(element_size_mm: f64) -> Meshed {
-    let specimen = Specimen::Sphere { diameter_mm: 24.0 };
-    let centre = 0.5 * (specimen.aabb().min + specimen.aabb().max);
-    // Fibonacci's points on a sphere.
-    let turn = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let point = |i: u32| {
-        let z: f64 = 1.0 - (2.0 * f64::from(i) + 1.0) / 400.0;
-        let (sine, cosine) = (turn * f64::from(i)).sin_cos();
-        let r = (1.0 - z * z).sqrt();
-        centre + 7.0 * Vec3::new(r * cosine, r * sine, z)
+fn a_turn_at_a_stress_that_the_specimen_never_had_is_warned_about() {
+    let meshed = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
+    let warnings = |at: f64| {
+        let turns = vec![Turn { at, of: TurnOf::Stress }, Turn { at: 1.0, of: TurnOf::Stress }];
+        let test = Test { turns, strain: Some(4e-4), law: LawName::Elastic, ..Test::default() };
+        meshed.solve(&brittle(), &test).result.warnings
     };
-    let body = convex_hull(&(0..400).map(point).collect::<Vec<_>>()).unwrap();
-    let body = Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body };
-    Meshed::of(&[body], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
+    let unmet = |warnings: &[String]| warnings.iter().any(|warning| warning.contains("never met its turn at 60 MPa"));
+    let (far, near) = (warnings(60.0), warnings(5.0));
+    assert!(unmet(&far) && !near.iter().any(|warning| warning.contains("turn")), "{far:?} {near:?}");
 }
 
-/// The case: a sphere of whole cells, jagged and 1.0 of its volume, had 6.1 % too much in elements of this size. Cells that
-/// follow its surface have 1.2 % too much, and smoothed ones less.
-#[test]
-fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame() {
-    let meshed = sphere_in_shell(1.5);
-    let volumes = PhaseVolumes::of_mesh(&meshed.mesh);
-    let share = volumes.aggregate / (volumes.aggregate + volumes.mortar);
-    let stiffness = 26e3;
-    let mut materials = brittle();
-    materials.aggregate = materials.mortar;
-    materials.aggregate.youngs_modulus_mpa = stiffness;
-    let (nu, shell) = (materials.mortar.poisson_ratio, materials.mortar.youngs_modulus_mpa);
-    // Timoshenko and Goodier, Sec. 136: strain of the sphere and of the shell's inside under the pressure 1.
-    let sphere = (1.0 - 2.0 * nu) / stiffness;
-    let shell = (share * (1.0 - 2.0 * nu) + 0.5 * (1.0 + nu)) / (shell * (1.0 - share));
-    let expected = 1e-3 / (sphere + shell);
-    let seen = Squeezed(&meshed, RefCell::default());
-    meshed.watched(&materials, &expansion(Expansion { aggregate: 1e-3, ..Expansion::default() }), &Silent, &seen);
-    let found = *seen.1.borrow();
-    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+/// A named test that its small specimen can have, over in some hundred steps.
+pub(crate) fn all_kinds() -> Vec<(Meshed, Test)> {
+    let of = |kind| Test { kind, duration_s: Some(1e-4), rows: 100, ..Test::default() };
+    let round = [TestKind::Tension, TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting].map(of);
+    let led = Test { control: Control::LateralStrain, ..of(TestKind::Compression) };
+    let rows = Course::Through(vec![[10.0, 2e-4], [40.0, 5e-4]]);
+    let swelling = Expansion { mortar: rows, aggregate: 1e-4.into(), layer_mm: Some(3.0), ..Expansion::default() };
+    let swollen = Test { expansion: Some(swelling), ..of(TestKind::Expansion) };
+    let mut all: Vec<(Meshed, Test)> =
+        round.into_iter().chain([led, swollen]).map(|test| (cylinder(12.0, 12.0, 3.0), test)).collect();
+    all.push((Meshed::mortar([12.0; 3], Method::FITTED, 3.0), of(TestKind::Biaxial)));
+    all.push((beam(16.0, 4.0), of(TestKind::Bending)));
+    all.push((notched([24.0, 6.0, 24.0], [6.0, 6.0, 3.0], 3.0), of(TestKind::Shear)));
+    all
 }
 
-/// The case: plates stood off a specimen that had shrunk, so that its modulus was half of its own, and its test a fast one.
-#[test]
-fn a_specimen_that_shrank_or_swelled_freely_is_pressed_as_one_that_did_not() {
-    let meshed = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
-    let strained = |mortar: f64| {
-        let expansion = (mortar != 0.0).then(|| Expansion { mortar, ..Expansion::default() });
-        meshed.solve(&brittle(), &Test { expansion, ..Test::default() }).result
-    };
-    let (plain, moving) = (strained(0.0).figures, strained(0.0).kinetic_over_internal_to_half_peak);
-    for mortar in [-5e-4, 1e-4] {
-        let result = strained(mortar);
-        let [modulus, peak] =
-            [(result.figures.modulus_mpa, plain.modulus_mpa), (result.figures.peak_mpa, plain.peak_mpa)]
-                .map(|(found, expected)| found / expected - 1.0);
-        assert!(modulus.abs() < 0.01 && peak.abs() < 0.01, "{mortar}: {modulus} {peak}");
-        assert!((result.figures.peak_strain / plain.peak_strain - 1.0).abs() < 0.03, "{mortar}: {result:?}");
-        assert!(
-            result.kinetic_over_internal_to_half_peak < 1.1 * moving && result.errors.is_empty(),
-            "{mortar}: {result:?}"
-        );
-    }
-}
-
+/// The case: five of nine kinds of test were killed and resumed.
 #[test]
 fn a_killed_test_of_every_kind_goes_on_to_the_same_curve() {
-    let meshed = cylinder(12.0, 12.0, 3.0);
-    let kinds = [TestKind::Compression, TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting, TestKind::Expansion];
-    for kind in kinds {
-        let control = if kind == TestKind::Compression { Control::LateralStrain } else { Control::Servo };
-        let expansion = (kind == TestKind::Expansion).then(|| Expansion { mortar: 1e-4, ..Expansion::default() });
-        let test = Test { kind, control, expansion, duration_s: Some(1e-4), rows: 100, ..Test::default() };
+    for (meshed, test) in all_kinds() {
         let whole = meshed.solve(&brittle(), &test);
         let killed = crate::checkpoint::Killed::default();
         meshed.watched(&brittle(), &test, &killed, &killed);
         let mut run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
         run.resume(&mut &killed.state()[..]).unwrap();
         let resumed = run.to_end(&Silent, &Silent);
-        assert!(whole.curve == resumed.curve && whole.extra == resumed.extra, "{kind:?}");
+        assert!(whole.curve == resumed.curve && whole.extra == resumed.extra, "{:?}", test.kind);
+    }
+}
+
+/// The case: no thread but those of compression was counted.
+#[test]
+fn a_test_of_every_kind_has_the_same_curve_on_1_and_3_threads() {
+    let on = |threads: usize, meshed: &Meshed, test: &Test| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| meshed.solve(&brittle(), test))
+    };
+    let kinds = all_kinds();
+    assert_eq!(kinds.len(), 9);
+    for (meshed, test) in kinds {
+        let [one, three] = [1, 3].map(|threads| on(threads, &meshed, &test));
+        assert!(one.curve == three.curve && one.extra == three.extra, "{:?}", test.kind);
     }
 }
 

@@ -10,11 +10,13 @@ mod concrete;
 mod deck_reader;
 mod determinism;
 mod elastic;
+mod expansion;
 mod from_deck;
 mod hostile;
 #[path = "../hostile/solver.rs"]
 mod hostile_solver;
 mod loads;
+mod named;
 mod refusals;
 mod samples;
 mod servo;

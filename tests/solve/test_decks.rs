@@ -1,11 +1,11 @@
 //! Decks of named tests: the elastic ones solved by CalculiX, the explicit ones read back card by card.
 
 use crate::deck_reader::cards;
-use crate::loads::{cylinder, notched};
+use crate::loads::{column, cylinder, notched};
 use crate::samples::{Meshed, brittle};
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::mesh::Method;
-use meso_solve::{Control, Expansion, LawName, Smoothing, Test, TestKind, Turn, TurnOf};
+use meso_solve::{Control, Course, Expansion, LawName, Smoothing, Test, TestKind, Turn, TurnOf};
 use std::process::Command;
 
 /// A deck of the test.
@@ -20,8 +20,8 @@ fn deck(meshed: &Meshed, test: &Test) -> String {
     deck
 }
 
-/// Reactions of a node set along x, y and z, N, after each step that CalculiX takes; none without it.
-fn reactions(deck: &str, set: &str) -> Option<Vec<[f64; 3]>> {
+/// The numbers that CalculiX prints for a deck; none without it.
+fn printed(deck: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("job.inp"), deck).unwrap();
     let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
@@ -31,7 +31,12 @@ fn reactions(deck: &str, set: &str) -> Option<Vec<[f64; 3]>> {
     let log = String::from_utf8_lossy(&run.stdout).into_owned();
     let errors: Vec<&str> = log.lines().filter(|line| line.contains("*ERROR")).collect();
     assert!(run.status.success() && errors.is_empty(), "{errors:?}");
-    let text = std::fs::read_to_string(folder.path().join("job.dat")).unwrap();
+    Some(std::fs::read_to_string(folder.path().join("job.dat")).unwrap())
+}
+
+/// Reactions of a node set along x, y and z, N, after each step that CalculiX takes; none without it.
+fn reactions(deck: &str, set: &str) -> Option<Vec<[f64; 3]>> {
+    let text = printed(deck)?;
     let blocks = text.split("total force (fx,fy,fz) for set ").skip(1).filter(|block| block.starts_with(set));
     let row = |block: &str| {
         let numbers = block.lines().nth(2).unwrap().split_whitespace().map(|x| x.parse::<f64>().unwrap());
@@ -86,10 +91,61 @@ fn elastic_decks_of_named_tests_are_as_stiff_in_calculix_as_in_the_engine() {
 }
 
 #[test]
+fn the_crack_mouth_of_an_elastic_beam_opens_as_in_calculix() {
+    let beam = notched([90.0, 9.0, 24.0], [6.0, 0.0, 3.0], 3.0);
+    let test = Test {
+        kind: TestKind::Bending,
+        law: LawName::Elastic,
+        smoothing: Some(Smoothing::None),
+        strain: Some(2e-4),
+        span_mm: Some(78.0),
+        control: Control::Steady,
+        ..Test::default()
+    };
+    let response = beam.solve(&brittle(), &test);
+    let loads = test.loads(&beam.sample(), 5e-7).unwrap();
+    // Nodes of the lower side at the notch.
+    let at = |side: f64| {
+        let all = (1..).zip(&beam.mesh.points);
+        let own = all.filter(|(_, point)| point.z.abs() < 1e-9 && (side * (point.x - 45.0) - 1.5).abs() < 1e-6);
+        own.map(|(number, _): (usize, _)| number.to_string()).collect::<Vec<_>>()
+    };
+    let [left, right] = [-1.0, 1.0].map(at);
+    assert!(left.len() == right.len() && left.len() >= 4, "{left:?} {right:?}");
+    let sets = format!("*NSET, NSET=M_LEFT\n{}\n*NSET, NSET=M_RIGHT\n{}\n*STEP", left.join(",\n"), right.join(",\n"));
+    let print = "*NODE PRINT, NSET=M_LEFT\nU\n*NODE PRINT, NSET=M_RIGHT\nU\n*END STEP";
+    let deck = deck(&beam, &test).replacen("*STEP", &sets, 1).replace("*END STEP", print);
+    let Some(text) = printed(&deck) else { return };
+    let mean = |set: &str| {
+        let block = text.split(&format!("displacements (vx,vy,vz) for set {set}")).last().unwrap();
+        let rows = block.lines().skip(2).take_while(|line| !line.trim().is_empty());
+        let along: Vec<f64> = rows.map(|row| row.split_whitespace().nth(1).unwrap().parse().unwrap()).collect();
+        along.iter().sum::<f64>() / along.len() as f64
+    };
+    let theirs = (mean("M_RIGHT") - mean("M_LEFT")) / (loads.path_mm[0] / loads.length_mm);
+    let ours = column(&response, "crack_mouth_mm").last().unwrap() / response.curve.last().unwrap().strain;
+    assert!(theirs > 0.0 && (ours / theirs - 1.0).abs() < 0.01, "ours {ours}, theirs {theirs}");
+}
+
+#[test]
+fn rows_of_times_and_layers_are_refused_in_a_deck() {
+    let meshed = Meshed::mortar([12.0, 9.0, 6.0], Method::FITTED, 3.0);
+    let rows = Expansion { mortar: Course::Through(vec![[10.0, 1e-4]]), ..Expansion::default() };
+    let layer = Expansion { mortar: 1e-4.into(), layer_mm: Some(2.0), ..Expansion::default() };
+    for expansion in [rows, layer] {
+        let test = Test { kind: TestKind::Expansion, expansion: Some(expansion), ..Test::default() };
+        let error = test.loads(&meshed.sample(), 5e-7).unwrap_err().to_string();
+        assert!(error.contains("test.expansion is mortar 1e-4") && error.contains("give numbers"), "{error}");
+        assert_eq!(test.suits_deck(&meshed.specimen).unwrap_err().to_string(), error);
+    }
+}
+
+#[test]
 fn phases_swell_by_their_strains_in_calculix() {
     let meshed = Meshed::mortar([12.0, 9.0, 6.0], Method::FITTED, 3.0);
-    let expansion = Some(Expansion { mortar: 1e-3, ..Expansion::default() });
-    let free = Test { kind: TestKind::Expansion, law: LawName::Elastic, expansion, ..Test::default() };
+    let expansion = Some(Expansion { mortar: 1e-3.into(), ..Expansion::default() });
+    let free =
+        Test { kind: TestKind::Expansion, law: LawName::Elastic, expansion: expansion.clone(), ..Test::default() };
     let free = deck(&meshed, &free);
     assert!(free.contains("*EXPANSION, ZERO=0.0\n0.001,\n") && !free.contains("N_BOTTOM"), "{free}");
     // Glued plates that stay where they are restrain it along z.

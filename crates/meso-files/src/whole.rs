@@ -84,6 +84,12 @@ impl<K: Keeper> Unit<K> {
         Ok(())
     }
 
+    /// Names of the temporary files that wait for theirs.
+    pub fn hidden(&self) -> Vec<String> {
+        let name = |file: &Complete| file.temporary.file_name().map(|name| name.to_string_lossy().into_owned());
+        self.complete.iter().filter_map(name).collect()
+    }
+
     /// Gives every file its name, in the order in which they were filled.
     ///
     /// All slow work comes before the first renaming: a process that is killed between two names leaves new files
@@ -241,6 +247,12 @@ pub fn folder(path: &Path) -> &Path {
 pub fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
     let new = |path: &Path| File::options().write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(UNFINISHED.0).suffix(UNFINISHED.1).make_in(folder, new)
+}
+
+/// Whether a name, without folders, is one of a temporary file.
+pub fn is_unfinished(name: &str) -> bool {
+    let (prefix, suffix) = UNFINISHED;
+    name.starts_with(prefix) && name.ends_with(suffix) && !name.contains(['/', '\\'])
 }
 
 /// Makes the new name itself survive a power failure, where the system can.

@@ -19,7 +19,7 @@ pub(crate) struct Tables {
     pub(crate) blocks: Vec<[u32; 8]>,
     /// Node of every place.
     pub(crate) places: Vec<u32>,
-    /// Where an eight's data and memory begin, the parameters of its law; its other nodes, law, phase and first slot in its round.
+    /// Where an eight's data and memory begin, the parameters of its law; its other nodes, law, strain and first slot in its round.
     pub(crate) eights: Vec<Eight>,
     /// By round: first entry, entries and the block's first eight in the upper half, first slot, first segment; one more at the
     /// end.
@@ -188,7 +188,7 @@ impl Part {
                 self.data as u32,
                 self.memory as u32,
                 law.params,
-                others as u32 | law.law << 8 | (elements.phase() as u32) << 12,
+                others as u32 | law.law << 8 | (elements.free() as u32) << 12,
             ]);
             self.data += words_of(others) as u64;
             self.memory += (LANES * law.remembered) as u64;

@@ -3,9 +3,10 @@
 use crate::error::SolveError;
 use meso_collision::math::Aabb;
 use meso_concrete::Ranges;
-use meso_concrete::specimen::Specimen;
+use meso_concrete::specimen::{Container, Specimen};
 use meso_mesh::materials::band_factor;
 use meso_mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
+use std::sync::Arc;
 
 /// Difference of a mesh's volume from its specimen's, over that, beyond which stresses mean nothing. A cylinder of 6 voxels in
 /// diameter had 12 % too much strength.
@@ -50,6 +51,8 @@ pub struct Sample<'a> {
     pub notches_mm: [f64; 2],
     /// Volume of both notches, mm3.
     pub notches_mm3: f64,
+    /// Shape of the specimen, for depths below its surface.
+    pub container: Arc<dyn Container>,
     /// The phases' exact volumes, where known.
     pub exact: Option<PhaseVolumes>,
 }
@@ -65,6 +68,7 @@ impl<'a> Sample<'a> {
             band_factor: band_factor(mesh),
             notches_mm: notches_mm(specimen),
             notches_mm3: notches_mm3(specimen),
+            container: specimen.container(),
             exact: None,
         }
     }

@@ -83,6 +83,8 @@ pub struct Group {
     pub phase: Phase,
     /// Place of their material in [`Common::matter`].
     pub matter: u16,
+    /// Number of their strain without stress in [`Free`]: their phase, or [`UNSTRAINED`].
+    pub free: u8,
     /// In eights.
     pub cells: Batch,
     /// State of their law, one run of registers per eight elements.
@@ -164,6 +166,9 @@ pub struct Common {
     pub free: Option<Free>,
 }
 
+/// Number of the strain in [`Free`] that stays 0: that of voids, which no element has.
+pub const UNSTRAINED: u8 = 3;
+
 /// Linear strains that phases have without stress.
 ///
 /// The mortar's strain is subtracted from displacements in f64, before they become f32. A body that expands evenly then has
@@ -212,10 +217,10 @@ impl Common {
         stone.copied().unwrap_or(phase as u16)
     }
 
-    /// Strain of a phase without stress, less the one that [`Scratch::take_in`] subtracts.
+    /// Strain of a [`Group::free`] without stress, less the one that [`Scratch::take_in`] subtracts.
     #[inline(always)]
-    pub(crate) fn over<R: Real>(&self, phase: Phase) -> Option<R> {
-        self.free.as_ref().map(|free| R::splat(free.over[phase as usize]))
+    pub(crate) fn over<R: Real>(&self, number: u8) -> Option<R> {
+        self.free.as_ref().map(|free| R::splat(free.over[usize::from(number)]))
     }
 
     /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
@@ -251,9 +256,9 @@ impl Task for Pass<'_> {
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
-            let Group { phase, matter, cells, memory, dissipated, hourglass, .. } = group;
+            let Group { matter, free, cells, memory, dissipated, hourglass, .. } = group;
             let matter = &common.matter[usize::from(*matter)];
-            let free = common.over(*phase);
+            let free = common.over(*free);
             let spent = match cells {
                 Batch::Tets(cells) => uniform::<L, 3>(cells, matter, (memory, free), u, forces),
                 Batch::Patches8(cells) => uniform::<L, 7>(cells, matter, (memory, free), u, forces),

@@ -54,7 +54,7 @@ impl Task for Probe<'_> {
         for group in &block.groups {
             let matter = &common.matter[usize::from(group.matter)];
             let strains = group_strains::<L>(group, common, &scratch.u);
-            points.extend(matter.law::<L, _>(GroupProbe { group, strains, free: common.over(group.phase) }));
+            points.extend(matter.law::<L, _>(GroupProbe { group, strains, free: common.over(group.free) }));
         }
         points
     }

@@ -271,14 +271,18 @@ class Test:
 
     @staticmethod
     def expansion(
-        mortar: float = 0.0,
-        aggregate: float = 0.0,
-        fibre: float = 0.0,
-        itz: float | None = None,
+        mortar: _types.SolveCourse = 0.0,
+        aggregate: _types.SolveCourse = 0.0,
+        fibre: _types.SolveCourse = 0.0,
+        itz: _types.SolveCourse | None = None,
+        layer_mm: float | None = None,
         **options: Unpack[_types.SolveOptions],
     ) -> _types.NamedTest:
-        """Return linear strains of the phases without supports; shrinkage is negative, and the ITZ follows the mortar."""
-        strains: _types.SolveExpansion = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre, "itz": itz}
+        """Return linear strains of the phases without supports; shrinkage is negative, and the ITZ follows the mortar.
+
+        A strain is a number, or rows of a time and a strain. Only a layer of `layer_mm` below the surface has them, if given.
+        """
+        strains: _types.SolveExpansion = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre, "itz": itz, "layer_mm": layer_mm}
         return _checked_test({"test": "expansion", "expansion": strains, **options})
 
 

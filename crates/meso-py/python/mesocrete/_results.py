@@ -679,7 +679,7 @@ class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     columns: NotRequired[list[str]]
     """Columns of the curve after those of every test: gauges, and forces of supports in N."""
     strains_at_end: NotRequired[dict[str, float]]
-    """Values of the gauges at the end of a test that moves no support: the mean strains of an expansion."""
+    """Means of the gauges after the growth in a test that moves no support: the strains of an expansion."""
     broken_stone: float | None
     """Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break."""
     phase_error: float | None

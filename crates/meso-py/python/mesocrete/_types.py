@@ -583,16 +583,23 @@ class DeckOptions(TypedDict, total=False):
     """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
 
 
+SolveCourse = float | Sequence[_Numbers]
+
+
 class SolveExpansion(TypedDict, total=False):
     """Strains that phases have without stress; they grow before the path begins."""
 
-    aggregate: float
+    aggregate: SolveCourse
     """Linear strain of the aggregates."""
-    fibre: float
+    fibre: SolveCourse
     """Linear strain of the fibres."""
-    itz: float | None
+    itz: SolveCourse | None
     """Linear strain of the ITZ; absent, the mortar's."""
-    mortar: float
+    layer_mm: float | None
+    """Depth of the layer below the surface that has these strains, mm; absent, the whole specimen has them."""
+    layer_on: Sequence[Literal["x-min", "x-max", "y-min", "y-max", "z-min", "z-max", "mantle"]]
+    """The sides that the layer lies on; the whole surface where none are given."""
+    mortar: SolveCourse
     """Linear strain of the mortar; shrinkage is negative."""
 
 

@@ -12,9 +12,12 @@ use meso_element::uniform::{Tets, Uniform};
 use meso_mesh::materials::regular_edge;
 use meso_mesh::{CellKind, Mesh, Phase};
 
+/// Phase and material of an element, and the number of its strain without stress.
+type Matter = (Phase, u16, u8);
+
 /// Order of the materials within a block: phase by phase.
-fn order((phase, matter): (Phase, u16)) -> (u8, u16) {
-    (phase as u8, matter)
+fn order((phase, matter, free): Matter) -> (u8, u16, u8) {
+    (phase as u8, matter, free)
 }
 
 /// Builds one block.
@@ -42,23 +45,24 @@ impl<'a> OwnPatches<'a> {
         Self { all, numbers, shapes }
     }
 
-    /// Places of those with the law of `phase`, the material `matter` and from `least` to `most` nodes.
-    fn of(&self, parts: &Parts, (phase, matter): (Phase, u16), least: usize, most: usize) -> Vec<u32> {
+    /// Places of those with some phase, material and strain, and from `least` to `most` nodes.
+    fn of(&self, parts: &Parts, own: Matter, least: usize, most: usize) -> Vec<u32> {
         let fits = |place: &u32| {
             let shape = &self.shapes[*place as usize];
             let is_sized = (least..=most).contains(&shape.nodes().len());
-            is_sized && self.matter(parts, *place) == (phase, matter)
+            is_sized && self.matter(parts, *place) == own
         };
         (0..self.numbers.len() as u32).filter(fits).collect()
     }
 }
 
 impl OwnPatches<'_> {
-    /// Phase and material of the patch at some place: the stone is that of its first cell.
-    fn matter(&self, parts: &Parts, place: u32) -> (Phase, u16) {
+    /// Phase, material and strain of the patch at some place: the stone is that of its first cell.
+    fn matter(&self, parts: &Parts, place: u32) -> Matter {
         let number = self.numbers[place as usize];
-        let (phase, first) = (self.all.phase[number as usize], self.all.cells(number)[0] as usize);
-        (phase, parts.common.place(phase, parts.sample.mesh.owner[first]))
+        let (phase, cells) = (self.all.phase[number as usize], self.all.cells(number));
+        let matter = parts.common.place(phase, parts.sample.mesh.owner[cells[0] as usize]);
+        (phase, matter, parts.free(phase, cells))
     }
 }
 
@@ -85,7 +89,7 @@ impl<'a> Builder<'a> {
         if !faces.is_empty() {
             let is_quad = mesh.kind == CellKind::Hexahedron;
             let kind = if is_quad { Batch::Quads(self.faces(faces)) } else { Batch::Triangles(self.faces(faces)) };
-            groups.push(self.group((Phase::Itz, Phase::Itz as u16), kind, faces));
+            groups.push(self.group((Phase::Itz, Phase::Itz as u16, Phase::Itz as u8), kind, faces));
         }
         Block { nodes: self.nodes, groups }
     }
@@ -112,20 +116,20 @@ impl<'a> Builder<'a> {
         &mesh.cohesive[face as usize * nodes..][..nodes]
     }
 
-    /// Phase and material of a cell.
-    fn matter(&self, cell: u32) -> (Phase, u16) {
+    /// Phase, material and strain of a cell.
+    fn matter(&self, cell: u32) -> Matter {
         let mesh = self.parts.sample.mesh;
         let phase = mesh.phase[cell as usize];
-        (phase, self.parts.common.place(phase, mesh.owner[cell as usize]))
+        (phase, self.parts.common.place(phase, mesh.owner[cell as usize]), self.parts.free(phase, &[cell]))
     }
 
-    fn group(&self, (phase, matter): (Phase, u16), cells: Batch, numbers: &[u32]) -> Group {
+    fn group(&self, (phase, matter, free): Matter, cells: Batch, numbers: &[u32]) -> Group {
         let count = eights(numbers.len());
         let remembered = cells.remembered(&self.parts.common.matter[usize::from(matter)]);
         let mut numbers = numbers.to_vec();
         numbers.resize(count * LANES, EMPTY);
         let memory = vec![Octet::default(); count * remembered];
-        Group { phase, matter, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
+        Group { phase, matter, free, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
     }
 
     /// The block's own number of a node.
@@ -160,7 +164,7 @@ impl<'a> Builder<'a> {
     /// Adds the groups of the block's patches, by phase and number of nodes.
     fn add_patches(&self, own: &OwnPatches, groups: &mut Vec<Group>) {
         let places = 0..own.numbers.len() as u32;
-        let mut matters: Vec<(Phase, u16)> = places.map(|place| own.matter(self.parts, place)).collect();
+        let mut matters: Vec<Matter> = places.map(|place| own.matter(self.parts, place)).collect();
         matters.sort_by_key(|&matter| order(matter));
         matters.dedup();
         for matter in matters {

@@ -6,7 +6,7 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, Gauge, Setup, Smoothing, TestKind};
+use crate::test::{Control, Gauge, Setup, Smoothing, TestKind, TurnOf};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use serde::{Deserialize, Serialize};
@@ -98,7 +98,7 @@ pub struct Summary {
     /// Columns of the curve after those of every test: gauges, and forces of supports in N.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<String>,
-    /// Values of the gauges at the end of a test that moves no support: the mean strains of an expansion.
+    /// Means of the gauges after the growth in a test that moves no support: the strains of an expansion.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub strains_at_end: BTreeMap<String, f64>,
     /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
@@ -153,6 +153,8 @@ pub struct PhaseResult {
 /// Kinetic over internal energy that is still quasi-static, and that is no longer.
 const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
+/// Distance of a curve from the stress of a turn, over that, at which it is met: rows are means over some steps.
+const UNMET: f64 = 0.02;
 /// Hourglass over internal energy that is still small.
 const HOURGLASS: f64 = 0.02;
 /// Difference of a mesh's volume from its specimen's, % of the notches, that is still small.
@@ -176,7 +178,7 @@ impl Response {
         let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
-            setup: Setup::of(&run.test, &run.sample.geometry()),
+            setup: run.setup.clone(),
             friction: run.test.friction(),
             control: run.test.control,
             law: run.test.law,
@@ -216,15 +218,21 @@ impl Response {
     }
 }
 
-/// The last values of the gauges, if no support moves.
+/// Means of the gauges over the rows after the growth, or their last values before, if no support moves. Cracks leave the
+/// specimen vibrating, and these rows have ten periods of it.
 fn strains_at_end(run: &Run) -> BTreeMap<String, f64> {
-    let (extra, rows, gauges) = (run.extra(), run.state.rows.len(), run.test.gauges());
-    if run.test.has_path() || rows == 0 {
+    let (extra, rows, gauges) = (run.extra(), &run.state.rows, run.test.gauges());
+    if run.test.has_path() || rows.is_empty() {
         return BTreeMap::new();
     }
-    let named = extra.names.iter().zip(extra.row(rows - 1));
-    let of_gauges = named.filter(|(name, _)| gauges.iter().any(|gauge| gauge.name() == *name));
-    of_gauges.map(|(name, &value)| (name.clone(), value)).collect()
+    // A row is a mean since the row before it.
+    let first = (1..rows.len()).find(|&row| rows[row - 1].time_s >= run.path.lead_s).unwrap_or(rows.len() - 1);
+    let mean = |column: usize| {
+        (first..rows.len()).map(|row| extra.row(row)[column]).sum::<f64>() / (rows.len() - first) as f64
+    };
+    let named = extra.names.iter().enumerate();
+    let of_gauges = named.filter(|(_, name)| gauges.iter().any(|gauge| gauge.name() == *name));
+    of_gauges.map(|(column, name)| (name.clone(), mean(column))).collect()
 }
 
 /// Number of the first row whose speed counts: after the ramp, or from half the peak on where the ramp holds the peak. So no
@@ -315,6 +323,7 @@ impl Summary {
         self.warn_of_the_laws(run);
         self.warn_of_strips(run);
         self.warn_of_notches(run);
+        self.warn_of_turns(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -424,6 +433,22 @@ impl Summary {
             let error = error.abs();
             self.warnings.push(format!(
                 "the mesh {does} the notches by {error:.0} % of their volume; take elements of at most half a notch's width"
+            ));
+        }
+    }
+
+    /// Warns of turns at a stress that the specimen never had: the path turned at its limit instead.
+    fn warn_of_turns(&mut self, run: &Run) {
+        let stresses = || run.state.rows.iter().map(|row| row.stress_mpa);
+        let (low, high) = (stresses().fold(0.0, f64::min), stresses().fold(0.0, f64::max));
+        let is_met = |at: f64| (low - UNMET * at.abs()..=high + UNMET * at.abs()).contains(&at);
+        let turns = run.test.turns();
+        let mut unmet = turns.iter().filter(|turn| turn.of == TurnOf::Stress && !is_met(turn.at));
+        if let (Some(turn), Ended::Completed) = (unmet.next(), &self.ended) {
+            let (at, strain) = (turn.at, run.test.strain());
+            self.warnings.push(format!(
+                "the path never met its turn at {at} MPa and turned at its strain of {strain} instead; the stress was \
+                 {low:.2} to {high:.2} MPa, so take a turn within it"
             ));
         }
     }

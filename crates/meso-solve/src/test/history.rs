@@ -28,11 +28,14 @@ impl Test {
 /// Turns of a table: a header, then a row for each turn.
 fn turns(text: &str) -> Result<Vec<Turn>, String> {
     let table = Columns::parse(text)?;
-    let mut found = None;
+    let mut found: Vec<(usize, &str, TurnOf)> = Vec::new();
     for (name, of) in COLUMNS {
-        found = found.or(table.place(name)?.map(|place| (place, of)));
+        found.extend(table.place(name)?.map(|place| (place, name, of)));
     }
-    let (place, of) = found.ok_or("it has no column strain, stress_mpa or opening_mm in its first line")?;
+    if let [(_, one, _), (_, other, _), ..] = found[..] {
+        return Err(format!("it has the columns {one} and {other}; a turn is at one of them, so leave the other out"));
+    }
+    let &(place, _, of) = found.first().ok_or("it has no column strain, stress_mpa or opening_mm in its first line")?;
     let turn = |(line, cells): &(usize, Vec<Option<f64>>)| {
         let at = cells[place].filter(|at| at.is_finite());
         at.map(|at| Turn { at, of }).ok_or_else(|| format!("its line {line} has no number in that column"))
@@ -75,6 +78,7 @@ mod tests {
             ("strain\n0.1\nfar\n", "its line 3 has no number"),
             ("strain\ninf\n", "its line 2 has no number"),
             ("strain,strain\n0.1,0.2\n", "the column strain twice"),
+            ("strain,stress_mpa\n0.1,20\n", "it has the columns strain and stress_mpa"),
             ("t,strain\n1\n", "line 2 has 1 cells and line 1 has 2"),
         ] {
             let error = taken(text).unwrap_err();

@@ -244,29 +244,3 @@ impl Gauge {
         name
     }
 }
-
-/// Strains that phases have without stress; they grow before the path begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Expansion {
-    /// Linear strain of the mortar; shrinkage is negative.
-    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
-    pub mortar: f64,
-    /// Linear strain of the ITZ; absent, the mortar's.
-    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
-    pub itz: Option<f64>,
-    /// Linear strain of the aggregates.
-    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
-    pub aggregate: f64,
-    /// Linear strain of the fibres.
-    #[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))]
-    pub fibre: f64,
-}
-
-impl Expansion {
-    /// Strains by the numbers of phases, at a share of their growth; 3 is no phase of a mesh.
-    pub(crate) fn at(&self, share: f64) -> [f64; 5] {
-        [self.mortar, self.itz.unwrap_or(self.mortar), self.aggregate, 0.0, self.fibre].map(|strain| share * strain)
-    }
-}

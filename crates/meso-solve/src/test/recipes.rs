@@ -46,12 +46,7 @@ impl TestKind {
         } else {
             String::new()
         };
-        let strains = test.expansion().map_or_else(String::new, |expansion| {
-            format!(
-                "\n[expansion]\naggregate = {:e}            # linear strains; shrinkage is negative\nmortar = 0.0\n",
-                expansion.aggregate
-            )
-        });
+        let strains = test.expansion().map_or("", |_| STRAINS);
         let head = self.description();
         format!("# A test for `mesocrete solve --test TEST.toml`. {head}\nkind = {kind}\n{own}{path}{COMMON}{strains}")
     }
@@ -65,6 +60,14 @@ fn turns(strain: f64) -> String {
     });
     format!("turns = [                   # strains, and stresses between them\n{}]\n", lines.collect::<String>())
 }
+
+/// Strains of an expansion test.
+const STRAINS: &str = "
+[expansion]
+aggregate = 1e-4            # linear strains; shrinkage is negative
+mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90, -4e-4]]
+# layer_mm = 2.0            # only so deep below the surface; layer_on = [\"z-max\"]: only on these sides
+";
 
 /// Options that every test has.
 const COMMON: &str = "\

@@ -35,12 +35,11 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The record of a test on a specimen of this `geometry`.
-    pub(crate) fn of(test: &Test, geometry: &Geometry) -> Self {
+    /// The record of a test with some `supports` on a specimen of this `geometry`.
+    pub(crate) fn of(test: &Test, geometry: &Geometry, supports: Vec<SupportSpec>) -> Self {
         if !test.has_extra() {
             return Self::default();
         }
-        let supports = test.plan(geometry).map(|plan| plan.supports).unwrap_or_default();
         let is = |kind| test.kind == kind && test.supports.is_empty();
         let strip_mm = supports.iter().find_map(|support| support.strip).map(|strip| strip.width_mm);
         Self {
@@ -63,26 +62,11 @@ impl Setup {
             ("lateral over axial stress", self.stress_ratio.map(|ratio| ratio.to_string())),
             ("span", self.span_mm.map(|mm| format!("{mm:.1} mm"))),
             ("width of strips or rollers", self.strip_mm.map(|mm| format!("{mm:.2} mm"))),
-            ("expansion", self.expansion.map(|expansion| expansion.words())),
+            ("expansion", self.expansion.as_ref().map(Expansion::words)),
             ("turns", listed(self.turns.iter().map(Turn::words).collect())),
             ("supports", listed(self.supports.iter().map(SupportSpec::words).collect())),
         ];
         rows.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
-    }
-}
-
-impl Expansion {
-    /// Its strains that are not 0, with their phases.
-    pub fn words(&self) -> String {
-        let of = [
-            ("mortar", Some(self.mortar)),
-            ("itz", self.itz),
-            ("aggregate", Some(self.aggregate)),
-            ("fibre", Some(self.fibre)),
-        ];
-        let parts = of.into_iter().filter_map(|(name, strain)| Some((name, strain.filter(|&strain| strain != 0.0)?)));
-        let parts: Vec<String> = parts.map(|(name, strain)| format!("{name} {strain:e}")).collect();
-        if parts.is_empty() { "0".to_owned() } else { parts.join(", ") }
     }
 }
 
@@ -117,7 +101,10 @@ mod tests {
     /// The case: neither `result.json` nor the page of a triaxial test named its 5 MPa.
     #[test]
     fn the_record_of_a_test_has_its_loads_and_supports_and_plain_compression_has_none() {
-        let of = |kind| Setup::of(&Test { kind, ..Test::default() }, &CUBE);
+        let of = |kind| {
+            let test = Test { kind, ..Test::default() };
+            Setup::of(&test, &CUBE, test.plan(&CUBE).unwrap().supports)
+        };
         let confined = of(TestKind::Triaxial);
         assert_eq!((confined.pressure_mpa, confined.stress_ratio, confined.strip_mm), (Some(5.0), None, None));
         assert_eq!(confined.words()[0], ("lateral pressure", "5 MPa".to_owned()));

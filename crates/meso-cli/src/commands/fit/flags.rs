@@ -37,6 +37,12 @@ pub(crate) struct Args {
     /// Size of an element, mm [default: that of solve]
     #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) element_size_mm: Option<f64>,
+    /// Smallest distance between two aggregates, in every packing [default: the spec's; where it has none, as much as the mesh needs]
+    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) min_gap_mm: Option<f64>,
+    /// End every packing after S seconds with the best found; the results then depend on the machine
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) time_limit: Option<f64>,
     /// Accept meshes that show a phase badly, as `solve` does
     #[arg(long)]
     pub(super) accept_phase_error: bool,

@@ -99,6 +99,13 @@ impl Args {
         Ok(work)
     }
 
+    /// A study of this fit, whose packings have its gap and time.
+    fn study(&self, content: Value) -> Result<study::StudyFile, Failure> {
+        let mut study = study::StudyFile::of_tree(content, &self.output.join("fit.toml"))?;
+        study.place(&[("min_gap_mm", self.min_gap_mm), ("time_limit_s", self.time_limit)]);
+        Ok(study)
+    }
+
     /// Flags of every test.
     fn flags(&self, strain: f64) -> Map<String, Value> {
         let mut flags = Map::from_iter([
@@ -128,7 +135,7 @@ impl Work<'_> {
             flags.insert("materials".to_owned(), json!(from_root(file)?));
         }
         let content = json!({ "spec": self.spec, "solve": flags, "over": { "seed": [self.seeds[0]] } });
-        let study = study::StudyFile::of_tree(content, &self.args.output.join("fit.toml"))?;
+        let study = self.args.study(content)?;
         study::check(&study, &self.args.output)
     }
 
@@ -157,7 +164,7 @@ impl Work<'_> {
             "over": { "seed": self.seeds, "solve.materials": files },
         });
         let out = self.args.output.join("cases");
-        let study = study::StudyFile::of_tree(content, &self.args.output.join("fit.toml"))?;
+        let study = self.args.study(content)?;
         let done = study::cases(&study, &out, self.args.jobs, self.args.threads, self.args.writing.quiet)?;
         if interrupt::asked() {
             return Ok(None);

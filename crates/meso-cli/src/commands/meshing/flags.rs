@@ -205,7 +205,8 @@ pub(crate) struct DeckFlags {
 pub(super) enum AnalysisText {
     Named(Analysis),
     Test(TestKind),
-    File(PathBuf),
+    /// A file, and its test once it was read.
+    File(PathBuf, Box<OnceLock<Test>>),
 }
 
 /// Names of the tests that are no analysis.
@@ -219,7 +220,7 @@ impl AnalysisText {
     fn read(text: &str) -> Result<Self, String> {
         let path = PathBuf::from(text);
         if is_toml(&path) {
-            return Ok(Self::File(path));
+            return Ok(Self::File(path, Box::default()));
         }
         let test = |_| names::read(text).map(Self::Test);
         let named = names::read(text).map(Self::Named).or_else(test);
@@ -233,7 +234,7 @@ impl AnalysisText {
         match self {
             Self::Named(analysis) => names::of(analysis),
             Self::Test(kind) => names::of(kind),
-            Self::File(_) => "TEST.toml".to_owned(),
+            Self::File(..) => "TEST.toml".to_owned(),
         }
     }
 }
@@ -249,7 +250,10 @@ impl DeckFlags {
         let test = match &self.analysis {
             AnalysisText::Named(_) => return Ok(None),
             AnalysisText::Test(kind) => Test { kind: *kind, ..Test::default() },
-            AnalysisText::File(path) => solve::deck_of_file(path)?,
+            AnalysisText::File(path, read) => match read.get() {
+                Some(test) => test.clone(),
+                None => solve::deck_of_file(path).map(|test| read.get_or_init(|| test).clone())?,
+            },
         };
         Ok(Some(Test {
             friction: self.friction.or(test.friction),
@@ -276,7 +280,7 @@ impl DeckFlags {
 
     /// The file of a test.
     pub(super) fn file(&self) -> Option<&Path> {
-        if let AnalysisText::File(path) = &self.analysis { Some(path) } else { None }
+        if let AnalysisText::File(path, _) = &self.analysis { Some(path) } else { None }
     }
 
     /// Whether the deck computes something.

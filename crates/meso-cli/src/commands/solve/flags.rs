@@ -4,7 +4,10 @@ use crate::commands::meshing::MeshFlags;
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
 use crate::gpu::Choice;
+use clap::builder::TypedValueParser;
+use clap::{Arg, Command};
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -15,7 +18,7 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
-    #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = TestText::read)]
+    #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = TestParser)]
     #[arg(help = format!("The test: {}; or a file of its supports, loads, turns and gauges, see `mesocrete init --test`", names::list::<TestKind>()))]
     pub(super) test: TestText,
     #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
@@ -99,13 +102,19 @@ pub(super) enum TestText {
     Tree(Box<Test>),
 }
 
-impl TestText {
-    fn read(text: &str) -> Result<Self, String> {
-        let path = PathBuf::from(text);
-        if is_toml(&path) {
-            return Ok(Self::File(path));
+/// Parser of a test: a file by its ending, else a name. A wrong name gets the tip of clap.
+#[derive(Clone, Copy, Debug)]
+struct TestParser;
+
+impl TypedValueParser for TestParser {
+    type Value = TestText;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<TestText, clap::Error> {
+        let path = Path::new(value);
+        if is_toml(path) {
+            return Ok(TestText::File(path.to_owned()));
         }
-        names::read(text).map(Self::Named).map_err(|why| format!("{why}, or a TEST.toml"))
+        names::parser::<TestKind>().map(TestText::Named).parse_ref(command, arg, value)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use meso_core::mesh::Mesh;
+use meso_files::whole;
 use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Taken};
 use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
@@ -72,6 +73,9 @@ pub(super) struct Note {
     frames: Vec<Written>,
     /// The moments that the page shows.
     taken: Taken,
+    /// Names of hidden files that stay where the run is killed.
+    #[serde(default)]
+    hidden: Vec<String>,
 }
 
 impl Folder {
@@ -140,6 +144,10 @@ impl Folder {
     /// and its frames with it.
     pub(super) fn go_on(&mut self, written: Note, is_new: bool) -> Result<(), Failure> {
         (self.frames, self.taken) = (written.frames, written.taken);
+        // The lock says that the run which had these is dead.
+        for name in written.hidden.iter().filter(|name| whole::is_unfinished(name)) {
+            let _ = std::fs::remove_file(self.path.join(name));
+        }
         let checkpoint = self.path.join(CHECKPOINT);
         if !is_new || !checkpoint.exists() {
             return Ok(());
@@ -191,7 +199,8 @@ impl Folder {
     /// Writes the checkpoint: whole, or the one before it stays.
     pub(super) fn keep(&mut self, run: &Run) -> Result<(), Failure> {
         let target = Target::new(&self.path.join(CHECKPOINT), true)?;
-        let note = Note { frames: self.frames.clone(), taken: self.taken.clone() };
+        let hidden = self.reserve.hidden();
+        let note = Note { frames: self.frames.clone(), taken: self.taken.clone(), hidden };
         let note = serde_json::to_vec(&note).map_err(|error| Failure::Run(error.to_string()))?;
         let mut unit = Unit::default();
         unit.fill(&target, true, |out| run.save(&note, out))?;

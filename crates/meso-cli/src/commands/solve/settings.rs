@@ -206,9 +206,13 @@ impl Args {
     }
 }
 
-/// The test of a TEST.toml, with the table of its history, which lies beside it.
+/// The test of a TEST.toml.
 fn of_file(path: &Path) -> Result<Test, Failure> {
-    let mut test: Test = inputs::toml(path, options_from_toml)?;
+    with_history(inputs::toml(path, options_from_toml)?, path)
+}
+
+/// The test of the file at `path`, with the table of its history, which lies beside it.
+fn with_history(mut test: Test, path: &Path) -> Result<Test, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let read = |name: &str| {
         let bytes = Beside(folder).read(name).map_err(|error| error.to_string())?;
@@ -220,12 +224,13 @@ fn of_file(path: &Path) -> Result<Test, Failure> {
 
 /// The test of a TEST.toml for a deck, whose plates keep their speed.
 pub(crate) fn deck_of_file(path: &Path) -> Result<Test, Failure> {
-    let tree: Value = inputs::toml(path, options_from_toml)?;
+    let read = |text: &str| Ok((options_from_toml::<Value>(text)?, options_from_toml::<Test>(text)?));
+    let (tree, test) = inputs::toml(path, read)?;
     if tree.get("control").is_some_and(|control| control == "servo") {
         let why = "a deck's plates keep their speed; take \"steady\", or leave it out";
         return Err(Failure::Usage(format!("{}: test.control is servo; {why}", path.display())));
     }
-    of_file(path)
+    with_history(test, path)
 }
 
 /// Replaces the history in the tree of the TEST.toml at `path` by its turns.

@@ -102,7 +102,7 @@ impl StudyFile {
     }
 
     /// Sets values under `[placement]` of the spec; an axis of the study overrides them.
-    pub(super) fn place(&mut self, values: &[(&str, Option<f64>)]) {
+    pub(crate) fn place(&mut self, values: &[(&str, Option<f64>)]) {
         let listed = self.axes.iter_mut().flat_map(|axis| &mut axis.specs);
         for spec in std::iter::once(&mut self.base).chain(listed) {
             for (key, value) in values.iter().filter_map(|(key, value)| Some((key, (*value)?))) {

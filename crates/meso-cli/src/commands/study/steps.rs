@@ -15,6 +15,16 @@ use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
+/// Where a study has a flag of packings.
+fn of_packings(flag: &str) -> &'static str {
+    match flag {
+        "min-gap-mm" => "--min-gap-mm, or placement.min_gap_mm in its spec or in [over]",
+        "time-limit" => "--time-limit, or placement.time_limit_s in its spec",
+        "seed" => "seed in its spec or in [over]",
+        _ => "fraction in its spec or in [over]",
+    }
+}
+
 /// The figures of a case's mesh, and of its test.
 const MESH_SUMMARY: &str = "mesh.json";
 const SOLVE_SUMMARY: &str = "result.json";
@@ -241,6 +251,11 @@ fn words(
             || (flag == "output" && folder.is_none())
         {
             return Err(Failure::Usage(format!("[{section}] {key} is set by the study; remove it")));
+        }
+        if section == "solve" && ["seed", "fraction", "min-gap-mm", "time-limit"].contains(&flag.as_str()) {
+            let message =
+                format!("[solve] {key} is of the packing, which the study makes; give {}", of_packings(&flag));
+            return Err(Failure::Usage(message));
         }
         if flag_files::is_hash(&flag) {
             continue;

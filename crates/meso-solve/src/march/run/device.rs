@@ -374,9 +374,9 @@ impl Upload<'_> {
 }
 
 impl Elements<'_> {
-    /// Number of their phase.
-    pub fn phase(&self) -> usize {
-        self.0.phase as usize
+    /// Number of their strain among those of [`Free::strains`].
+    pub fn free(&self) -> usize {
+        self.0.free.into()
     }
 
     /// Number of their material; cohesive faces have none.

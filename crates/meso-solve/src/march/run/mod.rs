@@ -23,7 +23,7 @@ use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, MOST, Moment, Supports};
 use crate::sample::Sample;
 use crate::test::load::TurnOf;
-use crate::test::{Control, Smoothing, Test};
+use crate::test::{Control, Setup, Smoothing, Test};
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
@@ -51,6 +51,8 @@ pub struct Run<'a> {
     /// Energy that each block spent in the step, mJ.
     spent: Vec<f64>,
     pub(crate) supports: Supports,
+    /// Record of the test for its results.
+    pub(crate) setup: Setup,
     pub(crate) path: Path,
     pub(crate) gauges: Vec<Reader>,
     /// Place of the gauge that controls the path, among all.
@@ -143,7 +145,8 @@ impl<'a> Run<'a> {
         let plan = test.plan(&geometry)?;
         let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
-        let parts = Parts { sample: &sample, common: &common, dt, smoothing };
+        let below = test.expansion().map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
+        let parts = Parts { sample: &sample, common: &common, dt, smoothing, below: &below };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
         common.free = test.expansion().map(|_| Free::new(places()));
@@ -151,6 +154,7 @@ impl<'a> Run<'a> {
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
         let (length_mm, axis) = (plan.length_mm, plan.axis);
+        let setup = Setup::of(test, &geometry, plan.supports.clone());
         let supports = Supports::new(&sample, plan, &number, &mass, e_mpa)?;
         let setter = Setter { sample: &sample, axis, sign: supports.sign, has_path: test.has_path(), number: &number };
         let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
@@ -175,6 +179,7 @@ impl<'a> Run<'a> {
             forces,
             spent,
             supports,
+            setup,
             path,
             gauges,
             leader,
@@ -213,6 +218,7 @@ impl<'a> Run<'a> {
         self.expand();
         let Outline { dt, steps, .. } = self.outline;
         let steps = steps as f64;
+        let is_followed = self.is_followed();
         let (pace, speed) = self.speed(steps);
         self.add_gauges();
         let state = &self.state;
@@ -224,6 +230,7 @@ impl<'a> Run<'a> {
         let state = &mut self.state;
         let since = &mut state.since_row;
         since.forces.iter_mut().zip(&sums.supports).for_each(|(sum, force)| *sum += force);
+        self.supports.add_pressures(&motion, &mut since.forces);
         since.travel += state.travel;
         since.count += 1.0;
         // A path with turns alone asks for the last forces, and a device that takes many steps does not give them.
@@ -240,6 +247,9 @@ impl<'a> Run<'a> {
         state.time = state.step as f64 * dt;
         state.progress += pace;
         state.added += 1.0 - pace;
+        if !is_followed {
+            return Ok(());
+        }
         state.spent += spent;
         if self.test.control != Control::Steady {
             self.hold_back([spent, sums.external - sums.friction], steps);
@@ -273,10 +283,17 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Whether the servo counts a step: cracks of phases that grow spend no energy that the supports supplied.
+    fn is_followed(&self) -> bool {
+        let grows = self.common.free.is_some() && self.state.progress * self.outline.dt < self.path.lead_s;
+        !grows && self.test.has_path()
+    }
+
     /// Lets the phases expand to their strains at the present displacements.
     fn expand(&mut self) {
         if let (Some(expansion), Some(free)) = (self.test.expansion(), &mut self.common.free) {
-            free.set(expansion.at(self.path.share(self.state.progress * self.outline.dt)));
+            let time = self.state.progress * self.outline.dt;
+            free.set(expansion.at((time / self.path.lead_s).min(1.0), self.path.share(time)));
         }
     }
 

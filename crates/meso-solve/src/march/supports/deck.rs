@@ -26,6 +26,7 @@ impl Test {
     /// A control or a turn that such plates cannot follow, with a remedy; supports that meet no node.
     pub fn loads(&self, sample: &Sample, time_increment_s: f64) -> Result<Loads, SolveError> {
         self.validate()?;
+        self.suits_amplitude()?;
         let geometry = sample.geometry();
         let plan = self.plan(&geometry)?;
         let sides = Sides::of(sample.mesh);
@@ -56,7 +57,7 @@ impl Test {
             presses: way(true) - way(false) <= 0.0,
             supports,
             pressures,
-            strains: self.expansion().map(|expansion| expansion.at(1.0)),
+            strains: self.expansion().map(|expansion| expansion.at(1.0, 1.0)),
             path_mm,
             axis: plan.axis,
             length_mm: plan.length_mm,
@@ -74,6 +75,7 @@ impl Test {
     /// See [`suits`](Self::suits) and [`loads`](Self::loads).
     pub fn suits_deck(&self, specimen: &Specimen) -> Result<(), SolveError> {
         self.suits(specimen)?;
+        self.suits_amplitude()?;
         self.path_mm(1.0).map(drop)
     }
 

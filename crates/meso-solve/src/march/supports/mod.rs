@@ -96,6 +96,7 @@ impl Supports {
             let mut fixture = Fixture::new(support, plan.axis);
             if support.rule == Rule::Pressure {
                 loads.extend(nodes::loads(sample.mesh, &sides, support, place, number)?);
+                fixture.area_mm2 = nodes::pressed_mm2(sample.mesh, &sides, support)?;
             } else {
                 let own = nodes::contacts(sample, &sides, support, place, number)?;
                 fixture.area_mm2 = nodes::area_mm2(sample.mesh, &sides, support);
@@ -150,6 +151,15 @@ impl Supports {
             };
         }
         Motion { dt, supports }
+    }
+
+    /// Adds the forces of pressures in a step, which no plate carries, to those of all supports, N.
+    pub(crate) fn add_pressures(&self, motion: &Motion, forces: &mut [f64; MOST]) {
+        for ((fixture, moved), force) in self.all.iter().zip(&motion.supports).zip(forces) {
+            if fixture.face.rule == Rule::Pressure {
+                *force += fixture.face.inward * moved.pressure * fixture.area_mm2;
+            }
+        }
     }
 
     /// Whether loads grow before the path begins.

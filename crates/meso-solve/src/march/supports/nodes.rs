@@ -103,6 +103,15 @@ pub(super) fn pressed_faces(
     Ok(faces)
 }
 
+/// Area of the faces that a pressure acts on, mm2.
+///
+/// # Errors
+/// See [`pressed_faces`].
+pub(super) fn pressed_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> Result<f64, SolveError> {
+    let of = |(cell, face)| area(mesh, &mesh.by_owner().face(cell, face).collect::<Vec<_>>()).norm();
+    Ok(pressed_faces(mesh, sides, support)?.into_iter().map(of).sum())
+}
+
 /// Area of the faces under a plate across its axis, mm2; a strip has none.
 pub(super) fn area_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> f64 {
     let Some(bit) = support.on.bit().filter(|_| support.strip.is_none() && support.rule != Rule::Pressure) else {

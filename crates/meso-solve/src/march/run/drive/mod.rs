@@ -111,7 +111,7 @@ impl Run<'_> {
     /// Elastic energy of the whole specimen, were it held while its phases expand, mJ.
     fn stored_by(&self, expansion: &Expansion) -> f64 {
         let stiffest = self.common.matter.iter().map(|matter| matter.elastic.youngs_modulus_mpa).fold(0.0, f64::max);
-        let most = expansion.at(1.0).into_iter().fold(0.0, |most: f64, strain| most.max(strain.abs()));
+        let most = expansion.most();
         0.5 * stiffest * most * most * self.sample.volume_mm3
     }
 
