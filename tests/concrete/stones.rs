@@ -22,10 +22,10 @@ fn random() -> Vec<u8> {
         (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     };
     let mut text = String::from("0 0 10 0\n");
-    for n in 1..power.len() {
+    for (n, power) in power.iter().enumerate().skip(1) {
         let values: Vec<[f64; 2]> = (0..=n).map(|m| [dice(), if m == 0 { 0.0 } else { dice() }]).collect();
         let squares: f64 = values.iter().map(|[a, b]| a * a + b * b).sum::<f64>() * 2.0 - values[0][0].powi(2);
-        let scale = 10.0 * power[n] / squares.sqrt();
+        let scale = 10.0 * power / squares.sqrt();
         text.extend(values.iter().enumerate().map(|(m, [a, b])| format!("{n} {m} {} {}\n", a * scale, b * scale)));
     }
     text.into_bytes()

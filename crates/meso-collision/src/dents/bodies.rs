@@ -1,6 +1,5 @@
 //! Questions about bodies that may have dents or be round, which the convex answers do not reach.
 
-use super::closed::eroded_volume;
 use crate::geometry::{Plane, Polyhedron, Round};
 use crate::gjk::{self, GjkError};
 use crate::math::Vec3;
@@ -26,10 +25,9 @@ impl Polyhedron {
     /// volumes is exact to 2 % of the shell.
     pub fn eroded_volume(&self, thickness: f64) -> f64 {
         let aabb = self.aabb();
-        let cube = ((aabb.min + aabb.max) / 2.0, aabb.size().max() / 2.0);
         let (round, surface) = (self.round(), self.surface());
         let depth = |point: &Vec3| round.map_or_else(|| surface.depth(point), |round| -round.height(point));
-        let deeper = |least: f64| eroded_volume(cube, EROSION_HALVINGS, |point| depth(point) - least);
+        let deeper = |least: f64| aabb.volume_above(EROSION_HALVINGS, |point| depth(point) - least);
         self.volume() * (deeper(thickness) / deeper(0.0))
     }
 

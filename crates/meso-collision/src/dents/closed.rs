@@ -146,30 +146,32 @@ const MOST_HALVINGS: usize = 7;
 /// A cube is divided where it may hold a point deeper than the best by this factor.
 const ENOUGH: f64 = 1.05;
 
-/// Volume of the points in a cube where `height` is positive, mm3; it has a slope of 1. The cube is its middle and half its
-/// edge.
-///
-/// Cubes are halved `halvings` times where the surface may divide them. The share of the last ones follows from the
-/// height at their middle, as if the surface were a plane across an axis.
-pub fn eroded_volume((middle, mut half): (Vec3, f64), halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
-    let (mut cubes, mut volume) = (vec![middle], 0.0);
-    for halving in 0..=halvings {
-        let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
-        let mut divided = Vec::new();
-        for middle in cubes {
-            let height = height(&middle);
-            if height >= reach {
-                volume += whole;
-            } else if height > -reach && halving == halvings {
-                volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
-            } else if height > -reach {
-                divided.push(middle);
+impl Aabb {
+    /// Volume of the points where `height` is positive, mm3, in the cube about this box; the height has a slope of 1.
+    ///
+    /// Cubes are halved `halvings` times where the surface may divide them. The share of the last ones follows from the
+    /// height at their middle, as if the surface were a plane across an axis.
+    pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
+        let mut half = self.size().max() / 2.0;
+        let (mut cubes, mut volume) = (vec![(self.min + self.max) / 2.0], 0.0);
+        for halving in 0..=halvings {
+            let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
+            let mut divided = Vec::new();
+            for middle in cubes {
+                let height = height(&middle);
+                if height >= reach {
+                    volume += whole;
+                } else if height > -reach && halving == halvings {
+                    volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
+                } else if height > -reach {
+                    divided.push(middle);
+                }
             }
+            half /= 2.0;
+            cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
         }
-        half /= 2.0;
-        cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
+        volume
     }
-    volume
 }
 
 /// Middles of the eight cubes of half edge `half` around a point.

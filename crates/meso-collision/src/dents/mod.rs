@@ -8,7 +8,6 @@ mod inset;
 mod reduced;
 mod self_crossing;
 
-pub use closed::eroded_volume;
 pub use height_grid::{Height, HeightGrid};
 pub use reduced::NotReduced;
 pub use self_crossing::SelfCrossing;

@@ -9,7 +9,6 @@
 //! voxels that its surface may cross.
 
 use super::options::ShareOf;
-use meso_collision::dents::eroded_volume;
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::{Aggregate, Kind};
@@ -81,7 +80,8 @@ fn add_sampled(grid: &PointGrid, k: usize, facets: &Facets, body: &Body, layer: 
     for j in touched(grid, 1, &body.aabb) {
         for i in touched(grid, 0, &body.aabb) {
             let middle = Vec3::new(grid.coordinate(0, i), grid.coordinate(1, j), grid.coordinate(2, k));
-            let volume = eroded_volume((middle, half), HALVINGS, |point| facets.depth_below_shell(point));
+            let voxel = Aabb { min: middle, max: middle }.grown(half);
+            let volume = voxel.volume_above(HALVINGS, |point| facets.depth_below_shell(point));
             layer[j * grid.counts[0] + i] += body.sign * snapped(volume / (8.0 * half.powi(3))) as f32;
         }
     }
