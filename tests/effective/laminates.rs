@@ -4,18 +4,23 @@ use crate::bodies::{aggregate, cube, entry, phases, slabs, solve};
 use meso_core::geometry::convex_hull;
 use meso_core::math::Vec3;
 use meso_core::specimen::{Periodic, Specimen};
+use meso_effective::Effective;
 
 const SIDE: f64 = 20.0;
 
 /// Largest error of a laminate's tensor, over the largest entry.
 fn error(normal: Vec3, period: f64, share: f64, value: f64, h: f64) -> f64 {
     let bodies = slabs(normal, period, share * period, SIDE);
-    let found = solve(&bodies, &cube(SIDE, true), &phases(1.0, value, 1.0), h);
+    off(&solve(&bodies, &cube(SIDE, true), &phases(1.0, value, 1.0), h), normal, share, value)
+}
+
+/// Largest difference of a tensor from the laminate's, over the largest entry.
+pub(crate) fn off(found: &Effective, normal: Vec3, share: f64, value: f64) -> f64 {
     let parallel = 1.0 - share + share * value;
     let series = if value > 0.0 { 1.0 / (1.0 - share + share / value) } else { 0.0 };
     let n = normal.normalize();
     let exact = |a: usize, b: usize| parallel * f64::from(u8::from(a == b)) - (parallel - series) * n[a] * n[b];
-    let off = |a: usize, b: usize| (entry(&found, a, b) - exact(a, b)).abs();
+    let off = |a: usize, b: usize| (entry(found, a, b) - exact(a, b)).abs();
     (0..9).map(|i| off(i / 3, i % 3)).fold(0.0, f64::max) / parallel
 }
 

@@ -1,6 +1,7 @@
 //! Fitted tetrahedra against closed forms, CalculiX and voxels.
 
-use crate::bodies::{aggregate, cube, entry, phases, sphere};
+use crate::bodies::{aggregate, cube, entry, phases, slabs, sphere};
+use crate::laminates::off;
 use crate::packings::packing;
 use crate::spheres::{coated, cubic_array};
 use crate::stiffness::{MORTAR, STONE, given, laminate};
@@ -56,6 +57,18 @@ fn layers_along_an_axis_are_exact_in_tetrahedra() {
             let error = (entry(&found, axis, axis) - exact).abs() / parallel;
             assert!(error < 1e-6, "{error} along {axis} for {value}");
         }
+    }
+}
+
+#[test]
+#[ignore = "slow tier: half a minute of processor time"]
+fn layers_at_an_angle_are_within_one_percent_in_tetrahedra() {
+    let normal = Vec3::new(1.0, 1.0, 0.0);
+    let period = SIDE / normal.norm();
+    let bodies = slabs(normal, period, 0.4 * period, SIDE);
+    for value in [0.0, 10.0, 1e4] {
+        let error = off(&solve(&bodies, &cube(SIDE, true), &phases(1.0, value, 1.0), 2.0), normal, 0.4, value);
+        assert!(error < 0.01, "{error} for {value}");
     }
 }
 
