@@ -357,7 +357,8 @@ impl PyPacking {
     ///     Number of voxels along the longest side, or (nz, ny, nx); `h` follows from it. Voxels are cubes.
     /// of : {"aggregate", "core", "itz", "void", "fibre"}
     ///     Whose share: of aggregates with their ITZ shells (as the packing's fraction counts them), of aggregates
-    ///     without, of the shells alone, of voids or of fibres.
+    ///     without, of the shells alone, of voids or of fibres. Cores and shells of ellipsoids and of grains with dents are
+    ///     sampled, to 0.01 of a voxel.
     ///
     /// Returns
     /// -------
