@@ -1,7 +1,7 @@
 //! Loops shared among threads. The code that names rayon's iterators is compiled once, and calls a pointer: one loop
 //! for each type of result was a sixth of this crate's code.
 //!
-//! Items are cut into runs, [`RUNS`] a thread at the most. Each item passes a [`stop::point`], 2 ns, unless a name says that
+//! Items are cut into runs, `RUNS` a thread at the most. Each item passes a [`stop::point`], 2 ns, unless a name says that
 //! items are short. All loops keep the order of their items, and end early where one of them panics, as a stop does.
 
 use crate::stop;

@@ -89,7 +89,7 @@ impl Grain {
 /// so that translating a grain changes no shape, no volume and no face by rounding.
 pub(crate) const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// Rounds to the lattice of [`LATTICE_MM`].
+/// Rounds to the lattice of 2^-30 mm.
 #[inline(always)]
 pub fn snap(v: &Vec3) -> Vec3 {
     rounded_to(LATTICE_MM, v)

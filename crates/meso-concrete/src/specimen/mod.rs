@@ -336,7 +336,7 @@ impl Specimen {
         }
     }
 
-    /// The container of a specimen accepted by [`Spec::validate`](crate::Spec::validate).
+    /// The container of a specimen that its spec's `validate` accepts.
     ///
     /// # Panics
     /// Where [`Specimen::build`] fails.

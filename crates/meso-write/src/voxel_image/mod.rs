@@ -3,7 +3,7 @@
 //! Arrays are [z, y, x] in C order. Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner
 //! of the specimen's bounding box, or of the box asked for. A voxel lies in a body if its centre lies in the closed
 //! polyhedron. Rows along x meet a convex body in one interval, which its face planes cut out; see
-//! [`location`](crate::mesh). Images are made slab by slab, so that memory does not grow with their size.
+//! [`location`](meso_mesh::location). Images are made slab by slab, so that memory does not grow with their size.
 
 mod distance;
 mod options;

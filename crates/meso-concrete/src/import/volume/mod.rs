@@ -1,7 +1,7 @@
 //! Label volumes: an integer for each voxel, as computed tomography leaves them after segmentation.
 //!
 //! Arrays are [z, y, x] in C order, as in the images that mesocrete writes. A reader gives its values one after another, x
-//! fastest; [`Values`] numbers the labels.
+//! fastest; `Values` numbers the labels.
 
 mod npy;
 mod tif;
