@@ -3,8 +3,7 @@
 //! 1. [`leave_room`] gives a packing the gaps that the elements of its mesh resolve.
 //! 2. [`Footing::mesh`] meshes it, and refuses a phase that is far off its exact volume: before meshing where a small cube
 //!    shows it already (`trial`), else before the first step. The error names a size of elements that was tried.
-//! 3. [`Sample::doubts`](crate::Sample::doubts) and [`Sample::flags`](crate::Sample::flags) say what is left to know
-//!    about a mesh before any step.
+//! 3. `Sample::doubts` and `Sample::flags` say what is left to know about a mesh before any step.
 
 mod doubts;
 mod trial;
