@@ -5,13 +5,13 @@
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
+#[path = "collision/specimen.rs"]
+mod specimen;
 #[path = "collision/table.rs"]
 mod table;
 
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Tools};
-use meso_core::specimen::Specimen;
-use meso_core::{Silent, Spec, pack};
 use meso_solve::{LawName, Run, Sample, Smoothing, Test};
 use table::Table;
 
@@ -19,14 +19,7 @@ const HEADER: &str = "law,smoothing,elements,held_bytes_per_element,\
                       moved_bytes_per_element_step,moved_with_damage_bytes_per_element_step";
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
-    let word = |i: usize, usual: f64| words.get(i).map_or(usual, |word| word.parse().expect("a number"));
-    let (side, size) = if table::quick() { (24.0, 4.0) } else { (word(0, 50.0), word(1, 2.0)) };
-    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
-    spec.grading.d_max_mm = 16.0;
-    spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
-    spec.placement.min_gap_mm = 1.0;
-    let model = pack(&spec, &Silent).expect("a packing");
+    let (model, size) = specimen::asked(table::quick());
     let options =
         MeshOptions { method: Method::FITTED, element_size_mm: size, itz: ItzForm::Smeared, ..Default::default() };
     let mesh = mesh::build(&model, &options, &Tools::default()).expect("a mesh");
@@ -35,7 +28,7 @@ fn main() {
     for law in [LawName::Elastic, LawName::Cdp, LawName::Cdpm2, LawName::Meso] {
         for smoothing in [Smoothing::Edges, Smoothing::None] {
             let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
-            let sample = Sample::of(&mesh, &spec.specimen, &options);
+            let sample = Sample::of(&mesh, &model.spec.specimen, &options);
             let run = Run::new(sample, &Materials::default(), &test).expect("a test");
             let traffic = meso_gpu::traffic(&run, meso_gpu::THREADS).expect("tetrahedra");
             let each = |bytes: usize| format!("{:.1}", bytes as f64 / mesh.cell_count() as f64);

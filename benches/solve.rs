@@ -12,6 +12,8 @@
 #[allow(dead_code, unreachable_pub, reason = "other benches compare")]
 #[path = "collision/clock.rs"]
 mod clock;
+#[path = "collision/specimen.rs"]
+mod specimen;
 #[path = "collision/table.rs"]
 mod table;
 
@@ -20,7 +22,7 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Stage;
-use meso_core::{Model, Silent, Spec, Watch, pack};
+use meso_core::{Model, Silent, Watch};
 use meso_solve::{Geometry, InstructionSet, LawName, Run, Sample, Smoothing, Test};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
@@ -101,14 +103,7 @@ fn turn(run: &mut Run) -> f64 {
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
-    let word = |i: usize, usual: f64| words.get(i).map_or(usual, |word| word.parse().expect("a number"));
-    let (side, size) = if table::quick() { (24.0, 4.0) } else { (word(0, 50.0), word(1, 2.0)) };
-    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
-    spec.grading.d_max_mm = 16.0;
-    spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
-    spec.placement.min_gap_mm = 1.0;
-    let model = pack(&spec, &Silent).expect("a packing");
+    let (model, size) = specimen::asked(table::quick());
     let lattice = Meshed::of(&model, Method::FITTED, size, ItzForm::None);
     let voxels = Meshed::of(&model, Method::VOXEL, size / 1.25, ItzForm::None);
     let cohesive = Meshed::of(&model, Method::FITTED, size, ItzForm::Cohesive);

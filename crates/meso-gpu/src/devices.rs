@@ -15,8 +15,8 @@ pub enum Choice {
     /// This processor.
     #[default]
     Cpu,
-    /// Of the devices that keep the promise, the first of those that fewest tests of this process have: CUDA's before OpenCL's,
-    /// processors last.
+    /// The device that keeps the promise and has the fewest tests of this process, a processor only where nothing else is
+    /// there; of equals, CUDA's before OpenCL's.
     Gpu,
     /// A device by its driver and number, and the threads of a group of elements.
     Numbered(Driver, usize, usize),

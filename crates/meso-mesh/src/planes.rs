@@ -4,7 +4,7 @@ use meso_collision::geometry::Plane;
 use meso_collision::math::Vec3;
 use meso_collision::simd::{Wide, widest};
 
-/// Planes that are taken together.
+/// Planes, corners or cells that are taken together.
 pub(crate) const LANES: usize = 8;
 
 /// Eight planes of a body.

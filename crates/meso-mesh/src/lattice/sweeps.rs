@@ -15,7 +15,8 @@ use super::smoothing::{clearly_fine, is_poor, smoothed, snapped, surely_guarded}
 use super::surface::{Surface, volume_deficits};
 use crate::cells::Owners;
 use crate::location::Locator;
-use crate::tet::{Incidence, LANES, Star, TetMesh, eight_cos2};
+use crate::planes::LANES;
+use crate::tet::{Incidence, Star, TetMesh, eight_cos2};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::prefetch::prefetch;
 use meso_concrete::parallel;

@@ -2,6 +2,7 @@
 //! the poor cells, goes round by round, and ends within a budget.
 
 use super::tetrahedra::{TetMesh, lane_cos2, min_dihedral_cos2};
+use crate::planes::LANES;
 use meso_collision::math::Vec3;
 use meso_collision::simd::{Wide, widest};
 use meso_concrete::parallel;
@@ -18,9 +19,6 @@ pub(crate) struct Star {
     /// Number of the face that changed places with the first one.
     first: usize,
 }
-
-/// Faces that are measured together.
-pub(crate) const LANES: usize = 8;
 
 /// Eight faces: the x, y and z of their corners a, then of b and c.
 #[derive(Clone, Copy)]

@@ -11,7 +11,7 @@ mod topology;
 
 pub(crate) use crate::cells::volume;
 pub(crate) use improve::{
-    Constraint, Improver, LANES, Star, ascending, best_position, directions, eight_cos2, improve, smoothed,
+    Constraint, Improver, Star, ascending, best_position, directions, eight_cos2, improve, smoothed,
 };
 pub(crate) use operators::{ON_MM, are_coplanar, contraction, edges, insertion, swapped};
 #[cfg(test)]
