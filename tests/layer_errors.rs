@@ -31,7 +31,7 @@ impl LayerErrors {
     }
 }
 
-/// Difference of the layer's thickness from the one asked for, as a share of it: root mean square over the inner side.
+/// Difference of the layer's thickness from the one asked for, as a share of it: root mean square over the area of the inner side.
 ///
 /// The thickness is the distance to the mesh's own outer side, which chords over a surface move with the inner one.
 pub(crate) fn thickness_error(mesh: &Mesh, model: &Model) -> f64 {
@@ -39,11 +39,12 @@ pub(crate) fn thickness_error(mesh: &Mesh, model: &Model) -> f64 {
     outer_side(mesh).into_iter().for_each(|(id, corners)| outer[id as usize].push(corners));
     let outer: Vec<Triangles> = outer.into_iter().map(Triangles::new).collect();
     let (mut squares, mut area) = (0.0, 0.0);
-    for (id, [a, b, c]) in inner_side(mesh) {
+    for (id, corners) in inner_side(mesh) {
         let asked = model.aggregates[id as usize].itz_thickness_mm;
-        let (_, distance) = outer[id as usize].nearest(&((a + b + c) / 3.0)).expect("a layer has an outer side");
-        let triangle = (b - a).cross(&(c - a)).norm() / 2.0;
-        squares += triangle * (distance / asked - 1.0).powi(2);
+        let distance = |x: Vec3| outer[id as usize].nearest(&x).expect("a layer has an outer side").1;
+        let triangle = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0;
+        let error = |x: Vec3| (distance(x) / asked - 1.0).powi(2);
+        squares += triangle * points_of(corners).map(error).sum::<f64>() / (PARTS * PARTS) as f64;
         area += triangle;
     }
     (squares / area).sqrt()

@@ -14,6 +14,7 @@ use crate::analysis::{add_cohesive, part_joined, restore_volumes, smear_itz, spa
 use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume, drop_lone_nodes};
 use crate::figures::note_closed_gaps;
 use crate::tet::TetMesh;
+use meso_collision::geometry::Polyhedron;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Container;
 use meso_concrete::watch::{Silent, Stage, Watch};
@@ -44,7 +45,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     let Parts { specimen, .. } = parts;
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
-    accepts_bodies(&parts, options)?;
+    accepts(&parts.bodies, options)?;
     report(watch, 0.02)?;
     // Where the specimen repeats itself, a body that crosses a face comes in again on the other side.
     let bodies = &BodyImages::of(&parts);
@@ -70,20 +71,13 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     Ok(mesh)
 }
 
-/// Refuses methods that need plane offsets or facets where a body has dents or is round.
-fn accepts_bodies(parts: &Parts, options: &MeshOptions) -> Result<(), MeshError> {
-    if options.method.name() == MethodName::Conforming && parts.bodies.iter().any(|body| body.body.round().is_some()) {
-        let way = "spheres and ellipsoids take lattice or voxel, which follow them exactly; kind = \"rounded\" packs polyhedra";
-        return Err(MeshError::option("method", "conforming", way));
-    }
-    if parts.bodies.iter().all(|body| body.body.is_convex()) {
-        return Ok(());
-    }
-    if options.method.name() == MethodName::Conforming {
-        let way = "aggregates with dents take lattice or voxel; shape.hull = true packs their hulls";
-        return Err(MeshError::option("method", "conforming", way));
-    }
-    Ok(())
+/// Refuses methods that cannot mesh some of the `bodies`.
+///
+/// # Errors
+/// A conforming mesh takes convex polyhedra.
+pub fn accepts(bodies: &[Aggregate], options: &MeshOptions) -> Result<(), MeshError> {
+    let any = |is_of: fn(&Polyhedron) -> bool| bodies.iter().any(|body| is_of(&body.body));
+    options.accepts(any(|body| body.round().is_some()), any(|body| !body.is_convex()))
 }
 
 /// Reports the share of meshing that is done.
@@ -157,11 +151,13 @@ fn with_layer(
     };
     let mut phase = mesh.owner.iter().map(inside).collect();
     if options.itz == ItzForm::Solid {
-        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm);
+        let is_lattice = options.method.name() == MethodName::Lattice;
+        let onto = if is_lattice { layer::Onto::Triangles } else { layer::Onto::Faces };
+        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto);
         notes.thinned_itz_aggregates = layer.thinned_aggregates;
         notes.thinned_itz_nodes = layer.short_nodes;
         notes.pinched_itz_nodes = layer.pinched_nodes;
-        if options.method.name() == MethodName::Lattice {
+        if is_lattice {
             let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, options.element_size_mm);
             notes.shifted_itz_nodes = improved.shifted;
             notes.pinched_itz_nodes += improved.collapsed;

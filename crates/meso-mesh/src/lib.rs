@@ -49,7 +49,7 @@ mod triangulation;
 mod voxel;
 
 pub use acceptance::PhaseOff;
-pub use build::{Tools, build};
+pub use build::{Tools, accepts, build};
 pub use cells::{CellKind, Mesh, Notes, Phase};
 pub use conforming::VolumeMesher;
 pub use error::{MeshError, Ways};

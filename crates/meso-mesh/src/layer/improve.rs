@@ -10,10 +10,9 @@
 //! cell. Where their collapse leaves cells as poor as those that it mends, the rails of these join the group, for [`WAVES`]
 //! times: with all rails around gone the body's cells are nearly the old ones, none of which was poor.
 //!
-//! Smoothing moves nodes mostly farther in, so that a lattice's layer comes out too thick: in cubes of 60 mm at 2 mm by 0.8 and
-//! 0.9 %, where it was 0.3 and 0.4 % short before. The nodes that lie on no face of their body, at closed gaps (a third of the
-//! mesh's interface), have no exact position to go to: they go back by the share of their way that brings the layers' volume to
-//! the exact one, as far as that leaves no angle too small.
+//! Smoothing looks for the largest angle, and may move a node farther than the layer is thick. So an inner end that moved goes
+//! back towards its exact position, as far as that leaves no angle too small ([`give_back`]). At last all inner ends move by one
+//! share of their rails, which brings the layers' volume to the exact one ([`balance`]).
 
 use super::periodic::{Faces, Flat};
 use super::prisms::Layer;
@@ -40,6 +39,10 @@ const BALANCES: usize = 3;
 const TRIED: f64 = 0.1;
 /// The largest share that a node goes in a round.
 const MOST: f64 = 0.1;
+/// The layers' volume is right when this share of it is missing.
+const CLOSE: f64 = 1e-5;
+/// Shares of the way back that are tried.
+const BACK: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Cells added up together.
 const RUN: usize = 1 << 12;
 
@@ -82,12 +85,12 @@ pub(crate) fn improve(
         suspects.retain(|&cell| !smoothing.mesh.is_removed(cell));
         suspects = improve_cells(&mut smoothing, ascending(suspects), TURNS);
     }
-    let mut shifted = vec![false; smoothing.mesh.points.len()];
-    smoothing.shifted.iter().for_each(|&node| shifted[node as usize] = true);
+    let moved = smoothing.shifted;
+    let mut shifted = vec![false; mesh.points.len()];
+    moved.iter().for_each(|(node, _)| shifted[*node as usize] = true);
+    give_back(mesh, &movable, moved);
     if let Some(exact) = layer.exact_mm3 {
-        let mut loose = vec![false; mesh.points.len()];
-        rails.iter().zip(&layer.loose).for_each(|(rail, is_loose)| loose[rail[0] as usize] = *is_loose);
-        balance(mesh, phase, &movable, &loose, exact);
+        balance(mesh, phase, &movable, exact);
     }
     let mut kept = mesh.drop_removed().into_iter();
     phase.retain(|_| kept.next() == Some(true));
@@ -101,8 +104,8 @@ struct Smoothing<'a> {
     phase: &'a [Phase],
     movable: &'a Movable,
     size: f64,
-    /// Nodes that moved.
-    shifted: Vec<u32>,
+    /// Nodes that moved, with their positions before.
+    shifted: Vec<(u32, Vec3)>,
 }
 
 impl Improver for Smoothing<'_> {
@@ -119,7 +122,7 @@ impl Improver for Smoothing<'_> {
         for &node in &nodes {
             if let Some(position) = self.better(node, &incidence) {
                 let moved = Mover(self.movable, node).moved(&position);
-                self.shifted.extend(moved.iter().map(|(node, _)| node));
+                self.shifted.extend(moved.iter().map(|(node, _)| (*node, self.mesh.position(*node))));
                 apply(self.mesh, moved);
             }
         }
@@ -169,16 +172,40 @@ impl Stars {
     }
 }
 
-/// Moves the inner ends of rails that are `loose`, with their images, until the layers of `mesh` have `exact` mm3.
-fn balance(mesh: &mut TetMesh, phase: &[Phase], movable: &Movable, loose: &[bool], exact: f64) {
-    let is_free = |node: u32| loose.get(node as usize) == Some(&true) && movable.outer_end(node).is_some();
-    let all_free = |node: &u32| movable.faces.images(*node).into_iter().all(is_free);
-    let nodes: Vec<u32> = (0..mesh.points.len() as u32).filter(all_free).collect();
+/// Moves the inner ends that left their positions, `moved`, back towards these, as far as that leaves no angle too small.
+fn give_back(mesh: &mut TetMesh, movable: &Movable, mut moved: Vec<(u32, Vec3)>) {
+    moved.retain(|(node, _)| movable.are_inner_ends(*node));
+    // Stable: a node's first position is the one before all moves.
+    moved.sort_by_key(|(node, _)| *node);
+    moved.dedup_by_key(|(node, _)| *node);
+    let incidence = Incidence::around(&mesh.cells, mesh.points.len(), moved.iter().map(|(node, _)| *node));
+    for (node, from) in moved {
+        // All images at once, when their first comes up.
+        if movable.faces.images(node)[0] != node || incidence.cells(node).is_empty() {
+            continue;
+        }
+        let x = mesh.position(node);
+        let mut stars = Stars::of(mesh, movable, &incidence, node);
+        let limit = stars.worst_first(movable.limit);
+        let mut nearer = BACK.iter().map(|share| x + (from - x) * *share);
+        if let Some(position) = nearer.find(|position| stars.worst(movable, position, limit) <= limit) {
+            apply(mesh, Mover(movable, node).moved(&position));
+        }
+    }
+}
+
+/// Moves the inner ends of rails, with their images, until the layers of `mesh` have `exact` mm3.
+fn balance(mesh: &mut TetMesh, phase: &[Phase], movable: &Movable, exact: f64) {
+    let all = 0..mesh.points.len() as u32;
+    let nodes: Vec<u32> = all.filter(|&node| movable.are_inner_ends(node)).collect();
     let incidence = Incidence::around(&mesh.cells, mesh.points.len(), nodes.iter().copied());
     let ends =
         |mesh: &TetMesh, node: u32| [node, movable.outer_end(node).unwrap_or(node)].map(|end| mesh.position(end));
     for _ in 0..BALANCES {
         let before = layer_volume(mesh, phase, &mesh.points);
+        if (before - exact).abs() < CLOSE * exact {
+            return;
+        }
         let mut tried = mesh.points.clone();
         for &node in &nodes {
             let [inner, outer] = ends(mesh, node);

@@ -1,8 +1,8 @@
 //! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body.
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
-//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its offset stands a
-//! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
+//! surface nodes onto the offsets of their own faces ([`offset`]) or of the mesh's triangles ([`triangles`]), and between each
+//! interface triangle and its offset stands a prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
 //! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
 //! rails that collapse, and the layer's volume made right again ([`improve`](mod@improve)).
@@ -14,6 +14,7 @@ mod improve;
 mod offset;
 mod periodic;
 mod prisms;
+mod triangles;
 
 use crate::cells::{NO_BODY, Owners, Phase, copies, faces};
 use crate::tet::TetMesh;
@@ -25,6 +26,15 @@ use offset::RadialOffsets;
 use periodic::{Bodies, PeriodicConstraint};
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
+/// The surfaces whose offsets are the inner side of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Onto {
+    /// The faces of convex bodies, where the mesh has nodes along all of their edges.
+    Faces,
+    /// The mesh's own triangles, which may cut across edges and dents.
+    Triangles,
+}
+
 /// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
 ///
 /// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
@@ -35,6 +45,7 @@ pub(super) fn add(
     periodic: [bool; 3],
     bodies: &[Aggregate],
     thickness: impl Fn(&Aggregate) -> f64 + Sync,
+    onto: Onto,
 ) -> Layer {
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
     let thickness = |body: u32| thickness(bodies.get(body));
@@ -52,19 +63,26 @@ pub(super) fn add(
     let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
     offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
     let mut targets = on_rays.clone();
-    let mut loose = offset::project(mesh, &copies, &offsets, &constraint, &mut targets);
-    loose.sort_unstable();
+    let exact_mm3 = exact_mm3(&bodies, thickness);
+    match onto {
+        Onto::Faces => offset::project(mesh, &copies, &offsets, &constraint, &mut targets),
+        Onto::Triangles => {
+            triangles::project(mesh, &faces, &copies, &offsets, &constraint, &mut targets);
+            if let Some(exact) = exact_mm3.filter(|exact| *exact > 0.0) {
+                triangles::scale(mesh, &layer, copies.first(), exact, &mut targets);
+            }
+            triangles::relax(mesh, &owner, copies.first(), &offsets, &constraint, &mut targets);
+        }
+    }
     untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
     let backtracking = step_back(mesh, &targets, &layer, &constraint);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) =
         (count(&|copy| backtracking.is_short(copy)), count(&|copy| backtracking.is_pinched(copy)));
     parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
-    let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !backtracking.is_pinched(*copy));
-    let loose = kept.map(|copy| loose.binary_search(&constraint.lead(copy)).is_ok()).collect();
-    let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));
+    let thinned_aggregates = offsets.thinner(&bodies, thickness);
     let rails = append(mesh, phase, &layer, &copies, &backtracking);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, loose, exact_mm3 }
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, exact_mm3 }
 }
 
 /// The exact volume of all layers, mm3, those of a body and its images once.

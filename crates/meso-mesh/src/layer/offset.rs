@@ -9,7 +9,7 @@
 //!    that a body reaches out to its neighbour. Their nodes go along the direction that enters all the faces around the node as steeply as can be, far
 //!    enough for the whole thickness below the least steep of them (at most four times the thickness). So do all nodes of bodies
 //!    with dents, whose rays may meet several faces.
-//! 3. Onto the offsets of the very faces that meet at the node ([`project`]). A ray may leave the offset through the plane beside:
+//! 3. In conforming meshes, onto the offsets of the very faces that meet at the node ([`project`]). A ray may leave the offset through the plane beside:
 //!    then a triangle at an edge ends up across the offset's edge and cuts it off (0.036 mm rms over the layer's inner side in a
 //!    30 mm cube at 2 mm). The projection is the point nearest to the ray's that lies on the offsets of all the node's own faces:
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
@@ -18,7 +18,7 @@
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
-use meso_collision::geometry::{Plane, Triangles};
+use meso_collision::geometry::Plane;
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -39,8 +39,8 @@ pub(super) struct RadialOffset {
     pub(super) thickness: f64,
     /// The faces of a periodic box that the aggregate reaches across.
     across: Flat,
-    /// The triangles of a body with dents, in the order of its planes.
-    dents: Option<Triangles>,
+    /// The body has dents, so that a ray may meet several faces.
+    pub(super) has_dents: bool,
 }
 
 impl RadialOffset {
@@ -48,9 +48,9 @@ impl RadialOffset {
     fn new(aggregate: &Aggregate, thickness: f64, flat: Flat, walls: &Aabb, periodic: [bool; 3]) -> Option<Self> {
         let planes: Vec<Plane> = aggregate.body.bounding_planes();
         let aabb = aggregate.body.aabb();
-        let dents = (!aggregate.body.is_convex()).then(|| aggregate.body.surface());
+        let has_dents = !aggregate.body.is_convex();
         let centre = match flat {
-            _ if dents.is_some() => aggregate.body.centroid(),
+            _ if has_dents => aggregate.body.centroid(),
             Flat::SPACE => aggregate.body.centroid(),
             flat => {
                 let free: Vec<usize> = (0..3).filter(|&axis| !flat.holds(axis)).collect();
@@ -58,18 +58,16 @@ impl RadialOffset {
             }
         };
         let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
-        let shallowest = match dents {
-            Some(_) => f64::INFINITY,
-            None => planes.iter().map(|p| p.1).fold(f64::INFINITY, f64::min),
-        };
+        let depths = planes.iter().filter(|_| !has_dents).map(|p| p.1);
+        let shallowest = depths.fold(f64::INFINITY, f64::min);
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic), dents })
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic), has_dents })
     }
 
     /// The target of a node along its ray; where the body has dents, the node itself.
     pub(super) fn apply(&self, x: &Vec3) -> Vec3 {
-        if self.dents.is_some() {
+        if self.has_dents {
             return *x;
         }
         let ray = x - self.centre;
@@ -88,14 +86,8 @@ impl RadialOffset {
     /// The planes of the faces that hold the node at `x`.
     fn faces_at(&self, x: &Vec3) -> Vec<(Vec3, f64)> {
         let from_centre = x - self.centre;
-        let near = |plane: &(Vec3, f64), reach: f64| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * reach;
-        let Some(surface) = &self.dents else {
-            return self.planes.iter().filter(|plane| near(plane, plane.1)).copied().collect();
-        };
-        let size = surface.aabb().size().max();
-        let around = Aabb { min: *x, max: *x }.grown(ON * size);
-        let planes = surface.near(&around).into_iter().map(|triangle| self.planes[triangle as usize]);
-        planes.filter(|plane| near(plane, size)).collect()
+        let near = |plane: &&(Vec3, f64)| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * plane.1;
+        self.planes.iter().filter(near).copied().collect()
     }
 }
 
@@ -200,7 +192,7 @@ pub(super) fn use_fallback_directions(
             let (slope, ray) = (flat.along(&normal), flat.along(&(middle - radial.centre)));
             let lead = constraint.lead(copy);
             normals.push((lead, slope));
-            falls_back[lead as usize] |= radial.dents.is_some() || slope.dot(&ray) < AWAY * ray.norm();
+            falls_back[lead as usize] |= radial.has_dents || slope.dot(&ray) < AWAY * ray.norm();
         }
     }
     normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));
@@ -242,40 +234,33 @@ fn direction_into_all(normals: &[Vec3]) -> Option<(Vec3, f64)> {
     (best.1 > STEEP).then_some(best)
 }
 
-/// Points this far from a plane count as on it, in depths of the centre, or in sizes of a body with dents.
+/// Points this far from a plane count as on it, in depths of the centre.
 const ON: f64 = 1e-9;
 /// Damps a step where the faces hardly decide on it: planes 2 degrees apart and less.
 const DAMPING: f64 = 1e-3;
 /// Steps until the damping no longer counts: each leaves half of a gap between planes 2 degrees apart, less of others.
 const PROJECTION_STEPS: usize = 30;
 
-/// Projects the targets of the copies of interface nodes onto the offsets of their own faces; returns the copies that lie on no face of their body,
-/// and keep their targets.
+/// Projects the targets of the copies of interface nodes onto the offsets of their own faces; copies that lie on no face of
+/// their body keep their targets.
 pub(super) fn project(
     mesh: &TetMesh,
     copies: &Copies,
     offsets: &RadialOffsets,
     constraint: &PeriodicConstraint,
     targets: &mut [Vec3],
-) -> Vec<u32> {
+) {
     let all: Vec<_> =
         copies.iter().filter(|(.., copy)| constraint.leads(*copy) && !constraint.is_pinned(*copy)).collect();
     let projected = |&(body, node, copy): &(u32, u32, u32)| {
         stop::point();
         let flat = constraint.flat(copy);
         let radial = offsets.get(body, flat)?;
-        Some((copy, on_own_faces(radial, flat, &mesh.points[node as usize], &targets[copy as usize])))
+        Some((copy, on_own_faces(radial, flat, &mesh.points[node as usize], &targets[copy as usize])?))
     };
     let projected = parallel::flat_map(all.len(), |i| projected(&all[i]));
-    let mut loose = Vec::new();
-    for (copy, projection) in projected {
-        match projection {
-            Some(projection) => targets[copy as usize] = projection,
-            None => loose.push(copy),
-        }
-    }
+    projected.into_iter().for_each(|(copy, projection)| targets[copy as usize] = projection);
     constraint.spread(targets);
-    loose
 }
 
 /// The projection within `flat` for the node at `x`, whose target along its ray is `target`; none where no face holds the node.

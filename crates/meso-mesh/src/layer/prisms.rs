@@ -86,8 +86,6 @@ pub(crate) struct Layer {
     pub(crate) pinched_nodes: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,
-    /// For every rail whether its outer end lies on no face of its body: there is no exact position for the inner one.
-    pub(super) loose: Vec<bool>,
     /// The layers' exact volume, mm3, where it is known.
     pub(super) exact_mm3: Option<f64>,
 }

@@ -7,7 +7,7 @@ pub use table::{MeshTable, Purpose};
 
 use super::error::MeshError;
 use meso_concrete::Room;
-use meso_concrete::aggregate::{Aggregate, Itz};
+use meso_concrete::aggregate::{Aggregate, Itz, Shape, ShapeKind};
 use meso_concrete::specimen::Specimen;
 use serde::{Deserialize, Serialize};
 
@@ -229,6 +229,28 @@ impl MeshOptions {
             }
         }
         self.validate_order()
+    }
+
+    /// Refuses a method that cannot mesh grains of a `shape`.
+    ///
+    /// # Errors
+    /// A conforming mesh takes convex polyhedra.
+    pub fn accepts_shape(&self, shape: &Shape) -> Result<(), MeshError> {
+        self.accepts(matches!(shape.kind, ShapeKind::Sphere | ShapeKind::Ellipsoid), shape.has_dents())
+    }
+
+    /// Refuses facets where bodies are round, and plane offsets where they have dents.
+    pub(super) fn accepts(&self, has_round: bool, has_dents: bool) -> Result<(), MeshError> {
+        let way = match (self.method, has_round, has_dents) {
+            (Method::Conforming { .. }, true, _) => {
+                "spheres and ellipsoids take lattice or voxel, which follow them exactly; kind = \"rounded\" packs polyhedra"
+            }
+            (Method::Conforming { .. }, false, true) => {
+                "aggregates with dents take lattice or voxel; shape.hull = true packs their hulls"
+            }
+            _ => return Ok(()),
+        };
+        Err(MeshError::option("method", "conforming", way))
     }
 
     /// The gaps between aggregates that this mesh needs; `None` if it needs none.
