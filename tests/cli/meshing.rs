@@ -155,6 +155,27 @@ fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
     assert_eq!(folder.names(), ["small.toml"]);
 }
 
+/// A conforming mesh of grains with dents asked for gmsh first, and refused them when it was there.
+#[test]
+fn grains_that_are_not_polyhedra_are_refused_by_conforming_meshes_before_gmsh_is_looked_for() {
+    let folder = Folder::new();
+    let dented = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nv 2 2 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n";
+    folder.write("dented.obj", dented);
+    for (name, shape, said) in [
+        ("ball", "kind = 'sphere'", "spheres and ellipsoids take lattice or voxel"),
+        ("dent", "kind = 'library', path = 'dented.obj'", "aggregates with dents take lattice or voxel"),
+    ] {
+        let spec = format!("fraction = 0.1\nspecimen = {{ kind = 'cube', side_mm = 30 }}\nshape = {{ {shape} }}");
+        folder.write(&format!("{name}.toml"), spec);
+        let [spec, model] = ["toml", "json"].map(|extension| format!("{name}.{extension}"));
+        assert_eq!(folder.run(&["pack", &spec, "-o", &model]).code, 0, "{name}");
+        for command in [["pack", &spec, "-o", "m.inp"], ["mesh", &model, "-o", "m.inp"]] {
+            let run = folder.run(&[&command[..], &["--method", "conforming", "--gmsh", "./no-gmsh"]].concat());
+            assert!(run.code == 2 && run.stderr.contains(said), "{command:?}: {} {}", run.code, run.stderr);
+        }
+    }
+}
+
 #[test]
 fn values_that_no_deck_can_hold_are_named() {
     let folder = Folder::with_model();

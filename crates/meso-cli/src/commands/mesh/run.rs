@@ -27,6 +27,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let writes_deck = plan.iter().any(|(_, format)| format.is_deck());
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
+    args.meshing.accept(&model)?;
     args.meshing.try_sizes(&model.spec, &watch)?;
     let mut settings = args.meshing.settings(&model.spec, writes_deck)?;
     plan.iter().try_for_each(|(_, format)| format.check(&settings.deck)).map_err(|error| wrong_option(&error))?;

@@ -8,10 +8,10 @@ use crate::{inputs, room};
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
-use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, Purpose, Room};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, Purpose, Room};
 use meso_core::spec::options_from_toml;
 use meso_core::specimen::Specimen;
-use meso_core::{Spec, Watch};
+use meso_core::{Model, Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::footing::{self, Footing};
 use meso_solve::{LawName, Sample, SolveError, Test};
@@ -53,11 +53,18 @@ impl MeshFlags {
         let options = self.options(purpose, &spec.itz)?;
         let gmsh = Gmsh::program(&self.gmsh);
         options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))?;
+        options.accepts_shape(&spec.shape).map_err(|error| wrong_mesh(&error))?;
         if options.method.name() == MethodName::Conforming {
             gmsh.check().map_err(|error| wrong_mesh(&error))?;
         }
         let accepts_phase_error = self.accept_phase_error;
         Ok(MeshSettings { footing: Footing { purpose, options, accepts_phase_error }, gmsh })
+    }
+
+    /// Refuses a method that cannot mesh the bodies of `model`, before gmsh is looked for: a label volume's spec has no shape.
+    pub(crate) fn accept(&self, purpose: Purpose, model: &Model) -> Result<(), Failure> {
+        let options = self.options(purpose, &model.spec.itz)?;
+        mesh::accepts(&model.aggregates, &options).map_err(|error| wrong_mesh(&error))
     }
 
     /// The materials of the file that is given, or the illustrative ones.
@@ -110,6 +117,11 @@ impl Meshing {
             Err(MeshError::Option(wrong)) if wrong.key == "element_size_mm" && !self.mesh.has_size() => Ok(()),
             suits => suits.map_err(|error| wrong_mesh(&error)),
         }
+    }
+
+    /// Refuses a method that cannot mesh the bodies of `model`.
+    pub(crate) fn accept(&self, model: &Model) -> Result<(), Failure> {
+        self.mesh.accept(self.purpose(), model)
     }
 
     /// Everything for packings of `spec`; flags of decks are refused where no deck is written.

@@ -59,6 +59,7 @@ impl Args {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
+            self.mesh.accept(self.purpose(), &model)?;
             self.mesh.try_sizes(self.purpose(), &model.spec, false, &watch)?;
             let settings = self.settings(&model.spec)?;
             return Ok(Some((model, settings)));
