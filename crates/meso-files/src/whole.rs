@@ -79,7 +79,7 @@ impl<K: Keeper> Unit<K> {
         replace: bool,
         write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let temporary = fill_beside(path, &self.keeper, self.is_forced, write)?;
+        let temporary = fill_beside(path, &self.keeper, self.is_forced, Box::new(write))?;
         self.complete.push(Complete { temporary, path: path.to_owned(), replace });
         Ok(())
     }
@@ -196,12 +196,10 @@ impl<K> Seek for Output<'_, K> {
     }
 }
 
-fn fill_beside<K: Keeper>(
-    path: &Path,
-    keeper: &K,
-    is_forced: bool,
-    write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
-) -> io::Result<TempPath> {
+/// What fills a file, boxed: [`fill_beside`] is compiled once for each keeper.
+type Fill<'a, K> = Box<dyn FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()> + 'a>;
+
+fn fill_beside<K: Keeper>(path: &Path, keeper: &K, is_forced: bool, write: Fill<'_, K>) -> io::Result<TempPath> {
     keeper.step()?;
     let made = keeper.hold(|temporary| {
         let made = new_file(folder(path))?;
