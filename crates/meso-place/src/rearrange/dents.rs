@@ -5,8 +5,8 @@
 //! same way. This search may miss a contact; `certify` finds that pair, and it keeps a margin from then on.
 
 use super::contact::{Contact, Points, V, add_scaled, cross, direction_or_up, dot, length, scale};
-use crate::packing::Turn;
-use crate::packing::task::Task;
+use crate::Turn;
+use crate::task::Task;
 use meso_collision::dents::{Height, HeightGrid};
 use meso_collision::geometry::{Plane, Polyhedron};
 use meso_collision::math::Vec3;

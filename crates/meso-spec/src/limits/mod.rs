@@ -1,21 +1,23 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
+mod crowding;
 mod grading;
 mod inclusions;
+mod slender;
 
 use super::messages::{at_most, number};
 use super::{Spec, SpecError};
-use crate::packing::Placement;
 use grading::grading;
 pub(super) use inclusions::RANDOM_RODS;
 use meso_concrete::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use meso_concrete::specimen::{ContainerError, Specimen};
 use meso_concrete::watch::{Silent, Waiting, Watch};
+use meso_place::Placement;
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
 pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;
 /// Largest length a spec may name, mm (a kilometre).
-pub(crate) const MAX_LENGTH_MM: f64 = 1e6;
+pub const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub(crate) const MAX_AGGREGATES: f64 = 1e7;
 
@@ -35,7 +37,7 @@ impl Spec {
     }
 
     /// Validates like [`Spec::validate`]; the proof of a surface reports to `watch`, and ends at the time limit.
-    pub(crate) fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
+    pub fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         fraction(self.fraction)?;
         placement(&self.placement)?;
         let deadline = self.placement.deadline(watch.began());
@@ -60,7 +62,7 @@ impl Spec {
 
     /// Finds the fault of an aggregate `longest` mm long in a periodic specimen: it would meet its own
     /// image.
-    pub(crate) fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
+    pub fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
         let (period, gap) = (self.specimen.period(), self.placement.min_gap_mm);
         let length = (0..3).filter_map(|axis| period.along(axis)).find(|length| longest + gap >= *length)?;
         let message = format!(

@@ -8,7 +8,7 @@ mod nearby;
 mod scene;
 
 use super::task::Task;
-use super::{Outcome, StopReason};
+use super::{Placed, StopReason};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::simd::{Wide, widest};
@@ -23,8 +23,8 @@ const BATCH: usize = 32;
 
 /// Tries up to `attempts` positions for every grain of `task`, in its order; a grain without a free position is left
 /// out.
-pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
-    let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
+pub(super) fn place(task: &Task, attempts: u32) -> Placed {
+    let mut outcome = Placed::empty(task, "take-and-place", StopReason::AttemptsExhausted);
     // After a stop during the take the caller places the grains that exist.
     if outcome.stop.is_some() {
         return outcome;
@@ -54,7 +54,7 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     outcome
 }
 
-fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, other: &mut gjk::Body, outcome: &mut Outcome) {
+fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, other: &mut gjk::Body, outcome: &mut Placed) {
     if scene.class_is_full(search.candidate.grain) {
         return;
     }

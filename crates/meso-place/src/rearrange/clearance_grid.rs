@@ -3,7 +3,7 @@
 //! Every test waits for memory. So a cell and its first balls stand in one bucket of 128 bytes; a list of lists would
 //! cost two cache misses.
 
-use crate::packing::cell_grid::{CellGrid, cells};
+use crate::cell_grid::{CellGrid, cells};
 use meso_collision::math::{Aabb, Vec3};
 
 /// Balls in a bucket: as many as most cells ever hold.

@@ -1,8 +1,8 @@
 //! Sizes, curves and classes that cannot be.
 
 use super::{Checked, length, within};
-use crate::spec::SpecError;
-use crate::spec::messages::number;
+use crate::SpecError;
+use crate::messages::number;
 use meso_concrete::aggregate::{Curve, Grading};
 
 pub(super) fn grading(grading: &Grading) -> Checked {

@@ -37,7 +37,7 @@ pub trait Files {
 
 /// No files: for a spec that must stand alone.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct NoFiles;
+pub struct NoFiles;
 
 impl Files for NoFiles {
     fn read(&mut self, _: &str) -> io::Result<Vec<u8>> {

@@ -1,14 +1,14 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::task::Task;
-use super::{DEFAULT_ATTEMPTS, Outcome, Placement, Pose, Request, StopReason, Strategy, rearrange, take_and_place};
+use super::{DEFAULT_ATTEMPTS, Placed, Placement, Pose, Request, StopReason, Strategy, rearrange, take_and_place};
 use meso_concrete::aggregate::{Grain, Kind};
 use meso_concrete::watch::{Stage, Watch};
 use std::borrow::Cow;
 
 impl Placement {
     /// When a run must end that began at `started`, s.
-    pub(crate) fn deadline(&self, started: f64) -> f64 {
+    pub fn deadline(&self, started: f64) -> f64 {
         self.time_limit_s.map_or(f64::INFINITY, |limit| started + limit)
     }
 
@@ -24,7 +24,7 @@ impl Placement {
 }
 
 /// Places the grains of `request`.
-pub(crate) fn place(request: &Request) -> Outcome {
+pub fn place(request: &Request) -> Placed {
     let mut task = Task::new(request);
     match request.placement.chosen() {
         Strategy::TakeAndPlace => {
@@ -60,7 +60,7 @@ fn brief_s(task: &Task) -> f64 {
 
 /// Take-and-place for a moment, where a stopped run holds little. Bodies stopped on their way overlap, and few of
 /// them can stay; and after an early stop none has a position.
-fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
+fn better_if_stopped(task: &Task, moved: Placed, brief_s: f64) -> Placed {
     let grains = task.request.grains;
     let volume = |poses: &[Option<Pose>]| -> f64 {
         let placed = grains.iter().zip(poses).filter(|(_, pose)| pose.is_some());

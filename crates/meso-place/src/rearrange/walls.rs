@@ -2,7 +2,7 @@
 
 use super::contact::{Points, V};
 use super::obstacle;
-use crate::packing::task::Task;
+use crate::task::Task;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::specimen::Container;
 

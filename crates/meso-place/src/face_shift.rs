@@ -15,7 +15,7 @@ const CORNER_SHARE: f64 = 0.02;
 
 /// Translates `bodies`, in a periodic specimen, so that their outermost points keep `gap` mm from its periodic faces,
 /// or as much of it as there is space for. Where they do already, nothing moves.
-pub(crate) fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen, gap: f64) {
+pub fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen, gap: f64) {
     let period = specimen.period();
     if gap == 0.0 || period.is_none() || bodies.is_empty() {
         return;

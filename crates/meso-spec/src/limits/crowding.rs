@@ -3,13 +3,13 @@
 //! Bodies that keep a gap g from each other stay apart when each is grown by g / 2. So a packing with gaps is as
 //! dense as one without, in which the grown bodies lie in the space between the walls.
 
-use super::limits::{Checked, mean_volume};
-use super::messages::number;
-use super::{Spec, SpecError};
-use crate::packing::Strategy;
+use super::{Checked, mean_volume};
+use crate::messages::number;
+use crate::{Spec, SpecError};
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::{Fibres, SizeDefinition, SizeLaw, Voids};
 use meso_concrete::specimen::Largest;
+use meso_place::Strategy;
 use std::f64::consts::PI;
 
 impl Spec {
@@ -87,7 +87,7 @@ impl Spec {
 
     /// Names the gap that leaves no space for the target. Not part of [`Spec::validate`]: the fraction of a spec may
     /// be replaced until the packing begins, and a saved model may have fallen short.
-    pub(crate) fn has_room(&self) -> Checked {
+    pub fn has_room(&self) -> Checked {
         let crowding = self.crowding();
         if crowding < 1.0 {
             return Ok(());
@@ -108,7 +108,7 @@ impl Spec {
     }
 
     /// Names the first class of which every aggregate taken is too large for the specimen, its walls' gap kept.
-    pub(crate) fn fits_nowhere(&self, grains: &[Grain], largest: &Largest) -> Option<SpecError> {
+    pub fn fits_nowhere(&self, grains: &[Grain], largest: &Largest) -> Option<SpecError> {
         let classes = self.grading.classes();
         let (_, class) = classes.iter().enumerate().find(|(index, _)| {
             let mut own = grains.iter().filter(|grain| usize::from(grain.class) == *index).peekable();

@@ -1,7 +1,7 @@
 //! Rotation of a body's vertices, and the box of the result.
 
 use super::contact::{LANES, V, highest};
-use crate::packing::Turn;
+use crate::Turn;
 use meso_collision::geometry::CompactPolyhedron;
 use meso_collision::math::Vec3;
 use meso_collision::simd::{Wide, widest};

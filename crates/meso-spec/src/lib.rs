@@ -3,9 +3,12 @@
 //! Reading goes text -> `tree` (values with line numbers) -> `read` (serde, with the path of whatever is wrong)
 //! -> `limits` (invalid values). Every error names the key, the value and the way out.
 
-mod crowding;
+// No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
+
 #[cfg(feature = "schema")]
 mod describe;
+pub mod distinct;
 mod error;
 mod files;
 mod library;
@@ -18,20 +21,19 @@ mod room;
 #[cfg(feature = "schema")]
 mod schema;
 mod sieves;
-mod slender;
 mod surface;
 mod tree;
 
 pub use error::SpecError;
 pub use files::Files;
-pub(crate) use files::NoFiles;
-pub(crate) use limits::MAX_LENGTH_MM;
+pub use files::NoFiles;
+pub use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
 
-use crate::packing::Placement;
 use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Watch};
+use meso_place::Placement;
 use serde::{Deserialize, Serialize};
 
 /// Files, watch and time limit of a spec that is being read.
@@ -86,6 +88,22 @@ impl Default for Spec {
 }
 
 impl Spec {
+    /// The spec as JSON text; keys keep their order.
+    ///
+    /// # Errors
+    /// None, as numbers and text have a JSON form.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(self)
+    }
+
+    /// The specimen as JSON text; keys keep their order.
+    ///
+    /// # Errors
+    /// None, as in [`to_json`](Self::to_json).
+    pub fn specimen_to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(&self.specimen)
+    }
+
     /// Reads and validates a SPEC.toml; omitted options keep their defaults.
     ///
     /// # Errors

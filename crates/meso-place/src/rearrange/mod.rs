@@ -47,7 +47,7 @@ mod turn;
 mod walls;
 
 use super::task::Task;
-use super::{Outcome, Pose, StopReason};
+use super::{Placed, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use contact_cache::{Gaps, Look};
@@ -104,8 +104,8 @@ const FIRST_LACK: f64 = 0.5;
 const FILLING: f64 = 0.3;
 
 /// Places all grains of `task`, or as many as fit, and says why.
-pub(super) fn place(task: &Task) -> Outcome {
-    let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
+pub(super) fn place(task: &Task) -> Placed {
+    let mut outcome = Placed::empty(task, "rearrange", StopReason::Jammed);
     // After a stop during the take the caller places the grains that exist.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;

@@ -3,7 +3,7 @@
 //! Every test of a random position waits for memory. So bodies stand eight to a bucket with their balls, which are
 //! tested together, and a test reads one or two buckets.
 
-use crate::packing::cell_grid::{CellGrid, cells, is_first_common};
+use crate::cell_grid::{CellGrid, cells, is_first_common};
 use meso_collision::lanes::{Eight, LANES, least_lane_from_0};
 use meso_collision::math::Aabb;
 use meso_collision::prefetch::prefetch;

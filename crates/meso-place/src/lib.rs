@@ -1,4 +1,10 @@
 //! The *place*: puts aggregates into a specimen without overlap, and reports the fraction reached.
+//!
+//! [`place()`] takes a [`Request`]: grains and a [`Placement`]. It returns their poses; [`report()`] compares the packing
+//! with its [`PackingTarget`].
+
+// No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
 mod cell_grid;
 mod face_shift;
@@ -9,7 +15,7 @@ mod report;
 mod take_and_place;
 mod task;
 
-pub(crate) use face_shift::keep_off_faces;
+pub use face_shift::keep_off_faces;
 use meso_collision::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhedron};
 use meso_collision::math::{Rotation, Vec3};
 use meso_concrete::aggregate::grain::{self, Grain};
@@ -17,8 +23,8 @@ use meso_concrete::aggregate::{Grading, Inclusions, Kind};
 use meso_concrete::specimen::{Largest, Specimen};
 use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
-pub(crate) use place::place;
-pub(crate) use report::report;
+pub use place::place;
+pub use report::report;
 pub use report::{ClassReport, LabelReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +79,7 @@ impl Default for Placement {
 
 /// Target of a packing; the report compares the result with it.
 #[derive(Clone, Copy)]
-pub(crate) struct Target<'a> {
+pub struct PackingTarget<'a> {
     /// The specimen to fill.
     pub specimen: &'a Specimen,
     /// Volume of the aggregates over the specimen's, 0 to 1.
@@ -88,9 +94,9 @@ pub(crate) struct Target<'a> {
 
 /// The grains to place, and how.
 #[derive(Clone, Copy)]
-pub(crate) struct Request<'a> {
+pub struct Request<'a> {
     /// Target of the placement.
-    pub target: Target<'a>,
+    pub target: PackingTarget<'a>,
     /// Upper bounds on a body in the specimen, its distance to the walls kept.
     pub largest: Largest,
     /// The grains in the order they are placed.
@@ -108,7 +114,7 @@ type Turn = UnitQuaternion<f32>;
 
 /// Where a grain ended: turned about its own origin, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pose {
+pub struct Pose {
     /// `None` where the grain kept the orientation it was taken with.
     turn: Option<Turn>,
     /// In the specimen, mm.
@@ -121,12 +127,12 @@ impl Pose {
     }
 
     /// How the grain is turned; `None` where it kept the orientation it was taken with.
-    pub(crate) fn rotation(&self) -> Option<Rotation> {
+    pub fn rotation(&self) -> Option<Rotation> {
         self.turn.map(|turn| Rotation::new_normalize(turn.cast().into_inner()))
     }
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are. A ball is never turned.
-    pub(crate) fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
+    pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
         let is_ball = body.round().is_some_and(|round| round.radius().is_some());
         match self.rotation() {
             Some(rotation) if !is_ball => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
@@ -139,7 +145,7 @@ impl Pose {
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
-    pub(crate) fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
+    pub fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         // Triangles of a surface with dents stay: their copies are proved as they are turned.
@@ -149,7 +155,7 @@ impl Pose {
 }
 
 /// The result of a strategy.
-pub(crate) struct Outcome {
+pub struct Placed {
     /// The pose of every grain; `None` where it found none.
     pub poses: Vec<Option<Pose>>,
     /// Counters of the work done.
@@ -164,7 +170,7 @@ pub(crate) struct Outcome {
     pub too_large: usize,
 }
 
-impl Outcome {
+impl Placed {
     /// Nothing placed so far; `stop` where `task` is not to begin at all.
     fn empty(task: &task::Task, strategy: &'static str, dead_end: StopReason) -> Self {
         Self {
@@ -179,7 +185,7 @@ impl Outcome {
 }
 
 /// Figures of the grains that the report needs when they are freed.
-pub(crate) struct Tally {
+pub struct GrainTally {
     /// False where a stop came before all grains were generated.
     pub complete: bool,
     /// Aggregates among the grains.
@@ -190,9 +196,9 @@ pub(crate) struct Tally {
     pub largest_mm3: Vec<f64>,
 }
 
-impl Tally {
+impl GrainTally {
     /// Counts the `grains` by their poses, in `classes` size classes of aggregates.
-    pub(crate) fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
+    pub fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
         let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
             let largest = &mut largest_mm3[usize::from(grain.class)];

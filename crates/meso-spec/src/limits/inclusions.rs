@@ -1,8 +1,8 @@
 //! Voids and fibres that cannot be, named before any work starts.
 
 use super::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
-use crate::spec::messages::{at_most, number};
-use crate::spec::{Spec, SpecError};
+use crate::messages::{at_most, number};
+use crate::{Spec, SpecError};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Cone, Fibres, Voids};
 
@@ -10,7 +10,7 @@ use meso_concrete::aggregate::{Cone, Fibres, Voids};
 /// of the mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from
 /// about 15). Later experiments count fewer, 9.8 (A. Wouterse, S. Luding and A. P. Philipse, Granular Matter 11 (2009)
 /// 169); the larger number refuses nothing that may be.
-pub(in crate::spec) const RANDOM_RODS: f64 = 5.4;
+pub(crate) const RANDOM_RODS: f64 = 5.4;
 
 /// Checks `[voids]` and `[fibres]` alone, then with all else the spec asks for.
 pub(super) fn check(spec: &Spec) -> Checked {

@@ -1,8 +1,8 @@
 //! The bodies placed so far, and whether a grain fits among them.
 
 use super::nearby::Nearby;
-use crate::packing::Pose;
-use crate::packing::task::Task;
+use crate::Pose;
+use crate::task::Task;
 use meso_collision::geometry::{CompactPolyhedron, Round, Triangles, convex_hull};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};

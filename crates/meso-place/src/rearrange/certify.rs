@@ -1,8 +1,8 @@
 //! Certification: every pair of the final bodies is proved apart in double precision at the final coordinates, or one
 //! of the two is left out.
 
-use crate::packing::task::Task;
-use crate::packing::{Placement, Pose, Work};
+use crate::task::Task;
+use crate::{Placement, Pose, Work};
 use meso_collision::geometry::{BoxTree, Round, Triangles};
 use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};

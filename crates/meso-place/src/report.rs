@@ -1,6 +1,6 @@
 //! The report of a packing run: fractions, stop reason, counters.
 
-use super::{Outcome, Tally, Target};
+use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
 use meso_concrete::specimen::Specimen;
@@ -187,10 +187,10 @@ pub struct Work {
 const REACHED: f64 = 0.002;
 
 /// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
-pub(crate) fn report(
-    target: &Target,
-    tally: &Tally,
-    outcome: &Outcome,
+pub fn report(
+    target: &PackingTarget,
+    tally: &GrainTally,
+    outcome: &Placed,
     (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
     seconds: Seconds,
 ) -> Report {
@@ -243,7 +243,7 @@ pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
 
 impl Report {
     /// The figures that follow from the bodies of a model; others are not recorded.
-    pub(crate) fn of_bodies(target: &Target, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Self {
+    pub fn of_bodies(target: &PackingTarget, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Self {
         let volume = target.specimen.volume();
         let classes = ClassReport::all(target.grading, target.fraction, aggregates, volume);
         let fraction = classes.iter().map(|class| class.fraction).sum();

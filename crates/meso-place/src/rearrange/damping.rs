@@ -6,7 +6,7 @@
 //! 0.73 jams with a momentum of 0.96, and is done after 580 sweeps with 0.97.
 
 use super::fibres;
-use crate::packing::task::Task;
+use crate::task::Task;
 use meso_concrete::aggregate::Grain;
 
 /// Largest momentum for packings whose grains do not wedge. Sweeps in the 150 mm cube: 0.50: 29 with 0.7, 38 with

@@ -6,9 +6,9 @@
 //! volume is that of A. Isihara (J. Chem. Phys. 18 (1950) 1446): V1 + V2 + (A1 M2 + A2 M1) / (4 pi), A the surface and
 //! M = 2 pi times the mean width. Compact grains never come near: packed at 0.70 they have 7.
 
-use super::limits::{Checked, RANDOM_RODS};
-use super::messages::number;
-use super::{Spec, SpecError};
+use super::{Checked, RANDOM_RODS};
+use crate::messages::number;
+use crate::{Spec, SpecError};
 use meso_concrete::aggregate::{Grading, ShapeKind, Template};
 
 /// Most bodies that have their centre in another's excluded volume.
@@ -19,7 +19,7 @@ const SIZES: usize = 16;
 impl Spec {
     /// Names a fraction that the library's grains do not reach at random. Not part of [`Spec::validate`]: a saved model
     /// may have fallen short.
-    pub(crate) fn is_reachable_at_random(&self) -> Checked {
+    pub fn is_reachable_at_random(&self) -> Checked {
         if self.shape.kind != ShapeKind::Library {
             return Ok(());
         }

@@ -2,8 +2,8 @@
 
 use super::FILLING;
 use super::clearance_grid::{ClearanceGrid, around};
-use crate::packing::task::Task;
-use crate::packing::{Pose, StopReason};
+use crate::task::Task;
+use crate::{Pose, StopReason};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::Kind;
