@@ -314,6 +314,49 @@ fn a_test_of_a_file_has_its_gauges_and_supports_as_columns() {
     assert!(columns.iter().all(|name| curve.contains_key(name.as_str().unwrap())), "{columns:?}");
 }
 
+/// The case: a wrong name of `--analysis` got the list of names, and no tip.
+#[test]
+fn a_wrong_name_of_a_test_gets_the_name_that_it_resembles() {
+    let folder = Folder::with_model();
+    folder.write("T.toml", "kind = 'bendin'\n");
+    for (args, tip) in [
+        (&["mesh", "small.json", "-o", "m.inp", "--analysis", "splittin"][..], "a similar value exists: 'splitting'"),
+        (&["pack", "small.toml", "-o", "m.inp", "--analysis", "elastik"], "a similar value exists: 'elastic'"),
+        (&["solve", "small.json", "--test", "compresion"], "a similar value exists: 'compression'"),
+        (&["solve", "small.json", "--test", "T.toml"], "did you mean \"bending\"?"),
+        (&["mesh", "small.json", "-o", "m.inp", "--analysis", "T.toml"], "did you mean \"bending\"?"),
+    ] {
+        let run = folder.run(args);
+        assert!(run.code == 2 && run.stderr.contains(tip), "{args:?} {}", run.stderr);
+    }
+}
+
+/// The case: a course of strains could not come from a table.
+#[test]
+fn a_course_of_strains_comes_from_a_table_whose_faults_have_its_file_line_and_column() {
+    let folder = Folder::with_model();
+    std::fs::create_dir(folder.path("tests")).unwrap();
+    let test = "kind = 'expansion'\n[expansion]\nmortar = 'dry.csv'\nlayer_mm = 6\nbelow = { aggregate = 1e-4 }\n";
+    folder.write("tests/TEST.toml", test);
+    let args = ["small.json", "-o", "out", "--test", "tests/TEST.toml", "--frames", "0", "--force"];
+    for (table, fault) in [
+        ("time,strain\n28,-2e-4\n7,-4e-4\n", "its line 3 has 7 in the column time; times must be finite"),
+        ("time,strain\n28,dry\n", "its line 2 has no number in the column strain"),
+    ] {
+        folder.write("tests/dry.csv", table);
+        let run = solve(&folder, &args);
+        let named = format!("tests/TEST.toml: test.expansion.mortar is dry.csv; {fault}");
+        assert!(run.code == 2 && run.stderr.contains(&named), "{}", run.stderr);
+    }
+    folder.write("tests/dry.csv", "time,strain\n28,-2e-4\n90,-4e-4\n");
+    let run = solve(&folder, &args);
+    let words = "mortar -4e-4 at 90 in 2 rows in a layer of 6 mm, aggregate 1e-4 below the layer";
+    assert!(run.code == 0 && run.stderr.contains(words), "{}", run.stderr);
+    let result = result(&folder, "out/result.json");
+    assert_eq!(result["expansion"]["mortar"], serde_json::json!([[28.0, -2e-4], [90.0, -4e-4]]));
+    assert_eq!(result["expansion"]["below"]["aggregate"], 1e-4);
+}
+
 /// Found by an audit: `--test expansion` alone was refused, and an expansion printed no figure.
 #[test]
 fn an_expansion_alone_names_its_strain_and_prints_the_mean_strains() {

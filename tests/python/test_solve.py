@@ -418,6 +418,23 @@ def test_a_free_expansion_has_strains_and_no_strength(mesh):
     assert "MPa" not in repr(swollen)
 
 
+def test_a_course_comes_from_a_table_and_phases_below_a_layer_have_their_own(mesh, tmp_path, monkeypatch):
+    """The case: mortar could not shrink in a layer while the aggregates grew in the whole specimen."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "drying.csv").write_text("time;strain\n0;0\n28;-0,0002\n")
+    dried = mesh.solve(test=mc.Test.expansion("drying.csv", 1e-4, layer_mm=4.0, below={"aggregate": 1e-4}), law="elastic").result
+    assert dried["expansion"]["mortar"] == [[28.0, -2e-4]] and dried["expansion"]["below"]["aggregate"] == 1e-4
+    whole = mesh.solve(test=mc.Test.expansion(0.0, 1e-4), law="elastic").result
+    assert dried["strains_at_end"]["strain_z"] < whole["strains_at_end"]["strain_z"] - 3e-5
+    (tmp_path / "drying.csv").write_text("time,strain\n28,-300\n")
+    with pytest.raises(ValueError, match=r"expansion.mortar is drying.csv; its line 2 has -300 in the column strain; it must be"):
+        mc.Test.expansion("drying.csv")
+    with pytest.raises(ValueError, match=r"expansion.aggregate is none.csv; none.csv: "):
+        mc.Test.expansion(0.0, "none.csv")
+    with pytest.raises(ValueError, match="expansion.below is 0; strains lie below a layer only with layer_mm"):
+        mc.Test.expansion(below={"aggregate": 0.0})
+
+
 def test_a_test_that_is_not_quasi_static_warns_and_has_a_flag(mesh):
     """The case: 46 % of kinetic energy were no word in Python."""
     with pytest.warns(UserWarning, match="not quasi-static before its peak"):
