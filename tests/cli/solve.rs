@@ -317,9 +317,9 @@ pub(crate) mod signals {
                  grading = {{ d_min_mm = 6, d_max_mm = 8 }}\n"
             )
         };
-        folder.write("beam.toml", &prism("length_mm = 65, depth_mm = 20, notch_depth_mm = 5"));
+        folder.write("beam.toml", prism("length_mm = 65, depth_mm = 20, notch_depth_mm = 5"));
         let notches = "length_mm = 40, depth_mm = 40, notch_depth_mm = 10, upper_notch_depth_mm = 10";
-        folder.write("sheared.toml", &prism(notches));
+        folder.write("sheared.toml", prism(notches));
         for kind in ["tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"] {
             let body = match kind {
                 "bending" => "beam.toml",
