@@ -84,12 +84,6 @@ impl<K: Keeper> Unit<K> {
         Ok(())
     }
 
-    /// Names of the temporary files that wait for theirs.
-    pub fn hidden(&self) -> Vec<String> {
-        let name = |file: &Complete| file.temporary.file_name().map(|name| name.to_string_lossy().into_owned());
-        self.complete.iter().filter_map(name).collect()
-    }
-
     /// Gives every file its name, in the order in which they were filled.
     ///
     /// All slow work comes before the first renaming: a process that is killed between two names leaves new files
