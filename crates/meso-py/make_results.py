@@ -14,7 +14,7 @@ TARGET = Path(__file__).parent / "python" / "mesocrete" / "_results.py"
 
 # Where the structs stand, in the order in which they are written; a dict's own keys follow in `EXTENDED`.
 SOURCES = {
-    "meso-pack/src/packing/report.rs": ["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "LabelReport", "Report"],
+    "meso-place/src/report.rs": ["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "LabelReport", "Report"],
     "meso-pack/src/statistics/distribution.rs": ["Distribution"],
     "meso-pack/src/statistics/shape.rs": ["Zingg", "Shapes", "Orientation"],
     "meso-pack/src/statistics/wall.rs": ["WallEffect"],

@@ -279,24 +279,61 @@ pub(crate) mod signals {
         }
     }
 
-    #[test]
-    fn an_interrupt_keeps_the_curve_so_far() {
-        let folder = Folder::with_model();
-        let mut child = folder.command(&LONG).stderr(Stdio::piped()).spawn().unwrap();
+    /// The result of a test that Ctrl-C stops when a line of its progress begins so.
+    fn interrupted(folder: &Folder, args: &[&str], line: &str) -> serde_json::Value {
+        let mut child = folder.command(args).stderr(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        assert!(lines.any(|line| line.unwrap().starts_with(" 30 %")));
+        assert!(lines.any(|told| told.unwrap().starts_with(line)), "{args:?}");
         let asked = Instant::now();
         signal(&child, "-INT");
         let rest: Vec<String> = lines.map(Result::unwrap).collect();
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
-        assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
-        let result = result(&folder, "out/result.json");
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{args:?} {rest:?}");
+        assert!(asked.elapsed() < Duration::from_secs(10), "{args:?} {:?}", asked.elapsed());
+        let result = result(folder, "out/result.json");
         let (steps, planned) = (result["steps"].as_u64().unwrap(), result["steps_planned"].as_u64().unwrap());
-        assert!(result["ended"] == "stopped" && steps > planned / 4 && steps < planned, "{steps} of {planned}");
-        let rows = curve(&folder, "out/curve.csv")["strain"].len();
-        assert!(rows > 50 && rows < 390, "{rows}");
+        assert!(result["ended"] == "stopped" && steps < planned, "{args:?} {steps} of {planned}");
         assert!(folder.read("out/result.html").ends_with(b"</html>\n"));
         assert!(!folder.names_in("out").iter().any(|name| name.ends_with(".tmp")));
+        result
+    }
+
+    #[test]
+    fn an_interrupt_keeps_the_curve_so_far() {
+        let folder = Folder::with_model();
+        let result = interrupted(&folder, &LONG, " 30 %");
+        assert!(result["steps"].as_u64() > result["steps_planned"].as_u64().map(|planned| planned / 4), "{result}");
+        let rows = curve(&folder, "out/curve.csv")["strain"].len();
+        assert!(rows > 50 && rows < 390, "{rows}");
+    }
+
+    /// The case: no test but compression was interrupted. From Python, each is in every run of the tests.
+    #[test]
+    #[ignore = "slow tier: eight tests in many small steps, 12 s of processor time"]
+    fn an_interrupt_keeps_the_curve_of_a_test_of_every_kind() {
+        let folder = Folder::with_model();
+        let prism = |sizes: &str| {
+            format!(
+                "fraction = 0.1\nspecimen = {{ kind = 'notched-prism', {sizes}, width_mm = 10, notch_width_mm = 5 }}\n\
+                 grading = {{ d_min_mm = 6, d_max_mm = 8 }}\n"
+            )
+        };
+        folder.write("beam.toml", prism("length_mm = 65, depth_mm = 20, notch_depth_mm = 5"));
+        let notches = "length_mm = 40, depth_mm = 40, notch_depth_mm = 10, upper_notch_depth_mm = 10";
+        folder.write("sheared.toml", prism(notches));
+        for kind in ["tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"] {
+            let body = match kind {
+                "bending" => "beam.toml",
+                "shear" => "sheared.toml",
+                _ => "small.json",
+            };
+            // A beam is slow.
+            let step = if kind == "bending" { "4e-7" } else { "2e-8" };
+            let args = ["solve", body, "--test", kind, "--element-size-mm", "5", "--time-step", step, "--frames", "1"];
+            let result = interrupted(&folder, &[&args[..], &["--accept-phase-error", "--force"]].concat(), " 10 %");
+            let columns = result["columns"].as_array().map_or(0, Vec::len);
+            assert!(result["test"] == kind && (columns > 0) == (kind != "tension"), "{result}");
+            assert!(curve(&folder, "out/curve.csv")["strain"].len() > 2, "{kind}");
+        }
     }
 }
 
@@ -312,6 +349,49 @@ fn a_test_of_a_file_has_its_gauges_and_supports_as_columns() {
     let columns = result["columns"].as_array().unwrap();
     assert_eq!(columns.len(), 4, "{columns:?}");
     assert!(columns.iter().all(|name| curve.contains_key(name.as_str().unwrap())), "{columns:?}");
+}
+
+/// The case: a wrong name of `--analysis` got the list of names, and no tip.
+#[test]
+fn a_wrong_name_of_a_test_gets_the_name_that_it_resembles() {
+    let folder = Folder::with_model();
+    folder.write("T.toml", "kind = 'bendin'\n");
+    for (args, tip) in [
+        (&["mesh", "small.json", "-o", "m.inp", "--analysis", "splittin"][..], "a similar value exists: 'splitting'"),
+        (&["pack", "small.toml", "-o", "m.inp", "--analysis", "elastik"], "a similar value exists: 'elastic'"),
+        (&["solve", "small.json", "--test", "compresion"], "a similar value exists: 'compression'"),
+        (&["solve", "small.json", "--test", "T.toml"], "did you mean \"bending\"?"),
+        (&["mesh", "small.json", "-o", "m.inp", "--analysis", "T.toml"], "did you mean \"bending\"?"),
+    ] {
+        let run = folder.run(args);
+        assert!(run.code == 2 && run.stderr.contains(tip), "{args:?} {}", run.stderr);
+    }
+}
+
+/// The case: a course of strains could not come from a table.
+#[test]
+fn a_course_of_strains_comes_from_a_table_whose_faults_have_its_file_line_and_column() {
+    let folder = Folder::with_model();
+    std::fs::create_dir(folder.path("tests")).unwrap();
+    let test = "kind = 'expansion'\n[expansion]\nmortar = 'dry.csv'\nlayer_mm = 6\nbelow = { aggregate = 1e-4 }\n";
+    folder.write("tests/TEST.toml", test);
+    let args = ["small.json", "-o", "out", "--test", "tests/TEST.toml", "--frames", "0", "--force"];
+    for (table, fault) in [
+        ("time,strain\n28,-2e-4\n7,-4e-4\n", "its line 3 has 7 in the column time; times must be finite"),
+        ("time,strain\n28,dry\n", "its line 2 has no number in the column strain"),
+    ] {
+        folder.write("tests/dry.csv", table);
+        let run = solve(&folder, &args);
+        let named = format!("tests/TEST.toml: test.expansion.mortar is dry.csv; {fault}");
+        assert!(run.code == 2 && run.stderr.contains(&named), "{}", run.stderr);
+    }
+    folder.write("tests/dry.csv", "time,strain\n28,-2e-4\n90,-4e-4\n");
+    let run = solve(&folder, &args);
+    let words = "mortar -4e-4 at 90 in 2 rows in a layer of 6 mm, aggregate 1e-4 below the layer";
+    assert!(run.code == 0 && run.stderr.contains(words), "{}", run.stderr);
+    let result = result(&folder, "out/result.json");
+    assert_eq!(result["expansion"]["mortar"], serde_json::json!([[28.0, -2e-4], [90.0, -4e-4]]));
+    assert_eq!(result["expansion"]["below"]["aggregate"], 1e-4);
 }
 
 /// Found by an audit: `--test expansion` alone was refused, and an expansion printed no figure.

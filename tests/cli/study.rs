@@ -484,7 +484,8 @@ fn a_changed_table_of_a_test_file_changes_the_cases_that_use_it() {
         "[solve]\nelement-size-mm = 5\ntest = 'tests/T.toml'\n[over]\nsolve.test = ['tests/T.toml', 'tension']\n";
     let folder = folder(&tiny_then(study));
     std::fs::create_dir(folder.path("tests")).unwrap();
-    folder.write("tests/T.toml", "kind = 'cyclic'\nhistory = 'turns.csv'\n");
+    folder.write("tests/T.toml", "kind = 'cyclic'\nhistory = 'turns.csv'\nexpansion = { mortar = 'dry.csv' }\n");
+    folder.write("tests/dry.csv", "time,strain\n28,-1e-4\n");
     folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.003\n");
     let names = || -> Vec<String> {
         let listed = folder.run(&["study", "STUDY.toml", "--dry-run"]);
@@ -495,6 +496,9 @@ fn a_changed_table_of_a_test_file_changes_the_cases_that_use_it() {
     folder.write("tests/turns.csv", "strain\n0.002\n0.001\n0.004\n");
     let after = names();
     assert!(before[0] != after[0] && before[1] == after[1], "{before:?} {after:?}");
+    folder.write("tests/dry.csv", "time,strain\n28,-2e-4\n");
+    let drier = names();
+    assert!(drier[0] != after[0] && drier[1] == after[1], "{drier:?} {after:?}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
 use meso_solve::{
-    Along, Control, Course, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run, Sample,
-    Side, Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
+    Along, Below, Control, Course, Ended, Expansion, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Run,
+    Sample, Side, Smoothing, SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -267,7 +267,8 @@ fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let whole =
         Expansion { mortar: (-8e-4).into(), itz: Some(2e-4.into()), aggregate: 3e-4.into(), ..Expansion::default() };
     let mortar = Course::Through(vec![[1.0, -2e-4], [3.0, -8e-4]]);
-    let layer = Expansion { mortar, layer_mm: Some(4.0), ..whole.clone() };
+    let below = Some(Below { aggregate: 2e-4.into(), ..Below::default() });
+    let layer = Expansion { mortar, layer_mm: Some(4.0), below, ..whole.clone() };
     for (kind, smoothing, expansion) in [
         (TestKind::Expansion, Smoothing::Edges, whole.clone()),
         (TestKind::Expansion, Smoothing::Edges, layer),

@@ -418,9 +418,80 @@ def test_a_free_expansion_has_strains_and_no_strength(mesh):
     assert "MPa" not in repr(swollen)
 
 
+def test_a_course_comes_from_a_table_and_phases_below_a_layer_have_their_own(mesh, tmp_path, monkeypatch):
+    """The case: mortar could not shrink in a layer while the aggregates grew in the whole specimen."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "drying.csv").write_text("time;strain\n0;0\n28;-0,0002\n")
+    dried = mesh.solve(test=mc.Test.expansion("drying.csv", 1e-4, layer_mm=4.0, below={"aggregate": 1e-4}), law="elastic").result
+    assert dried["expansion"]["mortar"] == [[28.0, -2e-4]] and dried["expansion"]["below"]["aggregate"] == 1e-4
+    whole = mesh.solve(test=mc.Test.expansion(0.0, 1e-4), law="elastic").result
+    assert dried["strains_at_end"]["strain_z"] < whole["strains_at_end"]["strain_z"] - 3e-5
+    (tmp_path / "drying.csv").write_text("time,strain\n28,-300\n")
+    with pytest.raises(ValueError, match=r"expansion.mortar is drying.csv; its line 2 has -300 in the column strain; it must be"):
+        mc.Test.expansion("drying.csv")
+    with pytest.raises(ValueError, match=r"expansion.aggregate is none.csv; none.csv: "):
+        mc.Test.expansion(0.0, "none.csv")
+    with pytest.raises(ValueError, match="expansion.below is 0; strains lie below a layer only with layer_mm"):
+        mc.Test.expansion(below={"aggregate": 0.0})
+
+
 def test_a_test_that_is_not_quasi_static_warns_and_has_a_flag(mesh):
     """The case: 46 % of kinetic energy were no word in Python."""
     with pytest.warns(UserWarning, match="not quasi-static before its peak"):
         fast = mesh.solve(duration_s=2e-5)
     assert any(flag.startswith("not quasi-static (") for flag in fast.result["flags"])
     assert "not quasi-static (" in repr(fast)
+
+
+KINDS = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"]
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    """Return coarse meshes: a cube, a beam, and a prism with two notches."""
+    prism = {"kind": "notched-prism", "width_mm": 9.0, "notch_depth_mm": 3.0, "notch_width_mm": 3.0}
+    specimens = {
+        "cube": {"kind": "cube", "side_mm": 15.0},
+        "bending": prism | {"length_mm": 36.0, "depth_mm": 12.0},
+        "shear": prism | {"length_mm": 24.0, "depth_mm": 24.0, "upper_notch_depth_mm": 3.0},
+    }
+    options = {"method": "lattice", "element_size": 3.0, "itz": "none", "joined": "mortar", "accept_phase_error": True}
+    grading = {"d_min_mm": 6.0, "d_max_mm": 8.0}
+    packed = {name: mc.pack({"specimen": specimen, "fraction": 0.1, "grading": grading}) for name, specimen in specimens.items()}
+    return {name: packing.mesh(**options) for name, packing in packed.items()}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("kind", KINDS)
+def test_ctrl_c_keeps_the_curve_and_the_page_of_a_test_of_every_kind(bodies, kind, tmp_path):
+    """The case: no test but compression was stopped from Python."""
+    told = []
+
+    def progress(*state):
+        told.append(state)
+        if len(told) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        bodies.get(kind, bodies["cube"]).solve(test=kind, progress=progress, time_step_s=1e-8)
+    response = stopped.value.response
+    result = response.result
+    assert (result["test"], result["ended"]) == (kind, "stopped") and result["steps"] < result["steps_planned"]
+    assert all(np.isfinite(column).all() for column in response.curve.values())
+    assert set(result.get("columns", [])) < set(response.curve)
+    response.write(tmp_path)
+    assert (tmp_path / "result.html").read_text(encoding="utf-8").endswith("</html>\n")
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_page_of_a_test_of_every_kind_draws_its_gauges(bodies, kind, tmp_path):
+    response = bodies.get(kind, bodies["cube"]).solve(test=kind, duration_s=1e-4, frames=1)
+    assert response.result["ended"] == "completed"
+    response.write(tmp_path)
+    page = (tmp_path / "result.html").read_text(encoding="utf-8")
+    assert f"<h1>{kind.capitalize()}" in page and 'type="range"' in page
+    columns = response.result.get("columns", [])
+    assert bool(columns) == (kind not in ("compression", "tension"))
+    assert all(column in page for column in columns), columns

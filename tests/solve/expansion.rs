@@ -9,7 +9,9 @@ use meso_core::math::Vec3;
 use meso_core::mesh::{ItzForm, Method, Phase, PhaseVolumes};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Silent;
-use meso_solve::{Course, Expansion, Frame, LawName, Observer, Response, Rule, Side, SupportSpec, Test, TestKind};
+use meso_solve::{
+    Below, Course, Expansion, Frame, LawName, Observer, Response, Rule, Side, SupportSpec, Test, TestKind,
+};
 use std::cell::RefCell;
 
 /// Largest stress in any cell, MPa.
@@ -228,6 +230,25 @@ fn a_layer_at_the_surface_strains_the_whole_by_its_share() {
             let off = strains.map(|strain| (strain / (-1e-3 * share) - 1.0).abs());
             assert!(off.iter().all(|off| *off < error), "{method:?} {layer_on:?} {strains:?}");
         }
+    }
+}
+
+/// The case: mortar could not shrink in a layer while the aggregates grew in the whole specimen.
+#[test]
+fn mortar_that_shrinks_in_a_layer_adds_its_strains_to_those_of_aggregates_that_grow_everywhere() {
+    let meshed = voxels(24.0, 3, 3.0);
+    let grown = |own: Expansion| {
+        let test = Test { law: LawName::Elastic, ..expansion(own) };
+        ends(&meshed.solve(&brittle(), &test))
+    };
+    let (dry, stone) = (Course::from(-2e-4), Course::from(1e-4));
+    let shrinks = grown(Expansion { mortar: dry.clone(), layer_mm: Some(6.0), ..Expansion::default() });
+    let swells = grown(Expansion { aggregate: stone.clone(), ..Expansion::default() });
+    let below = Some(Below { aggregate: stone.clone(), ..Below::default() });
+    let both = grown(Expansion { mortar: dry, aggregate: stone, layer_mm: Some(6.0), below, ..Expansion::default() });
+    for axis in 0..3 {
+        assert!(shrinks[axis] < -2e-5 && swells[axis] > 1e-5, "{shrinks:?} {swells:?}");
+        assert!((both[axis] - shrinks[axis] - swells[axis]).abs() < 2e-7, "{both:?} {shrinks:?} {swells:?}");
     }
 }
 

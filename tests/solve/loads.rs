@@ -8,8 +8,8 @@ use meso_core::watch::Silent;
 use meso_solve::law::point::{self, HeldStress};
 use meso_solve::law::{Cdp, Cdpm2, Law, Meso, cdpm2};
 use meso_solve::{
-    Along, Control, Course, Expansion, Frame, Gauge, LawName, Observer, Response, Rule, Run, Side, Smoothing, Strip,
-    SupportSpec, Test, TestKind, Turn, TurnOf,
+    Along, Below, Control, Course, Expansion, Frame, Gauge, LawName, Observer, Response, Rule, Run, Side, Smoothing,
+    Strip, SupportSpec, Test, TestKind, Turn, TurnOf,
 };
 use std::cell::RefCell;
 
@@ -460,7 +460,9 @@ pub(crate) fn all_kinds() -> Vec<(Meshed, Test)> {
     let round = [TestKind::Tension, TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting].map(of);
     let led = Test { control: Control::LateralStrain, ..of(TestKind::Compression) };
     let rows = Course::Through(vec![[10.0, 2e-4], [40.0, 5e-4]]);
-    let swelling = Expansion { mortar: rows, aggregate: 1e-4.into(), layer_mm: Some(3.0), ..Expansion::default() };
+    let below = Some(Below { mortar: 1e-4.into(), ..Below::default() });
+    let swelling =
+        Expansion { mortar: rows, aggregate: 1e-4.into(), layer_mm: Some(3.0), below, ..Expansion::default() };
     let swollen = Test { expansion: Some(swelling), ..of(TestKind::Expansion) };
     let mut all: Vec<(Meshed, Test)> =
         round.into_iter().chain([led, swollen]).map(|test| (cylinder(12.0, 12.0, 3.0), test)).collect();

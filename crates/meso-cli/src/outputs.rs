@@ -177,11 +177,6 @@ impl Unit {
         self.0.fill(path, force, write).map_err(|error| Failure::file(shown, &error))
     }
 
-    /// Names of the files that wait for theirs.
-    pub(crate) fn hidden(&self) -> Vec<String> {
-        self.0.hidden()
-    }
-
     /// Gives every file its name. If one fails, those before it get their old contents back.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.0.commit().map_err(|(path, error)| Failure::file(&path, &error))?;

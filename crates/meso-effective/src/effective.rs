@@ -257,8 +257,10 @@ impl Task<'_> {
         last: usize,
         done: usize,
     ) -> Result<Column<FluxField>, EffectiveError> {
-        let given = Flow { grid, links, axis, potential: &[] };
+        let nothing = vec![0.0; if links.coupled() > 0 { links.counts.iter().product() } else { 0 }];
+        let given = Flow { grid, links, axis, potential: &nothing };
         let (energy, rhs) = (given.given_energy(), given.sources());
+        drop(nothing);
         let report = |iteration: usize, _: f64| {
             // Some 20 iterations are usual.
             let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
@@ -355,7 +357,11 @@ impl Flow<'_> {
             let [_, energy] = widest(Fluxes { own: &nothing, below: &nothing, links, given });
             energy
         };
-        parallel::map(layers, layer).iter().sum()
+        let coupled = (0..self.links.coupled()).map(|number| {
+            let [differences, fluxes] = self.coupled_fluxes(number);
+            differences.iter().zip(fluxes).map(|(difference, flux)| difference * flux).sum::<f64>()
+        });
+        parallel::map(layers, layer).iter().sum::<f64>() + coupled.sum::<f64>()
     }
 
     /// Flux into each voxel that the given gradient leaves over.
@@ -382,6 +388,9 @@ impl Flow<'_> {
                 row.iter_mut().zip(ends).for_each(|(row, (below, above))| *row = source(*below, *above));
             }
         });
+        for number in 0..self.links.coupled() {
+            self.links.coupled_out(number, self.potential, self.given(), |voxel, flux| sources[voxel] -= flux);
+        }
         sources
     }
 }

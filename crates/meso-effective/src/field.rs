@@ -66,6 +66,16 @@ impl Flow<'_> {
         })
     }
 
+    /// Differences of potential along the links of a coupled voxel, and the coupled fluxes through them.
+    pub(crate) fn coupled_fluxes(&self, number: usize) -> [[f64; 6]; 2] {
+        self.links.coupled_fluxes(number, self.potential, self.given())
+    }
+
+    /// Given differences of potential along whole links of each axis.
+    pub(crate) fn given(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| if axis == self.axis { self.grid.spacing[axis] } else { 0.0 })
+    }
+
     /// Sums over the links of a layer: flux times length, along the grid's axes, and flux times difference of potential, the
     /// energy. The last layer has the links above it, too.
     pub(crate) fn sums(&self, k: usize) -> [f64; 4] {
@@ -79,6 +89,13 @@ impl Flow<'_> {
                 let [flux, energy] = self.row_sums(axis, j, layer, if axis == self.axis { length } else { 0.0 });
                 sums[axis] += flux * length;
                 sums[3] += energy;
+            }
+        }
+        for number in self.links.coupled_in(k) {
+            let [differences, fluxes] = self.coupled_fluxes(number);
+            for (side, flux) in fluxes.into_iter().enumerate() {
+                sums[side / 2] += flux * self.grid.spacing[side / 2];
+                sums[3] += flux * differences[side];
             }
         }
         sums
@@ -131,14 +148,20 @@ impl Flow<'_> {
             [0, 1, 2].map(|axis| flux[turned(axis)] as f32)
         };
         let axis = (0..3).find(|axis| turned(*axis) == self.axis).unwrap_or(last);
-        FluxField {
-            axis,
-            counts,
-            origin_mm,
-            spacing_mm,
-            potential: (0..nx * ny * nz).map(total).collect(),
-            flux: (0..nx * ny * nz).map(flux).collect(),
+        let mut flux: Vec<[f32; 3]> = (0..nx * ny * nz).map(flux).collect();
+        let place = |voxel: usize| {
+            let at = [voxel % gx, voxel / gx % gy, voxel / (gx * gy)];
+            (at[turned(2)] * ny + at[turned(1)]) * nx + at[turned(0)]
+        };
+        for number in 0..self.links.coupled() {
+            let [_, coupled] = self.coupled_fluxes(number);
+            for (side, voxel, beside) in self.links.coupled_ends(number) {
+                let (axis, half) = ((side / 2 + last + 1) % 3, coupled[side] / (2.0 * self.grid.area(side / 2)));
+                flux[place(voxel)][axis] += half as f32;
+                flux[place(beside)][axis] += half as f32;
+            }
         }
+        FluxField { axis, counts, origin_mm, spacing_mm, potential: (0..nx * ny * nz).map(total).collect(), flux }
     }
 }
 

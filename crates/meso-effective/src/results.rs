@@ -60,7 +60,8 @@ impl PropertyField {
     ///
     /// # Errors
     /// Fails with the errors of `out`.
-    pub fn write(&self, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let out: &mut dyn Write = &mut out;
         match self {
             Self::Flux(_, field) => field.write_vti(out),
             Self::Stress(field) => field.write_vti(out),

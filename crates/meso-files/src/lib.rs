@@ -52,6 +52,17 @@ impl Files for Beside<'_> {
     }
 }
 
+impl Beside<'_> {
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is not UTF-8.
+    pub fn text(&mut self, name: &str) -> Result<String, String> {
+        let bytes = self.read(name).map_err(|error| error.to_string())?;
+        String::from_utf8(bytes).map_err(|_| "it is not UTF-8; save it as plain text".to_owned())
+    }
+}
+
 fn named(path: &Path, why: &str) -> io::Error {
     io::Error::other(format!("{}: {why}", path.display()))
 }

@@ -79,15 +79,9 @@ impl<K: Keeper> Unit<K> {
         replace: bool,
         write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let temporary = fill_beside(path, &self.keeper, self.is_forced, write)?;
+        let temporary = fill_beside(path, &self.keeper, self.is_forced, Box::new(write))?;
         self.complete.push(Complete { temporary, path: path.to_owned(), replace });
         Ok(())
-    }
-
-    /// Names of the temporary files that wait for theirs.
-    pub fn hidden(&self) -> Vec<String> {
-        let name = |file: &Complete| file.temporary.file_name().map(|name| name.to_string_lossy().into_owned());
-        self.complete.iter().filter_map(name).collect()
     }
 
     /// Gives every file its name, in the order in which they were filled.
@@ -196,12 +190,10 @@ impl<K> Seek for Output<'_, K> {
     }
 }
 
-fn fill_beside<K: Keeper>(
-    path: &Path,
-    keeper: &K,
-    is_forced: bool,
-    write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
-) -> io::Result<TempPath> {
+/// What fills a file, boxed: [`fill_beside`] is compiled once for each keeper.
+type Fill<'a, K> = Box<dyn FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()> + 'a>;
+
+fn fill_beside<K: Keeper>(path: &Path, keeper: &K, is_forced: bool, write: Fill<'_, K>) -> io::Result<TempPath> {
     keeper.step()?;
     let made = keeper.hold(|temporary| {
         let made = new_file(folder(path))?;

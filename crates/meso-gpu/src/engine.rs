@@ -6,10 +6,10 @@ use crate::name::DeviceName;
 use crate::source::Laws;
 use crate::tables::{LANES, Tables, accept};
 use bytemuck::{cast_slice, cast_slice_mut};
-use meso_solve::device::{Action, Device, Moved, Rules, Scalars, StepSums, Touch, Upload};
+use meso_solve::device::{Action, Device, Moved, Rules, STRAINS, Scalars, StepSums, Touch, Upload};
 use std::time::{Duration, Instant};
 
-/// Numbers of the kernels' `state` before those of the supports, three each, and of the phases; the place of its flag that a batch
+/// Numbers of the kernels' `state` before those of the supports, three each, and the strains without stress; the place of its flag that a batch
 /// has ended.
 const STATE: usize = 21;
 const HALT: usize = 17;
@@ -90,7 +90,7 @@ impl Engine {
         let spans = tables.span_touches.len() - 1;
         let sizes = [nodes, upload.blocks(), spans, touches.len(), watched.len()].map(|count| count as u32);
         let (sizes, rules) = (store.of(&sizes)?, store.of(&rules(&upload.rules(), upload.supports()))?);
-        let state = store.of(&vec![0.0; STATE + 3 * supports + 6])?;
+        let state = store.of(&vec![0.0; STATE + 3 * supports + 1 + STRAINS])?;
         let shares = store.empty(16 * tables.places.len())?;
         let (spent, work) = (store.empty(8 * upload.blocks())?, store.empty(16 * nodes)?);
         let answer = vec![0.0; (supports + 4) * spans + 1 + 3 * watched.len()];
@@ -239,7 +239,7 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
 }
 
 impl Device for Engine {
-    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String> {
+    fn step(&mut self, supports: &[Moved], free: [f64; 1 + STRAINS]) -> Result<StepSums<'_>, String> {
         let moved = supports.iter().flat_map(|moved| [moved.travel, moved.mean_speed, moved.pressure]);
         let numbers: Vec<f64> = moved.chain(free).collect();
         self.host.write(self.state, 8 * STATE, cast_slice(&numbers))?;

@@ -65,7 +65,7 @@ typedef unsigned short ushort;
 #define AT 0
 #define MEAN_SPEED 1
 #define PRESSURE 2
-/* Strain of the mortar without stress, then that of every phase less the mortar's. */
+/* Strain of the mortar without stress, then that of every phase less the mortar's: in the layer, then below it. */
 #define FREE (MOVED + 3 * SUPPORTS)
 
 /* Numbers that stay (`rules`). */

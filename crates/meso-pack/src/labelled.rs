@@ -3,8 +3,6 @@
 //! The spec that the model carries describes what was found: the box, the fraction, the sieve curve of the grains.
 
 use crate::model::{Model, target};
-use crate::packing::{LabelReport, Report, StopReason};
-use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::{Polyhedron, TriangleMesh};
 use meso_concrete::aggregate::take::ITZ_LIMIT;
 use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinition};
@@ -15,6 +13,8 @@ use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, parallel};
+use meso_place::{LabelReport, Report, StopReason};
+use meso_spec::{Spec, SpecError};
 
 /// How a label volume becomes a model.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,14 +7,18 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
 pub mod check;
-mod distinct;
 pub mod labelled;
 pub mod model;
-pub mod packing;
 pub mod recipes;
 pub mod saved;
-pub mod spec;
 pub mod statistics;
 
+/// The *place*: its options, and the report of a packing.
+pub mod packing {
+    pub use meso_place::{ClassReport, LabelReport, PhaseReport, Placement, Report, Seconds, SpecimenReport};
+    pub use meso_place::{StopReason, Strategy, Work};
+}
+
+pub use meso_spec as spec;
+pub use meso_spec::{Spec, SpecError};
 pub use model::{Model, pack};
-pub use spec::{Spec, SpecError};

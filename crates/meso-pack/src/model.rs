@@ -1,7 +1,5 @@
 //! A packed specimen: `pack` returns it, `.json` files hold it, and every other command reads it.
 
-use crate::packing::{self, Pose, Report, Request, Seconds, Strategy, Tally, Target};
-use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
@@ -9,6 +7,8 @@ use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, parallel};
+use meso_place::{GrainTally, PackingTarget, Pose, Report, Request, Seconds, Strategy};
+use meso_spec::{Spec, SpecError};
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -40,15 +40,15 @@ pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
     let Spec { specimen, grading, placement, .. } = spec;
     let target = target(spec);
     let request = Request { target, largest, grains: &grains, placement, watch, started };
-    let mut outcome = packing::place(&request);
-    let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
+    let mut outcome = meso_place::place(&request);
+    let tally = GrainTally::of(&grains, &outcome.poses, grading.classes().len(), complete);
     // Every grain is freed as it settles, so that the two lists never coexist in full.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
-    packing::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
+    meso_place::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
     let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
-    let report = packing::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
+    let report = meso_place::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
 }
 
@@ -77,9 +77,9 @@ pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
 }
 
 /// Target of a packing of `spec`.
-pub(crate) fn target(spec: &Spec) -> Target<'_> {
+pub(crate) fn target(spec: &Spec) -> PackingTarget<'_> {
     let Spec { specimen, fraction, grading, seed, .. } = spec;
-    Target { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }
+    PackingTarget { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }
 }
 
 /// Upper bounds on a body in the specimen, its distance to the walls kept.

@@ -12,6 +12,7 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
+use meso_files::Beside;
 use meso_gpu::{Choice, Lease};
 use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
@@ -22,7 +23,7 @@ use pyo3::types::{PyDict, PyTuple};
 use serde::Deserialize;
 use std::cell::RefCell;
 use std::ffi::CString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Everything that a test gave.
@@ -87,7 +88,9 @@ impl Asked {
         named.set_item("test", kind)?;
         let Asking { test: kind } = options(Some(&named))?;
         let (given, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
-        let test = Test { kind, ..given };
+        let mut test = Test { kind, ..given };
+        let taken = test.take_tables(|name| Beside(Path::new("")).text(name));
+        taken.map_err(|error| wrong(&error.into()))?;
         meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
     }

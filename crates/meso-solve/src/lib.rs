@@ -23,7 +23,7 @@ pub use march::{
 pub use meso_element::{InstructionSet, LawName, law, real};
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use test::{
-    Along, Control, Course, Expansion, Gauge, Interface, Rule, Setup, Side, Smoothing, Strip, SupportSpec, Test,
+    Along, Below, Control, Course, Expansion, Gauge, Interface, Rule, Setup, Side, Smoothing, Strip, SupportSpec, Test,
     TestKind, Turn, TurnOf,
 };
 

@@ -118,7 +118,12 @@ impl Format {
     ///
     /// # Errors
     /// Errors of `out`; values that the format cannot hold.
-    pub fn write(self, model: &Model, surfaces: SurfaceOptions, out: impl Write) -> io::Result<()> {
+    pub fn write(self, model: &Model, surfaces: SurfaceOptions, mut out: impl Write) -> io::Result<()> {
+        self.write_to(model, surfaces, &mut out)
+    }
+
+    /// Writes `model`; the writers are compiled once, here.
+    fn write_to(self, model: &Model, surfaces: SurfaceOptions, out: &mut dyn Write) -> io::Result<()> {
         let shown = || match surfaces.images {
             Images::None => model.bodies(),
             images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
@@ -265,7 +270,12 @@ impl MeshFile {
     ///
     /// # Errors
     /// Errors of `out`; values that a deck cannot hold.
-    pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, mut out: impl Write) -> io::Result<()> {
+        self.write_to(mesh, deck, compress, &mut out)
+    }
+
+    /// Writes this file of `mesh`; the writers are compiled once, here.
+    fn write_to(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: &mut dyn Write) -> io::Result<()> {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
             Content::Whole(MeshFormat::Msh) => msh::write(mesh, out),
@@ -366,6 +376,18 @@ impl ImageFormat {
         region: Region,
         watch: &dyn Watch,
         mut out: impl Write,
+    ) -> io::Result<()> {
+        self.write_to(image, model, region, watch, &mut out)
+    }
+
+    /// Writes an image; the writers are compiled once, here.
+    fn write_to(
+        self,
+        image: &VoxelImage,
+        model: &Model,
+        region: Region,
+        watch: &dyn Watch,
+        mut out: &mut dyn Write,
     ) -> io::Result<()> {
         let frame = image.frame();
         match (self, region) {

@@ -1,4 +1,7 @@
 //! Vector types for machines without their own: arrays, which the compiler turns into the registers it has.
+//!
+//! On x86-64 they serve machines without AVX2 alone. Operations that branch or call for each lane are functions there:
+//! inlined, they were a third of the crate's code.
 
 use super::bits::Bits;
 use super::{Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
@@ -72,7 +75,8 @@ macro_rules! lanes {
                 Self(std::array::from_fn(lane))
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn load(_: Portable, from: &[$t], at: usize) -> Self {
                 Self(std::array::from_fn(|l| from[at + l]))
             }
@@ -82,12 +86,14 @@ macro_rules! lanes {
                 to[at..at + LANES].copy_from_slice(&self.0);
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn times_plus(self, factor: Self, term: Self) -> Self {
                 Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], term.0[l])))
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn times_minus(self, factor: Self, term: Self) -> Self {
                 Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], -term.0[l])))
             }
@@ -102,7 +108,8 @@ macro_rules! lanes {
                 Self(self.0.map(<$t>::abs))
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn max(self, other: Self) -> Self {
                 Self(std::array::from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
             }
@@ -112,17 +119,20 @@ macro_rules! lanes {
                 Bits(bits)
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn above(self, other: Self) -> Bits {
                 Bits((0..LANES).fold(0, |mask, l| mask | u32::from(self.0[l] > other.0[l]) << l))
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn or(self, mask: Bits, other: Self) -> Self {
                 Self(std::array::from_fn(|l| if mask.0 >> l & 1 == 1 { other.0[l] } else { self.0[l] }))
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn front(self, mask: u32) -> Self {
                 let mut front = self;
                 let mut end = 0;
@@ -133,7 +143,8 @@ macro_rules! lanes {
                 front
             }
 
-            #[inline(always)]
+            #[cfg_attr(target_arch = "x86_64", inline(never))]
+            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn keyed(self, at: usize) -> Self {
                 let key = |l: usize| self.0[l].to_bits() & !(SLOTS as $bits - 1) | (at + l) as $bits;
                 Self(std::array::from_fn(|l| <$t>::from_bits(key(l))))
@@ -157,7 +168,8 @@ lanes!(f32, u32);
 lanes!(f64, u64);
 
 impl Lockstep for Array<f32> {
-    #[inline(always)]
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
     fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
         let mut refilled = self;
         let mut next = at;

@@ -21,6 +21,8 @@ pub(crate) struct Layer {
     pub(super) blocks: f64,
     /// Value of the body within its ITZ: the flux across a sphere's surface over the gradient along it.
     pub(super) body: f64,
+    /// The larger value over the smaller one.
+    pub(super) contrast: f64,
 }
 
 impl Layer {
@@ -43,6 +45,7 @@ impl Layer {
             resistance: resistance(within) - resistance(outside),
             blocks: blocked(within) - blocked(outside),
             body: values.of(surface.kind),
+            contrast: if within == outside { 1.0 } else { within.max(outside) / within.min(outside) },
             surface: surface.body,
         }
     }

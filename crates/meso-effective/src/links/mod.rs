@@ -15,10 +15,12 @@
 //! ```
 //!
 //! It is `D` for impermeable bodies, `1 / L` for perfect conductors, and both are exact. A plane interface along the grid
-//! has `D` or `1 / L`, too.
+//! has `D` or `1 / L`, too. At voxels near oblique planes links are coupled: see [`corners`].
 
+mod corners;
 mod layers;
 
+pub(crate) use corners::Corners;
 pub(crate) use layers::Layer;
 
 use crate::grid::{End, Grid};
@@ -40,32 +42,45 @@ pub(crate) struct Links {
     pub(crate) across: [Vec<f32>; 3],
     /// Width of the last voxel along each axis, over that of the others: blocks of odd counts have narrow last ones.
     pub(crate) last: [f32; 3],
+    /// Coupled links at oblique interfaces.
+    pub(crate) corners: Option<Corners>,
 }
 
 impl Links {
     /// Links of a grid, whose voxels are alike.
     pub(crate) fn of(counts: [usize; 3], wraps: bool, across: [Vec<f32>; 3]) -> Self {
-        Self { counts, wraps, across, last: [1.0; 3] }
+        Self { counts, wraps, across, last: [1.0; 3], corners: None }
     }
 
     /// The links of `layers` in mortar of value `mortar`.
     pub(crate) fn new(grid: &Grid, layers: &[Layer], mortar: f64) -> Self {
-        let across = [0, 1, 2].map(|axis| along(grid, layers, mortar, axis));
-        Self::of(grid.counts, grid.ends[2] == End::Periodic, across)
+        let wraps = grid.ends[2] == End::Periodic;
+        if !layers.iter().any(|layer| layer.body > 0.0) {
+            let link = |sums: &Sums, over: f64| (sums.conductance(mortar) * over) as f32;
+            return Self::of(grid.counts, wraps, [0, 1, 2].map(|axis| along(grid, layers, axis, link)));
+        }
+        let link = |sums: &Sums, over: f64| sums.link(mortar, over);
+        let (across, corners) = corners::couple(grid, layers, [0, 1, 2].map(|axis| along(grid, layers, axis, link)));
+        Self { corners, ..Self::of(grid.counts, wraps, across) }
     }
 }
 
 /// The links along an axis, in the grid's order.
-fn along(grid: &Grid, layers: &[Layer], mortar: f64, axis: usize) -> Vec<f32> {
-    let planes = Planes::new(grid, layers, mortar, axis);
+fn along<T: Copy + Default + Send + Sync>(
+    grid: &Grid,
+    layers: &[Layer],
+    axis: usize,
+    of_sums: impl Fn(&Sums, f64) -> T + Sync,
+) -> Vec<T> {
+    let planes = Planes::new(grid, layers, axis);
     let count = grid.counts[axis] + usize::from(axis == 2);
-    let of = |number: usize| planes.conductances(number);
-    let slices: Vec<Vec<f32>> = parallel::map(count, of);
+    let of = |number: usize| planes.links(number, &of_sums);
+    let slices: Vec<Vec<T>> = parallel::map(count, of);
     if axis == 2 {
         return slices.concat();
     }
     let [nx, ny, nz] = grid.counts;
-    let mut links = vec![0.0; nx * ny * nz];
+    let mut links = vec![T::default(); nx * ny * nz];
     parallel::chunks_mut(&mut links, nx * ny, |k, layer| {
         for (number, link) in layer.iter_mut().enumerate() {
             let (i, j) = (number % nx, number / nx);
@@ -80,7 +95,6 @@ fn along(grid: &Grid, layers: &[Layer], mortar: f64, axis: usize) -> Vec<f32> {
 struct Planes<'a> {
     grid: &'a Grid,
     layers: &'a [Layer],
-    mortar: f64,
     axis: usize,
     squares: Squares,
     /// Layers that reach into the links of each plane.
@@ -101,7 +115,7 @@ struct Sums {
 }
 
 impl<'a> Planes<'a> {
-    fn new(grid: &'a Grid, layers: &'a [Layer], mortar: f64, axis: usize) -> Self {
+    fn new(grid: &'a Grid, layers: &'a [Layer], axis: usize) -> Self {
         let squares = Squares::across(grid, axis);
         let h = grid.spacing[axis];
         let mut by_plane = vec![Vec::new(); grid.counts[axis] + 1];
@@ -112,13 +126,13 @@ impl<'a> Planes<'a> {
             (first..=last.max(-1.0) as usize).for_each(|plane| by_plane[plane].push(number as u32));
         }
         let conduct = layers.iter().any(|layer| layer.body > 0.0);
-        Self { grid, layers, mortar, axis, squares, by_plane, conduct }
+        Self { grid, layers, axis, squares, by_plane, conduct }
     }
 
-    /// The conductances through a plane, over the length of the links.
-    fn conductances(&self, number: usize) -> Vec<f32> {
+    /// The links through a plane, each of its sums and of its area over its length.
+    fn links<T: Copy + Default>(&self, number: usize, of: impl Fn(&Sums, f64) -> T) -> Vec<T> {
         let Some(link) = self.grid.link(self.axis, number) else {
-            return vec![0.0; self.squares.counts[0] * self.squares.counts[1]];
+            return vec![T::default(); self.squares.counts[0] * self.squares.counts[1]];
         };
         // The last plane of a period is its first one, to the last bit.
         let number =
@@ -140,7 +154,7 @@ impl<'a> Planes<'a> {
             section.shares(&layer.surface, self.axis, at, &self.squares, |square, _| shares[square] = 0.0);
         }
         let over = self.grid.area(self.axis) / (link.to - link.from);
-        sums.iter().map(|sums| (sums.conductance(self.mortar) * over) as f32).collect()
+        sums.iter().map(|sums| of(sums, over)).collect()
     }
 
     /// Adds the resistances that a layer changes along its links, and the normals where it ends.
@@ -172,6 +186,14 @@ impl<'a> Planes<'a> {
 }
 
 impl Sums {
+    /// The conductance with the value and the resistance for corners; those of a face that is blocked couple with none.
+    fn link(&self, mortar: f64, over: f64) -> corners::Link {
+        let value = mortar + self.value;
+        let is_open = self.blocked == 0.0 && value > NOTHING * mortar;
+        let resistance = if is_open { 1.0 / mortar + self.resistance } else { 0.0 };
+        [self.conductance(mortar) * over, value, resistance].map(|x| x as f32)
+    }
+
     fn conductance(&self, mortar: f64) -> f64 {
         let (value, open) = (mortar + self.value, 1.0 - self.blocked);
         if value < NOTHING * mortar || open < NOTHING {

@@ -1,12 +1,14 @@
 //! Blocks of 2 x 2 x 2 voxels as the groups of a coarse level.
 //!
 //! A coarse link has the sum of the fine links between two blocks, over the growth of the distance: half of it but at the last
-//! block of an odd count, which is narrow. A gap keeps its links on every level, and closed voxels stay closed.
+//! block of an odd count, which is narrow. A gap keeps its links on every level, and closed voxels stay closed. Sweeps and
+//! coarse levels ignore the coupling of links.
 
 use super::network::{Network, over};
 use super::stencil::{Layer, layers_mut, layers_mut_sum, product};
 use crate::links::Links;
 use meso_collision::simd::widest;
+use std::borrow::Cow;
 
 /// A level of so few voxels is the last.
 const FEWEST: usize = 64;
@@ -25,6 +27,7 @@ impl Network for Links {
         let [sum] = layers_mut_sum(out, len, |number, out| {
             let own = &u[number * len..][..len];
             widest(Layer { links: self, number, u, given: [], out: &mut *out, of: |_, _: [f32; 0], flux| flux });
+            self.add_coupled(number, u, |at, flux| out[at] += flux);
             [product(own, out)]
         });
         sum
@@ -33,7 +36,12 @@ impl Network for Links {
     fn residual(&self, u: &[f64], rhs: &[f64], out: &mut [f32]) {
         let len = self.layer_len();
         layers_mut(out, len, |number, out| {
-            let given = [&rhs[number * len..][..len]];
+            let mut rhs = Cow::Borrowed(&rhs[number * len..][..len]);
+            if self.is_coupled(number) {
+                let rhs = rhs.to_mut();
+                self.add_coupled(number, u, |at, flux| rhs[at] -= flux);
+            }
+            let given = [&rhs[..]];
             widest(Layer { links: self, number, u, given, out, of: |_, [rhs]: [f64; 1], flux| (rhs - flux) as f32 });
         });
     }
@@ -110,7 +118,8 @@ impl Links {
             _ => self.last[axis] / 2.0,
         };
         let counts = [0, 1, 2].map(|axis| self.counts[axis].div_ceil(steps[axis]));
-        let mut coarse = Self { counts, wraps: self.wraps, across: Default::default(), last: [0, 1, 2].map(last) };
+        let mut coarse =
+            Self { counts, wraps: self.wraps, across: Default::default(), last: [0, 1, 2].map(last), corners: None };
         coarse.across = [0, 1, 2].map(|axis| self.coarse_along(axis, steps, &coarse));
         coarse
     }

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod conjugate;
+mod coupled;
 mod graph;
 mod multigrid;
 mod network;

@@ -83,7 +83,7 @@ pub struct Group {
     pub phase: Phase,
     /// Place of their material in [`Common::matter`].
     pub matter: u16,
-    /// Number of their strain without stress in [`Free`]: their phase, or [`UNSTRAINED`].
+    /// Number of their strain without stress in [`Free`]: their phase, plus [`PHASES`] below the layer.
     pub free: u8,
     /// In eights.
     pub cells: Batch,
@@ -166,8 +166,8 @@ pub struct Common {
     pub free: Option<Free>,
 }
 
-/// Number of the strain in [`Free`] that stays 0: that of voids, which no element has.
-pub const UNSTRAINED: u8 = 3;
+/// Number of strains in [`Free`]: one for each phase, then one for each phase below the layer at the surface.
+pub const STRAINS: usize = 2 * PHASES;
 
 /// Linear strains that phases have without stress.
 ///
@@ -177,8 +177,8 @@ pub const UNSTRAINED: u8 = 3;
 pub struct Free {
     /// Strain of the mortar.
     ground: f64,
-    /// Strain of each phase less the mortar's.
-    over: [f64; 5],
+    /// Strain of each phase, then of each phase below the layer, less the mortar's.
+    over: [f64; STRAINS],
     /// Places of the nodes by the engine's numbers, mm.
     places: Vec<[f64; 3]>,
 }
@@ -186,7 +186,7 @@ pub struct Free {
 impl Free {
     /// No strain yet.
     pub fn new(places: Vec<[f64; 3]>) -> Self {
-        Self { ground: 0.0, over: [0.0; 5], places }
+        Self { ground: 0.0, over: [0.0; STRAINS], places }
     }
 
     /// Places of the nodes by the engine's numbers, mm.
@@ -194,14 +194,13 @@ impl Free {
         &self.places
     }
 
-    /// Strain of the mortar, then of each phase less the mortar's.
-    pub fn strains(&self) -> [f64; 6] {
-        let [a, b, c, d, e] = self.over;
-        [self.ground, a, b, c, d, e]
+    /// Strain of the mortar, then all strains less the mortar's.
+    pub fn strains(&self) -> [f64; 1 + STRAINS] {
+        std::array::from_fn(|place| if place == 0 { self.ground } else { self.over[place - 1] })
     }
 
-    /// Sets the strains of all phases.
-    pub fn set(&mut self, strains: [f64; 5]) {
+    /// Sets the strains of all phases, then of all phases below the layer.
+    pub fn set(&mut self, strains: [f64; STRAINS]) {
         self.ground = strains[Phase::Mortar as usize];
         self.over = strains.map(|strain| strain - self.ground);
     }

@@ -337,8 +337,8 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
 mod tests {
     use super::*;
     use crate::model::pack;
-    use crate::spec::{Files, Spec};
     use meso_collision::geometry::convex_hull;
+    use meso_spec::{Files, Spec};
     use std::io;
 
     #[test]

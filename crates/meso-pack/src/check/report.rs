@@ -3,8 +3,8 @@
 use super::Finding;
 use super::taken::{Taken, was_stopped};
 use crate::model::{Model, target};
-use crate::packing::{self, Report, StopReason};
 use crate::saved::VERSION;
+use meso_place::{Report, StopReason};
 use serde_json::Value;
 
 /// Sums over bodies are right to this share, as their order is the file's; every other figure is exact.
@@ -41,7 +41,7 @@ fn wrong(reason: String) -> Finding {
 fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     let said = &model.report;
     let bodies = (&model.aggregates[..], &model.inclusions[..]);
-    let right = packing::report(&target(&model.spec), tally, outcome, bodies, said.seconds);
+    let right = meso_place::report(&target(&model.spec), tally, outcome, bodies, said.seconds);
     let right = Report { version: said.version.clone(), work: said.work, ..right };
     if !was_stopped(model) {
         return right;

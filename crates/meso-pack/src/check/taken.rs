@@ -3,8 +3,8 @@
 
 use super::Finding;
 use crate::model::{self, Model};
-use crate::packing::{Outcome, StopReason, Strategy, Tally, Work};
 use meso_concrete::aggregate::{Aggregate, Grain, Kind};
+use meso_place::{GrainTally, Placed, StopReason, Strategy, Work};
 use std::cmp::Ordering;
 
 /// Where the spec makes more grains than this many times those that the report accounts for, they are not made: estimates are
@@ -15,8 +15,8 @@ const FEW: f64 = 100_000.0;
 
 /// Grains that the take of the model's spec gives, and the end of the run according to the report.
 pub(super) struct Taken {
-    pub(super) tally: Tally,
-    pub(super) outcome: Outcome,
+    pub(super) tally: GrainTally,
+    pub(super) outcome: Placed,
 }
 
 /// Grains that the spec gives, and those found among the bodies.
@@ -65,7 +65,7 @@ fn as_reported(model: &Model, grains: &[Grain]) -> Taken {
         _ => ("rearrange", StopReason::Jammed),
     };
     let largest = model::largest(&model.spec);
-    let outcome = Outcome {
+    let outcome = Placed {
         poses: vec![None; grains.len()],
         work: Work::default(),
         stop: was_stopped(model).then_some(model.report.stop_reason),
@@ -73,7 +73,7 @@ fn as_reported(model: &Model, grains: &[Grain]) -> Taken {
         strategy,
         too_large: grains.iter().filter(|grain| !largest.admits(grain)).count(),
     };
-    let mut tally = Tally::of(grains, &outcome.poses, model.spec.grading.classes().len(), true);
+    let mut tally = GrainTally::of(grains, &outcome.poses, model.spec.grading.classes().len(), true);
     // A file with more bodies than were taken has a finding for each of them.
     tally.aggregates = tally.aggregates.max(model.aggregates.len());
     Taken { tally, outcome }

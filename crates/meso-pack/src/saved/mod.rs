@@ -18,11 +18,11 @@ pub use read::read_while;
 pub use read::{ReadError, read};
 
 use crate::model::Model;
-use crate::packing::{Report, Seconds};
 use meso_collision::geometry::{Face, Polyhedron};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
+use meso_place::{Report, Seconds};
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 
@@ -38,13 +38,18 @@ const AT_ONCE: usize = 32;
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
+pub fn write(model: &Model, mut out: impl Write) -> io::Result<()> {
+    write_to(model, &mut out)
+}
+
+/// Writes `model`; compiled once, here.
+fn write_to(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 15, seal::Sealing::new(out));
     out.write_all(b"{")?;
     entry(&mut out, "mesocrete", VERSION)?;
-    entry(&mut out, "spec", &model.spec)?;
+    text(&mut out, "spec", &model.spec.to_json()?)?;
     entry(&mut out, "seed", &model.spec.seed)?;
-    entry(&mut out, "specimen", &model.spec.specimen)?;
+    text(&mut out, "specimen", &model.spec.specimen_to_json()?)?;
     entry(&mut out, "report", &without_seconds(&model.report)?)?;
     list(&mut out, "aggregates", &model.aggregates, write_aggregate)?;
     if !model.inclusions.is_empty() {
@@ -61,9 +66,9 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_compressed(model: &Model, out: impl Write) -> io::Result<()> {
-    let mut out = gzip::Members::new(out);
-    write(model, &mut out)?;
+pub fn write_compressed(model: &Model, mut out: impl Write) -> io::Result<()> {
+    let mut out = gzip::Members::new(&mut out as &mut dyn Write);
+    write_to(model, &mut out)?;
     out.finish()
 }
 
@@ -111,9 +116,12 @@ fn in_chunks<T: Sync>(
 }
 
 fn entry(out: &mut impl Write, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {
-    write!(out, "\"{key}\": ")?;
-    serde_json::to_writer(&mut *out, value)?;
-    out.write_all(b",\n")
+    text(out, key, &serde_json::to_string(value)?)
+}
+
+/// An entry whose value is JSON text.
+fn text(out: &mut impl Write, key: &str, json: &str) -> io::Result<()> {
+    writeln!(out, "\"{key}\": {json},")
 }
 
 fn without_seconds(report: &Report) -> io::Result<serde_json::Value> {

@@ -4,15 +4,15 @@
 
 use super::polygons::Polygons;
 use super::{VERSION, gzip, seal};
-use crate::distinct;
 use crate::model::{Model, target};
-use crate::packing::Report;
-use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
+use meso_place::Report;
+use meso_spec::distinct;
+use meso_spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;

@@ -18,8 +18,6 @@ pub use shape::{Orientation, Shapes, Zingg};
 pub use wall::WallEffect;
 
 use crate::model::Model;
-use crate::packing::ClassReport;
-use crate::spec::SpecError;
 use index::Index;
 use meso_collision::gjk::GjkError;
 use meso_concrete::aggregate::Aggregate;
@@ -27,6 +25,8 @@ use meso_concrete::images::near as images_near;
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
 use meso_concrete::watch::{Silent, Stage, Watch};
+use meso_place::ClassReport;
+use meso_spec::SpecError;
 use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.

@@ -276,13 +276,17 @@ class Test:
         fibre: _types.SolveCourse = 0.0,
         itz: _types.SolveCourse | None = None,
         layer_mm: float | None = None,
+        below: _types.SolveBelow | None = None,
         **options: Unpack[_types.SolveOptions],
     ) -> _types.NamedTest:
         """Return linear strains of the phases without supports; shrinkage is negative, and the ITZ follows the mortar.
 
-        A strain is a number, or rows of a time and a strain. Only a layer of `layer_mm` below the surface has them, if given.
+        A strain is a number, rows of a time and a strain, or a CSV file with the columns time and strain. If `layer_mm` is given,
+        only a layer so deep has them, and the strains `below` it are those of its own phases.
         """
-        strains: _types.SolveExpansion = {"mortar": mortar, "aggregate": aggregate, "fibre": fibre, "itz": itz, "layer_mm": layer_mm}
+        strains: _types.SolveExpansion = {
+            "mortar": mortar, "aggregate": aggregate, "fibre": fibre, "itz": itz, "layer_mm": layer_mm, "below": below
+        }
         return _checked_test({"test": "expansion", "expansion": strains, **options})
 
 

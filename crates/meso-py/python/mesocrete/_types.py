@@ -583,11 +583,8 @@ class DeckOptions(TypedDict, total=False):
     """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
 
 
-SolveCourse = float | Sequence[_Numbers]
-
-
-class SolveExpansion(TypedDict, total=False):
-    """Strains that phases have without stress; they grow before the path begins."""
+class SolveBelow(TypedDict, total=False):
+    """Strains that phases have without stress below the layer at the surface."""
 
     aggregate: SolveCourse
     """Linear strain of the aggregates."""
@@ -595,8 +592,26 @@ class SolveExpansion(TypedDict, total=False):
     """Linear strain of the fibres."""
     itz: SolveCourse | None
     """Linear strain of the ITZ; absent, the mortar's."""
+    mortar: SolveCourse
+    """Linear strain of the mortar; shrinkage is negative."""
+
+
+SolveCourse = float | Sequence[_Numbers] | str
+
+
+class SolveExpansion(TypedDict, total=False):
+    """Strains that phases have without stress; they grow before the path begins."""
+
+    aggregate: SolveCourse
+    """Linear strain of the aggregates."""
+    below: SolveBelow | None
+    """Strains below the layer; absent, there are none."""
+    fibre: SolveCourse
+    """Linear strain of the fibres."""
+    itz: SolveCourse | None
+    """Linear strain of the ITZ; absent, the mortar's."""
     layer_mm: float | None
-    """Depth of the layer below the surface that has these strains, mm; absent, the whole specimen has them."""
+    """Depth of the layer at the surface that has these strains, mm; absent, the whole specimen has them."""
     layer_on: Sequence[Literal["x-min", "x-max", "y-min", "y-max", "z-min", "z-max", "mantle"]]
     """The sides that the layer lies on; the whole surface where none are given."""
     mortar: SolveCourse

@@ -2,7 +2,7 @@
 
 use crate::sample::Sample;
 use crate::test::Smoothing;
-use meso_element::block::{Common, UNSTRAINED};
+use meso_element::block::{Common, PHASES};
 use meso_mesh::Phase;
 
 /// A mesh and the choices that its elements depend on.
@@ -13,7 +13,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) dt: f64,
     /// Smoothing of tetrahedra.
     pub(crate) smoothing: Smoothing,
-    /// By cell, whether it lies below the layer that has strains without stress; empty where there is no layer.
+    /// By cell, whether it lies below the layer at the surface; empty where there is no layer.
     pub(crate) below: &'a [bool],
 }
 
@@ -21,6 +21,6 @@ impl Parts<'_> {
     /// Number of the strain without stress of an element made of some cells: the layer has those with half of them in it.
     pub(crate) fn free(&self, phase: Phase, cells: &[u32]) -> u8 {
         let below = cells.iter().filter(|&&cell| self.below.get(cell as usize) == Some(&true)).count();
-        if 2 * below > cells.len() { UNSTRAINED } else { phase as u8 }
+        if 2 * below > cells.len() { PHASES as u8 + phase as u8 } else { phase as u8 }
     }
 }

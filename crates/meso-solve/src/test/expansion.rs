@@ -6,6 +6,7 @@ use crate::test::load::{Side, WIDEST_MM};
 use crate::test::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::OutOfRange;
+use meso_element::block::{PHASES, STRAINS};
 use serde::{Deserialize, Serialize};
 
 /// Strains that phases have without stress; they grow before the path begins.
@@ -21,24 +22,47 @@ pub struct Expansion {
     pub aggregate: Course,
     /// Linear strain of the fibres.
     pub fibre: Course,
-    /// Depth of the layer below the surface that has these strains, mm; absent, the whole specimen has them.
+    /// Depth of the layer at the surface that has these strains, mm; absent, the whole specimen has them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
     pub layer_mm: Option<f64>,
     /// The sides that the layer lies on; the whole surface where none are given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layer_on: Vec<Side>,
+    /// Strains below the layer; absent, there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub below: Option<Below>,
+}
+
+/// Strains that phases have without stress below the layer at the surface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Below {
+    /// Linear strain of the mortar; shrinkage is negative.
+    pub mortar: Course,
+    /// Linear strain of the ITZ; absent, the mortar's.
+    pub itz: Option<Course>,
+    /// Linear strain of the aggregates.
+    pub aggregate: Course,
+    /// Linear strain of the fibres.
+    pub fibre: Course,
 }
 
 /// Course of a strain over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged, expecting = "it must be a linear strain, or rows of a time and a strain: [[28, -2e-4], [90, -4e-4]]")]
+#[serde(
+    untagged,
+    expecting = "it must be a linear strain, rows of a time and a strain: [[28, -2e-4], [90, -4e-4]], or a CSV file"
+)]
 pub enum Course {
     /// It grows smoothly to this value.
     To(#[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))] f64),
     /// It is 0 at the time 0, and passes these times, in any unit, and strains; the last time of all phases ends the growth.
     Through(Vec<[f64; 2]>),
+    /// A CSV file with the rows: columns named time and strain. It lies beside the TEST.toml.
+    Table(String),
 }
 
 impl From<f64> for Course {
@@ -59,13 +83,14 @@ impl Course {
         match self {
             Self::To(strain) => *strain,
             Self::Through(rows) => rows.last().map_or(0.0, |row| row[1]),
+            Self::Table(_) => 0.0,
         }
     }
 
     /// Time of its last row; 0 without rows.
     fn end(&self) -> f64 {
         match self {
-            Self::To(_) => 0.0,
+            Self::To(_) | Self::Table(_) => 0.0,
             Self::Through(rows) => rows.last().map_or(0.0, |row| row[0]),
         }
     }
@@ -75,6 +100,7 @@ impl Course {
         match self {
             Self::To(strain) => share * strain,
             Self::Through(rows) => through(rows, time),
+            Self::Table(_) => 0.0,
         }
     }
 
@@ -83,6 +109,7 @@ impl Course {
         match self {
             Self::To(strain) => vec![*strain],
             Self::Through(rows) => rows.iter().map(|row| row[1]).collect(),
+            Self::Table(_) => Vec::new(),
         }
     }
 
@@ -90,30 +117,48 @@ impl Course {
     fn words(&self) -> Option<String> {
         let strain = format!("{:e}", self.last());
         let is_none = self.strains().iter().all(|&strain| strain == 0.0);
-        let timed = |rows: &Vec<[f64; 2]>| format!("{strain} at {} in {} rows", self.end(), rows.len());
         match self {
+            Self::Table(name) => Some(name.clone()),
             _ if is_none => None,
             Self::To(_) => Some(strain),
-            Self::Through(rows) => Some(timed(rows)),
+            Self::Through(rows) => Some(format!("{strain} at {} in {} rows", self.end(), rows.len())),
         }
     }
 
-    fn validate(&self, phase: &str) -> Result<(), OutOfRange> {
-        let key = format!("expansion.{phase}");
+    fn validate(&self, key: &str) -> Result<(), OutOfRange> {
         for strain in self.strains() {
-            TEST.require(&*key, strain, (-0.02..=0.02).contains(&strain), "it must be -0.02 to 0.02")?;
-            let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
-            let why = "it must be 0, or 1e-12 at least: single precision carries no less";
-            TEST.require(&*key, strain, is_seen, why)?;
+            unfit_strain(strain).map_or(Ok(()), |why| Err(TEST.error(key, strain, why)))?;
         }
-        let Self::Through(rows) = self else { return Ok(()) };
-        let times: Vec<f64> = std::iter::once(0.0).chain(rows.iter().map(|row| row[0])).collect();
-        let why = "times must be finite, above 0 and ascend; the strain is 0 at the time 0";
-        let is_ascending = |pair: &[f64]| pair[0] < pair[1] && pair[1].is_finite();
-        let wrong = times.windows(2).find(|pair| !is_ascending(pair)).map(|pair| pair[1]);
-        wrong.map_or(Ok(()), |time| Err(TEST.error(&*key, time, why)))?;
+        let rows = match self {
+            Self::To(_) => return Ok(()),
+            Self::Table(name) => {
+                return Err(TEST.error(key, name, "only a TEST.toml and Python read a table; give the rows"));
+            }
+            Self::Through(rows) => rows,
+        };
+        let mut before = 0.0;
+        for &[time, _] in rows {
+            unfit_time(before, time).map_or(Ok(()), |why| Err(TEST.error(key, time, why)))?;
+            before = time;
+        }
         TEST.require(key, "[]", !rows.is_empty(), "give at least one row of a time and a strain")
     }
+}
+
+/// The reason why no phase has this strain.
+pub(super) fn unfit_strain(strain: f64) -> Option<&'static str> {
+    let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
+    match (-0.02..=0.02).contains(&strain) {
+        false => Some("it must be -0.02 to 0.02"),
+        true if is_seen => None,
+        true => Some("it must be 0, or 1e-12 at least: single precision carries no less"),
+    }
+}
+
+/// The reason why this time of a row cannot follow the time `before`.
+pub(super) fn unfit_time(before: f64, time: f64) -> Option<&'static str> {
+    let is_later = before < time && time.is_finite();
+    (!is_later).then_some("times must be finite, above 0 and ascend; the strain is 0 at the time 0")
 }
 
 /// Value at `x` of the curve from (0, 0) through `rows`, without overshoot and with level ends (Fritsch and Butland 1984).
@@ -134,60 +179,96 @@ fn through(rows: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * s * s * (3.0 - 2.0 * s) + h * s * (1.0 - s) * bent
 }
 
+/// Courses by the numbers of phases, as they were given; 3 is no phase of a mesh.
+type Zone<'a> = [Option<&'a Course>; PHASES];
+const PHASE_KEYS: [&str; PHASES] = ["mortar", "itz", "aggregate", "", "fibre"];
+
 impl Expansion {
-    /// Courses by the numbers of phases.
-    fn courses(&self) -> [(&'static str, Option<&Course>); 5] {
-        let itz = self.itz.as_ref().unwrap_or(&self.mortar);
-        [
-            ("mortar", Some(&self.mortar)),
-            ("itz", Some(itz)),
-            ("aggregate", Some(&self.aggregate)),
-            ("", None),
-            ("fibre", Some(&self.fibre)),
-        ]
+    /// Courses in the layer or the whole specimen, then below the layer.
+    fn zones(&self) -> [Zone<'_>; 2] {
+        let own = [Some(&self.mortar), self.itz.as_ref(), Some(&self.aggregate), None, Some(&self.fibre)];
+        let below = self.below.as_ref().map_or([None; PHASES], |Below { mortar, itz, aggregate, fibre }| {
+            [Some(mortar), itz.as_ref(), Some(aggregate), None, Some(fibre)]
+        });
+        [own, below]
     }
 
-    /// Strains by the numbers of phases at shares of the time and of the growth that are over; 3 is no phase of a mesh.
-    pub(crate) fn at(&self, past: f64, share: f64) -> [f64; 5] {
-        let courses = self.courses();
-        let end = courses.iter().filter_map(|(_, course)| *course).map(Course::end).fold(0.0, f64::max);
-        courses.map(|(_, course)| course.map_or(0.0, |course| course.at(past * end, share)))
+    /// All courses that were given, with their keys.
+    pub(super) fn courses_mut(&mut self) -> Vec<(&'static str, &mut Course)> {
+        let mut all = vec![
+            ("expansion.mortar", &mut self.mortar),
+            ("expansion.aggregate", &mut self.aggregate),
+            ("expansion.fibre", &mut self.fibre),
+        ];
+        all.extend(self.itz.as_mut().map(|itz| ("expansion.itz", itz)));
+        if let Some(Below { mortar, itz, aggregate, fibre }) = &mut self.below {
+            all.extend([
+                ("expansion.below.mortar", mortar),
+                ("expansion.below.aggregate", aggregate),
+                ("expansion.below.fibre", fibre),
+            ]);
+            all.extend(itz.as_mut().map(|itz| ("expansion.below.itz", itz)));
+        }
+        all
+    }
+
+    /// All courses that were given.
+    fn courses(&self) -> impl Iterator<Item = &Course> {
+        self.zones().into_iter().flatten().flatten()
+    }
+
+    /// Strains of the phases in the layer, then below it, at shares of the time and of the growth that are over.
+    pub(crate) fn at(&self, past: f64, share: f64) -> [f64; STRAINS] {
+        let time = past * self.courses().map(Course::end).fold(0.0, f64::max);
+        // The ITZ follows the mortar unless it has its own course.
+        let zones = self.zones().map(|[mortar, itz, rest @ ..]| [mortar, itz.or(mortar), rest[0], rest[1], rest[2]]);
+        let course = |number: usize| zones[number / PHASES][number % PHASES];
+        std::array::from_fn(|number| course(number).map_or(0.0, |course| course.at(time, share)))
+    }
+
+    /// Strains of the phases at the end, in the layer or the whole specimen.
+    pub(crate) fn at_end(&self) -> [f64; PHASES] {
+        let [mortar, itz, aggregate, none, fibre, ..] = self.at(1.0, 1.0);
+        [mortar, itz, aggregate, none, fibre]
     }
 
     /// The largest strain of any phase at any time.
     pub(crate) fn most(&self) -> f64 {
-        let strains = self.courses().into_iter().filter_map(|(_, course)| course).flat_map(Course::strains);
-        strains.fold(0.0, |most, strain| most.max(strain.abs()))
+        self.courses().flat_map(Course::strains).fold(0.0, |most, strain| most.max(strain.abs()))
     }
 
     /// Whether all strains grow together in the whole specimen.
     pub(crate) fn is_plain(&self) -> bool {
-        self.layer_mm.is_none() && self.courses().iter().all(|(_, course)| !matches!(course, Some(Course::Through(_))))
+        self.layer_mm.is_none() && self.courses().all(|course| matches!(course, Course::To(_)))
     }
 
     /// Checks every value against its range.
     pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
-        for (phase, course) in self.courses() {
-            course.map_or(Ok(()), |course| course.validate(phase))?;
-        }
+        self.clone().courses_mut().into_iter().try_for_each(|(key, course)| course.validate(key))?;
         let depth = self.layer_mm.unwrap_or(1.0);
         TEST.require("expansion.layer_mm", depth, (1e-3..=WIDEST_MM).contains(&depth), "it must be 1e-3 to 1e4")?;
         let has_layer = self.layer_mm.is_some() || self.layer_on.is_empty();
         let why = "sides have a layer only with layer_mm, its depth; give that, too";
-        TEST.require("expansion.layer_on", self.layer_on.len(), has_layer, why)
+        TEST.require("expansion.layer_on", self.layer_on.len(), has_layer, why)?;
+        let has_layer = self.layer_mm.is_some() || self.below.is_none();
+        let why = "strains lie below a layer only with layer_mm, its depth; give that, too";
+        TEST.require("expansion.below", self.words(), has_layer, why)
     }
 
     /// Its strains that are not 0, with their phases.
     pub fn words(&self) -> String {
-        let itz = ("itz", self.itz.as_ref());
-        let of = self.courses().map(|(phase, course)| if phase == "itz" { itz } else { (phase, course) });
-        let parts: Vec<String> =
-            of.into_iter().filter_map(|(phase, course)| Some(format!("{phase} {}", course?.words()?))).collect();
+        let [own, below] = self.zones().map(|zone| {
+            let part = |(phase, course): (&str, Option<&Course>)| Some(format!("{phase} {}", course?.words()?));
+            PHASE_KEYS.into_iter().zip(zone).filter_map(part).collect::<Vec<_>>().join(", ")
+        });
         let layer = self.layer_mm.map(|depth| format!(" in a layer of {depth} mm")).unwrap_or_default();
-        if parts.is_empty() { "0".to_owned() } else { parts.join(", ") + &layer }
+        let own = (!own.is_empty()).then_some(own + &layer);
+        let below = (!below.is_empty()).then(|| format!("{below} below the layer"));
+        let all: Vec<String> = own.into_iter().chain(below).collect();
+        if all.is_empty() { "0".to_owned() } else { all.join(", ") }
     }
 
-    /// By cell of the mesh, whether it lies below the layer that has the strains; empty where there is no layer.
+    /// By cell of the mesh, whether it lies below the layer; empty where there is no layer.
     ///
     /// # Errors
     /// A layer without a cell.
@@ -252,12 +333,23 @@ mod tests {
             mortar: Course::Through(vec![[30.0, -2e-4]]),
             aggregate: Course::Through(vec![[60.0, 1e-4], [120.0, 3e-4]]),
             fibre: 1e-5.into(),
+            layer_mm: Some(2.0),
+            below: Some(Below {
+                itz: Some(2e-5.into()),
+                aggregate: Course::Through(vec![[240.0, 4e-4]]),
+                ..Below::default()
+            }),
             ..Expansion::default()
         };
-        assert_eq!(expansion.at(0.0, 0.0), [0.0; 5]);
-        assert_eq!(expansion.at(0.25, 0.5), [-2e-4, -2e-4, through(&[[60.0, 1e-4], [120.0, 3e-4]], 30.0), 0.0, 5e-6]);
-        assert_eq!(expansion.at(1.0, 1.0), [-2e-4, -2e-4, 3e-4, 0.0, 1e-5]);
-        assert_eq!(expansion.words(), "mortar -2e-4 at 30 in 1 rows, aggregate 3e-4 at 120 in 2 rows, fibre 1e-5");
+        let of_aggregate = |time: f64| through(&[[60.0, 1e-4], [120.0, 3e-4]], time);
+        assert_eq!(expansion.at(0.0, 0.0), [0.0; STRAINS]);
+        let at = expansion.at(0.125, 0.5);
+        assert_eq!(at[..PHASES], [-2e-4, -2e-4, of_aggregate(30.0), 0.0, 5e-6]);
+        assert_eq!(at[PHASES..], [0.0, 1e-5, through(&[[240.0, 4e-4]], 30.0), 0.0, 0.0]);
+        assert_eq!(expansion.at(1.0, 1.0), [-2e-4, -2e-4, 3e-4, 0.0, 1e-5, 0.0, 2e-5, 4e-4, 0.0, 0.0]);
+        let words = "mortar -2e-4 at 30 in 1 rows, aggregate 3e-4 at 120 in 2 rows, fibre 1e-5 in a layer of 2 mm, \
+                     itz 2e-5, aggregate 4e-4 at 240 in 1 rows below the layer";
+        assert_eq!(expansion.words(), words);
     }
 
     #[test]
@@ -273,6 +365,16 @@ mod tests {
             (rows(&[[f64::INFINITY, 1e-4]]), "times must be finite"),
             (Expansion { layer_mm: Some(0.0), ..of(1e-4.into()) }, "test.expansion.layer_mm is 0"),
             (Expansion { layer_on: vec![Side::ZMax], ..of(1e-4.into()) }, "only with layer_mm"),
+            (Expansion { below: Some(Below::default()), ..of(1e-4.into()) }, "test.expansion.below is"),
+            (
+                Expansion {
+                    layer_mm: Some(1.0),
+                    below: Some(Below { aggregate: 0.03.into(), ..Below::default() }),
+                    ..of(0.0.into())
+                },
+                "test.expansion.below.aggregate is 0.03",
+            ),
+            (of(Course::Table("dry.csv".to_owned())), "test.expansion.mortar is dry.csv; only a TEST.toml"),
         ] {
             let error = expansion.validate().unwrap_err().to_string();
             assert!(error.contains(text), "{error}");

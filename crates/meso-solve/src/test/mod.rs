@@ -1,13 +1,13 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
 mod expansion;
-mod history;
 pub(crate) mod load;
 pub(crate) mod named;
 mod recipes;
 mod setup;
+mod tables;
 
-pub use expansion::{Course, Expansion};
+pub use expansion::{Below, Course, Expansion};
 pub use load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 pub use setup::Setup;
 pub(crate) use setup::word;
@@ -417,7 +417,7 @@ impl Test {
         }
         self.expansion.as_ref().map_or(Ok(()), Expansion::validate)?;
         if let Some(name) = &self.history {
-            let why = "only a TEST.toml has it, and then no turns; give the turns themselves";
+            let why = "only a TEST.toml and Python read a table, and have no turns then; give the turns";
             return Err(TEST.error("history", name, why));
         }
         self.supports.iter().try_for_each(SupportSpec::validate)?;

@@ -65,8 +65,9 @@ fn turns(strain: f64) -> String {
 const STRAINS: &str = "
 [expansion]
 aggregate = 1e-4            # linear strains; shrinkage is negative
-mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90, -4e-4]]
+mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90, -4e-4]]; or a table: \"drying.csv\"
 # layer_mm = 2.0            # only so deep below the surface; layer_on = [\"z-max\"]: only on these sides
+# below = { aggregate = 1e-4 }   # strains below the layer; absent, there are none
 ";
 
 /// Options that every test has.

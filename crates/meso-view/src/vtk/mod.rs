@@ -131,7 +131,12 @@ pub struct Grid<'a> {
 
 impl Grid<'_> {
     /// Writes the whole file.
-    pub fn write(&self, encoding: Encoding, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, encoding: Encoding, mut out: impl Write) -> io::Result<()> {
+        self.write_to(encoding, &mut out)
+    }
+
+    /// Writes the whole file; compiled once, here.
+    fn write_to(&self, encoding: Encoding, out: &mut dyn Write) -> io::Result<()> {
         let mut out = BufWriter::with_capacity(CHUNK, out);
         match encoding {
             Encoding::Raw => {

@@ -21,7 +21,12 @@ use std::io::{self, BufWriter, Write};
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: impl Write) -> io::Result<()> {
+pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, mut out: impl Write) -> io::Result<()> {
+    write_to(model, statistics, mesh, &mut out)
+}
+
+/// Writes the page; compiled once, here.
+fn write_to(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(model, &mut out)?;
     tables::outcome(model, &mut out)?;

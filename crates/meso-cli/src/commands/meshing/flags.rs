@@ -1,9 +1,10 @@
 //! Flags of a mesh and of its deck, as users type them.
 
 use super::errors::wrong_mesh;
-use crate::commands::solve::{self, is_toml};
-use crate::commands::{names, values};
+use crate::commands::names::{self, FileOr};
+use crate::commands::{solve, values};
 use crate::failure::Failure;
+use clap::builder::TypedValueParser;
 use meso_core::export::abaqus::{Analysis, Loading};
 use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Purpose, Volumes};
@@ -160,11 +161,11 @@ pub(crate) struct DeckFlags {
     /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
     #[arg(long, hide_short_help = true)]
     pub(super) periodic_equations: bool,
-    #[arg(long, value_name = "NAME|TEST.toml", default_value = "none", value_parser = AnalysisText::read)]
+    #[arg(long, value_name = "NAME|TEST.toml", default_value = "none", value_parser = analysis_parser())]
     #[arg(help = format!(
         "Analysis of the deck; any but none meshes, and packs, for a test: {}; in an .inp also a TEST.toml, or {}",
         names::list::<Analysis>(),
-        tests()
+        tests().join(", ")
     ))]
     pub(super) analysis: AnalysisText,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
@@ -210,25 +211,20 @@ pub(super) enum AnalysisText {
 }
 
 /// Names of the tests that are no analysis.
-fn tests() -> String {
-    let all = names::list::<TestKind>();
-    let others = all.split(", ").filter(|name| names::read::<Analysis>(name).is_err());
-    others.collect::<Vec<_>>().join(", ")
+fn tests() -> Vec<&'static str> {
+    let is_other = |name: &&str| names::read::<Analysis>(name).is_err();
+    names::all::<TestKind>().iter().copied().filter(is_other).collect()
+}
+
+/// Parser of an analysis.
+fn analysis_parser() -> impl TypedValueParser<Value = AnalysisText> {
+    let read =
+        |name: &str| names::read(name).map(AnalysisText::Named).or_else(|_| names::read(name).map(AnalysisText::Test));
+    let name = names::parser_of([names::all::<Analysis>(), &tests()[..]].concat(), read);
+    FileOr { file: |path| AnalysisText::File(path, Box::default()), name }
 }
 
 impl AnalysisText {
-    fn read(text: &str) -> Result<Self, String> {
-        let path = PathBuf::from(text);
-        if is_toml(&path) {
-            return Ok(Self::File(path, Box::default()));
-        }
-        let test = |_| names::read(text).map(Self::Test);
-        let named = names::read(text).map(Self::Named).or_else(test);
-        named.map_err(|_: String| {
-            format!("it must be one of {}, {}, or a TEST.toml", names::list::<Analysis>(), tests())
-        })
-    }
-
     /// The word that gives it again.
     pub(super) fn word(&self) -> String {
         match self {

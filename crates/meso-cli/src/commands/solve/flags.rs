@@ -1,13 +1,12 @@
 //! Flags of `mesocrete solve`.
 
 use crate::commands::meshing::MeshFlags;
+use crate::commands::names::{self, FileOr};
 use crate::commands::shared::{Threads, Writing};
-use crate::commands::{names, values};
+use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;
-use clap::{Arg, Command};
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -18,7 +17,7 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
-    #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = TestParser)]
+    #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = test_parser())]
     #[arg(help = format!("The test: {}; or a file of its supports, loads, turns and gauges, see `mesocrete init --test`", names::list::<TestKind>()))]
     pub(super) test: TestText,
     #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
@@ -102,20 +101,9 @@ pub(super) enum TestText {
     Tree(Box<Test>),
 }
 
-/// Parser of a test: a file by its ending, else a name. A wrong name gets the tip of clap.
-#[derive(Clone, Copy, Debug)]
-struct TestParser;
-
-impl TypedValueParser for TestParser {
-    type Value = TestText;
-
-    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<TestText, clap::Error> {
-        let path = Path::new(value);
-        if is_toml(path) {
-            return Ok(TestText::File(path.to_owned()));
-        }
-        names::parser::<TestKind>().map(TestText::Named).parse_ref(command, arg, value)
-    }
+/// Parser of a test.
+fn test_parser() -> impl TypedValueParser<Value = TestText> {
+    FileOr { file: TestText::File, name: names::parser::<TestKind>().map(TestText::Named) }
 }
 
 /// Whether a file is described by its ending: a spec, or a test.

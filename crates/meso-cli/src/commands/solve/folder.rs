@@ -73,9 +73,6 @@ pub(super) struct Note {
     frames: Vec<Written>,
     /// The moments that the page shows.
     taken: Taken,
-    /// Names of hidden files that stay where the run is killed.
-    #[serde(default)]
-    hidden: Vec<String>,
 }
 
 impl Folder {
@@ -104,6 +101,10 @@ impl Folder {
         for name in ResultFile::ALL.map(|file| file.name().to_owned()).into_iter().chain(folder.frames_there()?) {
             folder.target(&name)?;
         }
+        if resumes {
+            // The lock says that the run which left these is dead.
+            remove(folder.there(whole::is_unfinished)?.into_iter().map(|name| path.join(name)))?;
+        }
         let room = Target::File { shown: path.to_owned(), path: path.join("room") };
         folder.reserve.fill(&room, false, |out| out.write_all(&vec![0; ROOM]))?;
         Ok(folder)
@@ -111,10 +112,15 @@ impl Folder {
 
     /// Frames' files that are there.
     fn frames_there(&self) -> Result<Vec<String>, Failure> {
+        self.there(|name| Moment::number_of(name).is_some())
+    }
+
+    /// Files of one kind that are there.
+    fn there(&self, is_of_kind: impl Fn(&str) -> bool) -> Result<Vec<String>, Failure> {
         let fail = |error| Failure::file(&self.path, &error);
         let entries = std::fs::read_dir(&self.path).map_err(fail)?.collect::<Result<Vec<_>, _>>().map_err(fail)?;
         let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
-        Ok(names.filter(|name| Moment::number_of(name).is_some()).collect())
+        Ok(names.filter(|name| is_of_kind(name)).collect())
     }
 
     fn target(&self, name: &str) -> Result<Target, Failure> {
@@ -144,10 +150,6 @@ impl Folder {
     /// and its frames with it.
     pub(super) fn go_on(&mut self, written: Note, is_new: bool) -> Result<(), Failure> {
         (self.frames, self.taken) = (written.frames, written.taken);
-        // The lock says that the run which had these is dead.
-        for name in written.hidden.iter().filter(|name| whole::is_unfinished(name)) {
-            let _ = std::fs::remove_file(self.path.join(name));
-        }
         let checkpoint = self.path.join(CHECKPOINT);
         if !is_new || !checkpoint.exists() {
             return Ok(());
@@ -199,8 +201,7 @@ impl Folder {
     /// Writes the checkpoint: whole, or the one before it stays.
     pub(super) fn keep(&mut self, run: &Run) -> Result<(), Failure> {
         let target = Target::new(&self.path.join(CHECKPOINT), true)?;
-        let hidden = self.reserve.hidden();
-        let note = Note { frames: self.frames.clone(), taken: self.taken.clone(), hidden };
+        let note = Note { frames: self.frames.clone(), taken: self.taken.clone() };
         let note = serde_json::to_vec(&note).map_err(|error| Failure::Run(error.to_string()))?;
         let mut unit = Unit::default();
         unit.fill(&target, true, |out| run.save(&note, out))?;

@@ -8,4 +8,4 @@ mod watch;
 
 pub(crate) use flags::{Args, is_toml};
 pub(crate) use run::run;
-pub(crate) use settings::{deck_of_file, take_history};
+pub(crate) use settings::{deck_of_file, tables, take_tables};

@@ -10,7 +10,7 @@ use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
-use meso_core::spec::{Files as _, options_from_toml, options_from_value};
+use meso_core::spec::{options_from_toml, options_from_value};
 use meso_core::{Spec, SpecError};
 use meso_files::Beside;
 use meso_solve::results::{Moment, ResultFile};
@@ -208,17 +208,14 @@ impl Args {
 
 /// The test of a TEST.toml.
 fn of_file(path: &Path) -> Result<Test, Failure> {
-    with_history(inputs::toml(path, options_from_toml)?, path)
+    with_tables(inputs::toml(path, options_from_toml)?, path)
 }
 
-/// The test of the file at `path`, with the table of its history, which lies beside it.
-fn with_history(mut test: Test, path: &Path) -> Result<Test, Failure> {
+/// The test of the file at `path`, with its tables, which lie beside it.
+fn with_tables(mut test: Test, path: &Path) -> Result<Test, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let read = |name: &str| {
-        let bytes = Beside(folder).read(name).map_err(|error| error.to_string())?;
-        String::from_utf8(bytes).map_err(|_| "it is not UTF-8; save it as plain text".to_owned())
-    };
-    test.take_history(read).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    let taken = test.take_tables(|name| Beside(folder).text(name));
+    taken.map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
     Ok(test)
 }
 
@@ -230,21 +227,30 @@ pub(crate) fn deck_of_file(path: &Path) -> Result<Test, Failure> {
         let why = "a deck's plates keep their speed; take \"steady\", or leave it out";
         return Err(Failure::Usage(format!("{}: test.control is servo; {why}", path.display())));
     }
-    with_history(test, path)
+    with_tables(test, path)
 }
 
-/// Replaces the history in the tree of the TEST.toml at `path` by its turns.
-pub(crate) fn take_history(tree: &mut Value, path: &Path) -> Result<(), Failure> {
-    if tree.get("history").is_none() {
+/// Replaces the names of tables in the tree of the TEST.toml at `path` by their turns and courses.
+pub(crate) fn take_tables(tree: &mut Value, path: &Path) -> Result<(), Failure> {
+    if tables(path)?.is_empty() {
         return Ok(());
     }
-    let turns = of_file(path)?.turns;
+    let Test { turns, expansion, .. } = of_file(path)?;
+    let value = |taken: serde_json::Result<Value>| taken.map_err(|error| Failure::Run(error.to_string()));
     if let Value::Object(keys) = tree {
-        keys.remove("history");
-        let turns = serde_json::to_value(turns).map_err(|error| Failure::Run(error.to_string()))?;
-        keys.insert("turns".to_owned(), turns);
+        if keys.remove("history").is_some() {
+            keys.insert("turns".to_owned(), value(serde_json::to_value(turns))?);
+        }
+        if let Some(own) = keys.get_mut("expansion") {
+            *own = value(serde_json::to_value(expansion))?;
+        }
     }
     Ok(())
+}
+
+/// Tables that the TEST.toml at `path` names; they lie beside it.
+pub(crate) fn tables(path: &Path) -> Result<Vec<String>, Failure> {
+    Ok(inputs::toml::<Test>(path, options_from_toml)?.tables())
 }
 
 /// Keys of a TEST.toml that have no flag.

@@ -190,7 +190,7 @@ fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
         Value::String(name) => {
             let file = beside(path, &name);
             let mut tree: Value = inputs::toml(&file, options_from_toml)?;
-            solve::take_history(&mut tree, &file)?;
+            solve::take_tables(&mut tree, &file)?;
             Ok(tree)
         }
         Value::Object(_) => Ok(test),
@@ -202,12 +202,14 @@ fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
 }
 
 impl Completing<'_> {
-    /// Hash of a flag's file, and of the table that a TEST.toml names.
+    /// Hash of a flag's file, and of the tables that a TEST.toml names.
     fn hash_whole(&mut self, flag: &str, file: &str) -> Result<String, String> {
-        let own = self.hash(Path::new(file))?;
-        let Some(table) = flag_files::history(flag, &beside(self.study, file)) else { return Ok(own) };
-        let table = Path::new(file).parent().unwrap_or(Path::new("")).join(table);
-        Ok(format!("{own}+{}", self.hash(&table)?))
+        let mut hashes = vec![self.hash(Path::new(file))?];
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        for table in flag_files::tables(flag, &beside(self.study, file)) {
+            hashes.push(self.hash(&folder.join(table))?);
+        }
+        Ok(hashes.join("+"))
     }
 
     fn hash(&mut self, file: &Path) -> Result<String, String> {

@@ -1,8 +1,6 @@
 //! Files that the flags of a study's steps name: each lies beside the study, and its content is part of the case.
 
 use crate::commands::solve;
-use crate::inputs;
-use meso_core::spec::options_from_toml;
 use serde_json::Value;
 use std::path::Path;
 
@@ -25,11 +23,10 @@ pub(super) fn is_file(flag: &str, value: &str) -> bool {
     }
 }
 
-/// The table of turns that a TEST.toml names beside itself; a file that cannot be read has none here, and fails later.
-pub(super) fn history(flag: &str, file: &Path) -> Option<String> {
+/// The tables that a TEST.toml names beside itself; a file that cannot be read has none here, and fails later.
+pub(super) fn tables(flag: &str, file: &Path) -> Vec<String> {
     let is_test = matches!(flag, "test" | "analysis");
-    let tree: Value = is_test.then(|| inputs::toml(file, options_from_toml).ok()).flatten()?;
-    tree.get("history")?.as_str().map(str::to_owned)
+    if is_test { solve::tables(file).unwrap_or_default() } else { Vec::new() }
 }
 
 /// The key of a task with the hash of a flag's file.

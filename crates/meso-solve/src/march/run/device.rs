@@ -6,7 +6,7 @@
 pub use crate::march::nodes::SPAN;
 pub use crate::march::supports::contact::Moved;
 pub use meso_element::block::matter::LawTask;
-pub use meso_element::block::spent;
+pub use meso_element::block::{STRAINS, spent};
 pub use meso_element::face::{Cohesion, CohesionValues};
 
 use super::{Run, Since, State};
@@ -42,7 +42,7 @@ pub trait Device: Send + Sync {
     ///
     /// # Errors
     /// Says why the device failed.
-    fn step(&mut self, supports: &[Moved], free: [f64; 6]) -> Result<StepSums<'_>, String>;
+    fn step(&mut self, supports: &[Moved], free: [f64; 1 + STRAINS]) -> Result<StepSums<'_>, String>;
 
     /// Takes up to `most` steps, at least one. It ends after the first step with which the test is over, a row or a frame is due,
     /// or the energies are not sound. Only [plain](Upload::is_plain) tests ask for it.

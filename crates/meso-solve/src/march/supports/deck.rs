@@ -57,7 +57,7 @@ impl Test {
             presses: way(true) - way(false) <= 0.0,
             supports,
             pressures,
-            strains: self.expansion().map(|expansion| expansion.at(1.0, 1.0)),
+            strains: self.expansion().map(|expansion| expansion.at_end()),
             path_mm,
             axis: plan.axis,
             length_mm: plan.length_mm,

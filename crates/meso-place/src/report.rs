@@ -1,0 +1,366 @@
+//! The report of a packing run: fractions, stop reason, counters.
+
+use super::{GrainTally, PackingTarget, Placed};
+use meso_collision::gjk::Counters;
+use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
+use meso_concrete::specimen::Specimen;
+use serde::{Deserialize, Serialize};
+
+/// The figures of one run: the keys of `--summary-json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Version of mesocrete.
+    pub version: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Asked volume fraction of the aggregates, 0 to 1.
+    pub target_fraction: f64,
+    /// Reached volume fraction.
+    pub fraction: f64,
+    /// Aggregates placed.
+    pub aggregates: usize,
+    /// Aggregates taken but not placed.
+    pub discarded: usize,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The curve behind the classes, e.g. `fuller, normalised, n = 0.5`.
+    pub grading: String,
+    /// The strategy that placed.
+    pub strategy: String,
+    /// Per size class, from the finest.
+    pub classes: Vec<ClassReport>,
+    /// Voids and fibres, where the spec asks for some.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<PhaseReport>,
+    /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
+    pub itz_limited: Vec<u32>,
+    /// The label volume that the aggregates come from, where they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<LabelReport>,
+    /// Why the placement ended.
+    pub stop_reason: StopReason,
+    /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
+    pub stop_detail: String,
+    /// Wall-clock seconds by stage; zero in a loaded model.
+    #[serde(default)]
+    pub seconds: Seconds,
+    /// Counters of each stage.
+    #[serde(default)]
+    pub work: Work,
+}
+
+/// A label volume whose grains the aggregates are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LabelReport {
+    /// Voxels along x, y, z.
+    pub voxels: [usize; 3],
+    /// Edges of a voxel along x, y, z, mm.
+    pub voxel_size_mm: [f64; 3],
+    /// Share of the voxels that the aggregates had, to compare with their fraction.
+    pub fraction: f64,
+    /// Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured.
+    pub farthest_mm: f64,
+    /// Pairs of grains that share a face in the labels, and are apart in the model.
+    pub separated_pairs: usize,
+    /// Grains dropped as too small.
+    pub dropped: usize,
+    /// Share of the voxels that they had.
+    pub dropped_fraction: f64,
+    /// Label of every aggregate, by id.
+    pub labels: Vec<i64>,
+}
+
+/// Kind and volume of the specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenReport {
+    /// As in the spec.
+    pub kind: String,
+    /// Volume of the specimen, mm3.
+    pub volume_mm3: f64,
+    /// Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its
+    /// coordinates plus these are those of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin_mm: Option<[f64; 3]>,
+}
+
+impl Report {
+    /// Relative error of the class that is furthest from its target; `None` without classes.
+    pub fn worst_class(&self) -> Option<f64> {
+        let asked = self.classes.iter().filter(|class| class.target_fraction > 0.0);
+        asked.map(|class| class.fraction / class.target_fraction - 1.0).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+}
+
+impl SpecimenReport {
+    /// The entry of a specimen.
+    pub fn new(specimen: &Specimen) -> Self {
+        Self { kind: specimen.kind().to_owned(), volume_mm3: specimen.volume(), origin_mm: specimen.origin() }
+    }
+}
+
+/// Asked and reached volume of one class, over the specimen's volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassReport {
+    /// Lower limit, mm.
+    pub d_min_mm: f64,
+    /// Upper limit, mm.
+    pub d_max_mm: f64,
+    /// Fraction of the specimen asked for.
+    pub target_fraction: f64,
+    /// Fraction of the specimen reached.
+    pub fraction: f64,
+    /// Number of aggregates.
+    pub aggregates: usize,
+}
+
+/// Asked and reached volume of a further phase, over the specimen's volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhaseReport {
+    /// Voids or fibres.
+    pub phase: Kind,
+    /// Fraction of the specimen asked for.
+    pub target_fraction: f64,
+    /// Fraction of the specimen reached.
+    pub fraction: f64,
+    /// Volume of the bodies, mm3.
+    pub volume_mm3: f64,
+    /// Number of bodies.
+    pub bodies: usize,
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// Fraction and grading as asked.
+    TargetReached,
+    /// Aggregates found no place within their attempts.
+    AttemptsExhausted,
+    /// The rearrangement stopped falling.
+    Jammed,
+    /// `--time-limit` came first.
+    TimeLimit,
+    /// The user stopped it.
+    Interrupted,
+}
+
+/// Wall-clock seconds by stage. The core reads no clock: its callers fill these in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Seconds {
+    /// Whole run.
+    pub total: f64,
+    /// Generating the grains.
+    pub take: f64,
+    /// Placing the grains.
+    pub place: f64,
+    /// Writing files.
+    pub write: f64,
+}
+
+/// Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Work {
+    /// Candidate positions tried.
+    pub candidates: u64,
+    /// Pairs the broad phase named.
+    pub pairs_broad: u64,
+    /// Pairs left after the bounding spheres.
+    pub pairs_sphere: u64,
+    /// Pairs left after the ellipsoid axis.
+    pub pairs_axis: u64,
+    /// Pairs put to GJK.
+    pub gjk_calls: u64,
+    /// Pairs put to exact arithmetic.
+    pub exact_calls: u64,
+    /// Sweeps of the rearrangement.
+    pub sweeps: u64,
+}
+
+/// A class counts as reached within this share of its target, or within one of its own grains.
+const REACHED: f64 = 0.002;
+
+/// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
+pub fn report(
+    target: &PackingTarget,
+    tally: &GrainTally,
+    outcome: &Placed,
+    (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
+    seconds: Seconds,
+) -> Report {
+    let specimen = SpecimenReport::new(target.specimen);
+    let classes = ClassReport::all(target.grading, target.fraction, aggregates, specimen.volume_mm3);
+    let phases = PhaseReport::all(&target.inclusions, inclusions, specimen.volume_mm3);
+    let largest: Vec<f64> = tally.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
+    let (of_classes, of_phases) = largest.split_at(classes.len());
+    // When the take was complete, a class without grains asked for less than half of its smallest grain.
+    let (some, none): (Vec<_>, Vec<_>) =
+        classes.iter().zip(of_classes).partition(|(_, largest)| outcome.stop.is_some() || **largest > 0.0);
+    let too_small: Vec<String> = none.iter().map(|(class, _)| class.too_small()).collect();
+    let short_classes = some.into_iter().filter_map(|(class, largest)| class.lack(*largest));
+    let largest_of = |phase: &PhaseReport| of_phases[usize::from(phase.phase == Kind::Fibre)];
+    let short: Vec<String> =
+        short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
+    let too_large =
+        (outcome.too_large > 0).then(|| format!("{} grains are too large for the specimen", outcome.too_large));
+    let cut_short = (!tally.complete)
+        .then(|| format!("stopped when {} aggregates were made, before all grains were", tally.aggregates));
+    let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).chain(cut_short).collect();
+    let fraction = classes.iter().map(|class| class.fraction).sum();
+    Report {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: target.seed,
+        target_fraction: target.fraction,
+        fraction,
+        aggregates: aggregates.len(),
+        discarded: tally.aggregates - aggregates.len(),
+        specimen,
+        grading: target.grading.describe(),
+        strategy: outcome.strategy.into(),
+        itz_limited: tally.itz_limited.clone(),
+        labels: None,
+        stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
+            StopReason::TargetReached
+        } else {
+            outcome.dead_end
+        }),
+        stop_detail: detail(target.fraction, &classes, &notes),
+        classes,
+        phases,
+        seconds,
+        work: outcome.work,
+    }
+}
+
+/// Value in a report for a figure that its file does not hold.
+pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
+
+impl Report {
+    /// The figures that follow from the bodies of a model; others are not recorded.
+    pub fn of_bodies(target: &PackingTarget, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Self {
+        let volume = target.specimen.volume();
+        let classes = ClassReport::all(target.grading, target.fraction, aggregates, volume);
+        let fraction = classes.iter().map(|class| class.fraction).sum();
+        let reached = fraction >= target.fraction - 0.001;
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: target.seed,
+            target_fraction: target.fraction,
+            fraction,
+            aggregates: aggregates.len(),
+            discarded: 0,
+            specimen: SpecimenReport::new(target.specimen),
+            grading: NOT_RECORDED.to_owned(),
+            strategy: NOT_RECORDED.to_owned(),
+            classes,
+            phases: PhaseReport::all(&target.inclusions, inclusions, volume),
+            itz_limited: Vec::new(),
+            labels: None,
+            stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
+            stop_detail: NOT_RECORDED.to_owned(),
+            seconds: Seconds::default(),
+            work: Work::default(),
+        }
+    }
+
+    /// False where a saved model brought no report, and this one was computed from its bodies.
+    pub fn is_recorded(&self) -> bool {
+        self.strategy != NOT_RECORDED
+    }
+}
+
+impl ClassReport {
+    /// Every class of `grading`: its target at `fraction`, and the share that `aggregates` take of a specimen of
+    /// `volume_mm3`.
+    pub(crate) fn all(grading: &Grading, fraction: f64, aggregates: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+        let asked = grading.classes().into_iter().map(|class| Self {
+            d_min_mm: class.d_min_mm,
+            d_max_mm: class.d_max_mm,
+            target_fraction: class.share * fraction,
+            fraction: 0.0,
+            aggregates: 0,
+        });
+        let mut classes: Vec<Self> = asked.collect();
+        for aggregate in aggregates {
+            let class = &mut classes[usize::from(aggregate.class)];
+            class.fraction += aggregate.body.volume() / volume_mm3;
+            class.aggregates += 1;
+        }
+        classes
+    }
+
+    /// The class's shortfall in words; `largest` is the share of the specimen that its largest grain takes.
+    fn lack(&self, largest: f64) -> Option<String> {
+        let percent = lack(self.target_fraction, self.fraction, largest)?;
+        Some(format!("{}-{} mm is {percent} short", self.d_min_mm, self.d_max_mm))
+    }
+
+    fn too_small(&self) -> String {
+        format!("{}-{} mm asks for less than one aggregate", self.d_min_mm, self.d_max_mm)
+    }
+}
+
+impl PhaseReport {
+    /// Every further phase that is asked for, and the share that `bodies` take of a specimen of `volume_mm3`.
+    pub(crate) fn all(asked: &Inclusions, bodies: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+        let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
+        let phase = |(phase, target_fraction)| {
+            let own = || bodies.iter().filter(|body| body.kind == phase);
+            // An empty sum is -0.0, which would be printed.
+            let volume = own().map(|body| body.body.volume()).fold(0.0, |sum, volume| sum + volume);
+            Self { phase, target_fraction, fraction: volume / volume_mm3, volume_mm3: volume, bodies: own().count() }
+        };
+        phases.map(phase).collect()
+    }
+
+    /// Says by how much a phase fell short of its target, like [`ClassReport::lack`]; `None` where it did not.
+    fn lack(&self, largest: f64) -> Option<String> {
+        let percent = lack(self.target_fraction, self.fraction, largest)?;
+        Some(format!("{} are {percent} short", self.phase.plural()))
+    }
+}
+
+/// The shortfall of a class or phase, if it has one, in words.
+fn lack(target: f64, reached: f64, largest: f64) -> Option<String> {
+    let short = target - reached > (REACHED * target).max(largest);
+    short.then(|| format!("{:.1} %", 100.0 * (1.0 - reached / target)))
+}
+
+/// The fraction reached and the fraction asked. The classes ask for less than `target` where a raw curve omits a part
+/// of it.
+fn detail(target: f64, classes: &[ClassReport], notes: &[String]) -> String {
+    let placed: f64 = classes.iter().map(|class| class.target_fraction).sum();
+    let fraction: f64 = classes.iter().map(|class| class.fraction).sum();
+    let asked = if (placed - target).abs() < 1e-9 {
+        brief(target)
+    } else {
+        format!("the {} that the raw curve leaves of {}", brief(placed), brief(target))
+    };
+    if notes.is_empty() {
+        return format!("reached {fraction:.5} of {asked}, every class as graded");
+    }
+    format!("reached {fraction:.5} of {asked}; {}", notes.join(", "))
+}
+
+/// A fraction with at most five decimals; a mix design's has many.
+fn brief(fraction: f64) -> String {
+    let rounded = (fraction * 1e5).round() / 1e5;
+    if rounded > 0.0 { rounded.to_string() } else { format!("{fraction:e}") }
+}
+
+impl Work {
+    /// Adds the counters of collision detection.
+    pub(super) fn add(&mut self, counters: &Counters) {
+        self.pairs_broad += counters.pairs;
+        self.pairs_sphere += counters.after_spheres;
+        self.pairs_axis += counters.after_ellipsoids;
+        self.gjk_calls += counters.gjk_calls;
+        self.exact_calls += counters.exact_calls;
+    }
+}
