@@ -66,8 +66,7 @@ const STRAINS: &str = "
 [expansion]
 aggregate = 1e-4            # linear strains; shrinkage is negative
 mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90, -4e-4]]; or a table: \"drying.csv\"
-# layer_mm = 2.0            # only so deep below the surface; layer_on = [\"z-max\"]: only on these sides
-# below = { aggregate = 1e-4 }   # strains below the layer; absent, there are none
+# layer_mm = 2.0            # only so deep; layer_on = [\"z-max\"]: on these sides; below = { mortar = 1e-4 }: the rest
 ";
 
 /// Options that every test has.
