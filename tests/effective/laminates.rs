@@ -2,7 +2,6 @@
 
 use crate::bodies::{aggregate, cube, entry, phases, slabs, solve};
 use meso_core::Silent;
-use meso_core::aggregate::Aggregate;
 use meso_core::geometry::convex_hull;
 use meso_core::math::Vec3;
 use meso_core::specimen::{Periodic, Specimen};
@@ -73,7 +72,7 @@ fn laminates_at_any_angle_are_within_four_in_a_thousand() {
     }
 }
 
-/// Axes turn for the gradient between walls.
+/// Axes turn for the gradient between walls. Bodies end in both walls: at the upper one they counted as mortar, 4.7 % off.
 #[test]
 fn oblique_layers_between_walls_are_within_four_in_a_thousand() {
     for axis in 0..3 {
@@ -82,15 +81,7 @@ fn oblique_layers_between_walls_are_within_four_in_a_thousand() {
         let mut periodic = [true; 3];
         periodic[axis] = false;
         let period = SIDE / normal.norm();
-        let through_walls = |slab: &Aggregate| {
-            let stretched = slab.body.vertices().iter().map(|vertex| {
-                let mut vertex = *vertex;
-                vertex[axis] = 2.0 * vertex[axis] - SIDE / 2.0;
-                vertex
-            });
-            aggregate(convex_hull(&stretched.collect::<Vec<_>>()).unwrap(), 0.0)
-        };
-        let bodies: Vec<_> = slabs(normal, period, 0.4 * period, SIDE).iter().map(through_walls).collect();
+        let bodies = slabs(normal, period, 0.4 * period, SIDE);
         let specimen = Specimen::Cube { side_mm: SIDE, periodic: Periodic(periodic) };
         let found = solve(&bodies, &specimen, &phases(1.0, 10.0, 1.0), 0.5);
         let error = off(&found, normal, 0.4, 10.0);

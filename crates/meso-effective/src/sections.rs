@@ -4,6 +4,9 @@ use crate::grid::Grid;
 use meso_collision::geometry::Polyhedron;
 use std::ops::Range;
 
+/// Distance of a section from the plane between voxels, over their spacing: a body that ends in the plane covers it from inside.
+pub(crate) const WITHIN: f64 = 1e-9;
+
 /// A point of a section: coordinates along the two axes of its plane, mm.
 type Point = [f64; 2];
 

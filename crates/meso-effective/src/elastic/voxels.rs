@@ -6,7 +6,7 @@
 use super::laminate::{Material, VOID};
 use crate::grid::Grid;
 use crate::moduli::{Moduli, Table};
-use crate::sections::{Section, Squares};
+use crate::sections::{Section, Squares, WITHIN};
 use crate::surfaces::{Phase, Surface};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
@@ -25,8 +25,6 @@ const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 /// A smaller share of a voxel is rounding.
 const NOTHING: f64 = 1e-6;
-/// Distance of a section from the voxels' faces, over their spacing: a body that ends in a face covers it from inside.
-const WITHIN: f64 = 1e-9;
 
 impl Voxels {
     /// Voxels of one phase each.

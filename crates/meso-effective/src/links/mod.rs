@@ -24,7 +24,7 @@ pub(crate) use corners::Corners;
 pub(crate) use layers::Layer;
 
 use crate::grid::{End, Grid};
-use crate::sections::{Section, Squares};
+use crate::sections::{Section, Squares, WITHIN};
 use meso_collision::geometry::{Plane, Triangles};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
@@ -137,13 +137,16 @@ impl<'a> Planes<'a> {
         // The last plane of a period is its first one, to the last bit.
         let number =
             if self.grid.ends[self.axis] == End::Periodic { number % self.grid.counts[self.axis] } else { number };
-        let at = self.grid.origin[self.axis] + number as f64 * self.grid.spacing[self.axis];
+        let h = self.grid.spacing[self.axis];
+        let at = self.grid.origin[self.axis] + number as f64 * h;
+        // A section lies just above its plane; above the last one the specimen ends.
+        let section_at = if number == self.grid.counts[self.axis] { at - WITHIN * h } else { at };
         let mut sums = vec![Sums::default(); self.squares.counts[0] * self.squares.counts[1]];
         let mut section = Section::default();
         let mut shares = vec![0.0; sums.len()];
         for &layer in &self.by_plane[number] {
             let layer = &self.layers[layer as usize];
-            section.shares(&layer.surface, self.axis, at, &self.squares, |square, share| {
+            section.shares(&layer.surface, self.axis, section_at, &self.squares, |square, share| {
                 sums[square].value += layer.change * share;
                 sums[square].blocked += layer.blocks * share;
                 shares[square] = share;
@@ -151,7 +154,7 @@ impl<'a> Planes<'a> {
             if self.conduct && layer.blocks == 0.0 {
                 self.add_lines(layer, at, [at + link.from, at + link.to], &shares, &mut sums);
             }
-            section.shares(&layer.surface, self.axis, at, &self.squares, |square, _| shares[square] = 0.0);
+            section.shares(&layer.surface, self.axis, section_at, &self.squares, |square, _| shares[square] = 0.0);
         }
         let over = self.grid.area(self.axis) / (link.to - link.from);
         sums.iter().map(|sums| of(sums, over)).collect()
