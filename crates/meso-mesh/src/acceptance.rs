@@ -65,7 +65,7 @@ impl PhaseOff {
 
     fn of(mesh: &Mesh, parts: &Parts, options: &MeshOptions) -> Option<Self> {
         let Parts { bodies, specimen } = parts;
-        let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
+        let exact = PhaseVolumes::beside(mesh, bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
         Self::between(&PhaseVolumes::of_bodies(mesh), &exact, specimen.volume())
     }
 

@@ -12,7 +12,7 @@ use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Narr
 use super::{clip, lattice, layer, voxel};
 use crate::analysis::{add_cohesive, part_joined, restore_volumes, smear_itz, spare_stiff, split_narrow};
 use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume, drop_lone_nodes};
-use crate::figures::note_closed_gaps;
+use crate::figures::{PhaseVolumes, note_closed_gaps};
 use crate::tet::TetMesh;
 use meso_collision::geometry::Polyhedron;
 use meso_concrete::aggregate::{Aggregate, Kind};
@@ -126,11 +126,11 @@ fn cells_of(
         Method::Lattice { fit: Fit::Plain, .. } => lattice::plain(all, specimen, options),
         Method::Lattice { fit: Fit::Fitted, .. } => {
             let (mesh, notes) = lattice::fitted(all, &*specimen.container(), periodic, size);
-            with_layer(mesh, notes, all, periodic, options)
+            with_layer(mesh, notes, all, parts, options)
         }
         Method::Conforming { slabs, .. } => {
             let mesh = conforming::mesh(placed, all, specimen, size, slabs, gmsh)?;
-            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, all, periodic, options)
+            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, all, parts, options)
         }
     };
     bodies.name_bodies(&mut mesh.owner);
@@ -138,13 +138,7 @@ fn cells_of(
 }
 
 /// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
-fn with_layer(
-    mut mesh: TetMesh,
-    mut notes: Notes,
-    bodies: &[Aggregate],
-    periodic: [bool; 3],
-    options: &MeshOptions,
-) -> Mesh {
+fn with_layer(mut mesh: TetMesh, mut notes: Notes, bodies: &[Aggregate], parts: &Parts, options: &MeshOptions) -> Mesh {
     let inside = |&owner: &u32| match owner {
         NO_BODY => Phase::Mortar,
         owner => Phase::inside(bodies[owner as usize].kind),
@@ -153,12 +147,16 @@ fn with_layer(
     if options.itz == ItzForm::Solid {
         let is_lattice = options.method.name() == MethodName::Lattice;
         let onto = if is_lattice { layer::Onto::Triangles } else { layer::Onto::Faces };
-        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto);
+        let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
+        let periodic = parts.specimen.periodic().0;
+        let exact_mm3 = exact.map(|exact| exact.itz);
+        notes.cores_mm3 = exact.map(|exact| exact.aggregate);
+        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto, exact_mm3);
         notes.thinned_itz_aggregates = layer.thinned_aggregates;
         notes.thinned_itz_nodes = layer.short_nodes;
         notes.pinched_itz_nodes = layer.pinched_nodes;
         if is_lattice {
-            let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, options.element_size_mm);
+            let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, exact_mm3, options.element_size_mm);
             notes.shifted_itz_nodes = improved.shifted;
             notes.pinched_itz_nodes += improved.collapsed;
         }

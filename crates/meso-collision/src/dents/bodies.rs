@@ -25,10 +25,18 @@ impl Polyhedron {
     /// volumes is exact to 2 % of the shell.
     pub fn eroded_volume(&self, thickness: f64) -> f64 {
         let aabb = self.aabb();
-        let (round, surface) = (self.round(), self.surface());
-        let depth = |point: &Vec3| round.map_or_else(|| surface.depth(point), |round| -round.height(point));
-        let deeper = |least: f64| aabb.volume_above(EROSION_HALVINGS, |point| depth(point) - least);
-        self.volume() * (deeper(thickness) / deeper(0.0))
+        let levels = [thickness, 0.0];
+        let [core, whole] = match self.round() {
+            Some(round) => aabb.volumes_above(EROSION_HALVINGS, levels, |x, _: Option<&()>| (-round.height(x), ())),
+            None => {
+                let surface = self.surface();
+                aabb.volumes_above(EROSION_HALVINGS, levels, |x, near| {
+                    let found = surface.depth_from(x, near);
+                    (found.depth, found)
+                })
+            }
+        };
+        self.volume() * (core / whole)
     }
 
     /// Distance of two bodies, mm; 0 where they share a point.

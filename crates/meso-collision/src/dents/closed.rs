@@ -43,6 +43,25 @@ impl Triangles {
         if self.contains(point) { distance } else { -distance }
     }
 
+    /// The depth of `point` with the nearest triangle, found faster from those of a point near by.
+    pub(super) fn depth_from(&self, point: &Vec3, near: Option<&Depth>) -> Depth {
+        let guess = near.map(|near| (near.triangle, self.nearest_of(near.triangle, point).1));
+        let (triangle, distance) = self.nearest_below(point, guess).unwrap_or((0, f64::INFINITY));
+        let is_inside = match near.filter(|near| (near.point - point).norm() < near.depth.abs()) {
+            Some(near) => near.depth > 0.0,
+            None => self.is_below(triangle, point, distance).unwrap_or_else(|| self.contains(point)),
+        };
+        Depth { point: *point, triangle, depth: if is_inside { distance } else { -distance } }
+    }
+
+    /// Whether a point lies on the inner side of its nearest triangle; `None` unless it lies straight above or below it.
+    fn is_below(&self, nearest: u32, point: &Vec3, distance: f64) -> Option<bool> {
+        let [a, b, c] = self.of(nearest);
+        let normal = (b - a).cross(&(c - a));
+        let height = normal.dot(&(point - a)) / normal.norm();
+        (height.abs() > distance * STRAIGHT && distance > 0.0).then_some(height < 0.0)
+    }
+
     /// The parts of the line through (y, z) along x that lie in the body, ascending: pairs of coordinates, mm.
     pub fn row(&self, y: f64, z: f64) -> Vec<[f64; 2]> {
         let crossings = self.crossings(0, &Vec3::new(0.0, y, z), [f64::NEG_INFINITY, f64::INFINITY]);
@@ -139,6 +158,16 @@ impl Triangles {
     }
 }
 
+/// A point, its nearest triangle and its depth below that, mm.
+#[derive(Clone, Copy)]
+pub(super) struct Depth {
+    point: Vec3,
+    triangle: u32,
+    pub(super) depth: f64,
+}
+
+/// Least cosine between a normal and the way to the nearest point of a triangle that decides on the side.
+const STRAIGHT: f64 = 1.0 - 1e-9;
 /// Crossings this close to the edge of a triangle, as a share of its size, count.
 const ROUNDING_OF_AN_EXIT: f64 = 1e-9;
 /// Divisions of the box in a search for the deepest point.
@@ -147,30 +176,51 @@ const MOST_HALVINGS: usize = 7;
 const ENOUGH: f64 = 1.05;
 
 impl Aabb {
-    /// Volume of the points where `height` is positive, mm3, in the cube about this box; the height has a slope of 1.
-    ///
-    /// Cubes are halved `halvings` times where the surface may divide them. The share of the last ones follows from the
-    /// height at their middle, as if the surface were a plane across an axis.
+    /// Volume of the points where `height` is positive, mm3: see [`volumes_above`](Self::volumes_above).
     pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
+        let [volume] = self.volumes_above(halvings, [0.0], |point, _: Option<&()>| (height(point), ()));
+        volume
+    }
+
+    /// Volumes of the points where the height is above each of the `levels`, mm3, in the cube about this box. The height has a
+    /// slope of 1; `height` gives it with a note for the eight cubes within, which get it from the cube around them.
+    ///
+    /// Cubes are halved `halvings` times where a surface may divide them. The share of the last ones follows from the
+    /// height at their middle, as if the surface were a plane across an axis.
+    pub(super) fn volumes_above<const N: usize, T: Copy>(
+        &self,
+        halvings: usize,
+        levels: [f64; N],
+        height: impl Fn(&Vec3, Option<&T>) -> (f64, T),
+    ) -> [f64; N] {
         let mut half = self.size().max() / 2.0;
-        let (mut cubes, mut volume) = (vec![(self.min + self.max) / 2.0], 0.0);
+        let (mut cubes, mut volumes) = (vec![((self.min + self.max) / 2.0, [true; N], None)], [0.0; N]);
         for halving in 0..=halvings {
             let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
             let mut divided = Vec::new();
-            for middle in cubes {
-                let height = height(&middle);
-                if height >= reach {
-                    volume += whole;
-                } else if height > -reach && halving == halvings {
-                    volume += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
-                } else if height > -reach {
-                    divided.push(middle);
+            for (middle, undecided, around) in cubes {
+                let (height, note) = height(&middle, around.as_ref());
+                let mut divides = [false; N];
+                for i in (0..N).filter(|&i| undecided[i]) {
+                    let height = height - levels[i];
+                    if height >= reach {
+                        volumes[i] += whole;
+                    } else if height > -reach && halving == halvings {
+                        volumes[i] += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
+                    } else {
+                        divides[i] = height > -reach;
+                    }
+                }
+                if divides.contains(&true) {
+                    divided.push((middle, divides, Some(note)));
                 }
             }
             half /= 2.0;
-            cubes = divided.iter().flat_map(|middle| eighths(*middle, half)).collect();
+            let within =
+                |&(middle, undecided, around)| eighths(middle, half).map(move |eighth| (eighth, undecided, around));
+            cubes = divided.iter().flat_map(within).collect();
         }
-        volume
+        volumes
     }
 }
 

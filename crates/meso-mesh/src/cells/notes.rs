@@ -46,4 +46,8 @@ pub struct Notes {
     pub pinched_itz_nodes: usize,
     /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
     pub shifted_itz_nodes: usize,
+    /// Exact volume inside the shells of the solid ITZ, mm3, where a layer was made and the volume is known: sampling it
+    /// takes as long as the mesh.
+    #[serde(skip)]
+    pub cores_mm3: Option<f64>,
 }

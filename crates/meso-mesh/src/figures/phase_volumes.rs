@@ -78,17 +78,39 @@ impl PhaseVolumes {
         };
         // Summed in the aggregates' order: the same on any number of threads.
         let cores = parallel::try_map(aggregates.len(), core)?;
-        let (mut all, mut outer, mut inside, mut fibre) = (0.0, 0.0, 0.0, 0.0);
-        for (aggregate, core) in aggregates.iter().zip(cores) {
+        let of_aggregates = aggregates.iter().zip(cores).filter(|(body, _)| body.kind == Kind::Aggregate);
+        Ok(Self::with_cores(aggregates, specimen, of_aggregates.fold(0.0, |sum, (_, core)| sum + core)))
+    }
+
+    /// The exact volumes where the cores of all aggregates have `inside` mm3 together.
+    fn with_cores(aggregates: &[Aggregate], specimen: &Specimen, inside: f64) -> Self {
+        let (mut all, mut outer, mut fibre) = (0.0, 0.0, 0.0);
+        for aggregate in aggregates {
             let volume = aggregate.body.volume();
             all += volume;
             match aggregate.kind {
-                Kind::Aggregate => (outer, inside) = (outer + volume, inside + core),
+                Kind::Aggregate => outer += volume,
                 Kind::Void => {}
                 Kind::Fibre => fibre += volume,
             }
         }
-        Ok(Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre })
+        Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre }
+    }
+
+    /// The exact volumes beside a mesh of these aggregates, by [`exact`](Self::exact) unless the mesh has noted those of cores.
+    ///
+    /// # Errors
+    /// Where an aggregate's core has no trustworthy volume.
+    pub(crate) fn beside(
+        mesh: &Mesh,
+        aggregates: &[Aggregate],
+        specimen: &Specimen,
+        shell: impl Fn(&Aggregate) -> f64 + Sync,
+    ) -> Result<Self, OffsetError> {
+        match mesh.notes.cores_mm3 {
+            Some(inside) => Ok(Self::with_cores(aggregates, specimen, inside)),
+            None => Self::exact(aggregates, specimen, shell),
+        }
     }
 
     /// The exact volumes of the phases that `mesh` has: with the shells where its ITZ is solid; `None` where a core has no
@@ -96,7 +118,7 @@ impl PhaseVolumes {
     pub fn exact_for(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen) -> Option<Self> {
         let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
         let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
-        Self::exact(bodies, specimen, shell).ok()
+        Self::beside(mesh, bodies, specimen, shell).ok()
     }
 
     /// Volume of the voids in `mesh` and their own in the packing, whose phases these are, mm3; `None` where there are no

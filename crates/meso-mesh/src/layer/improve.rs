@@ -39,8 +39,8 @@ const BALANCES: usize = 3;
 const TRIED: f64 = 0.1;
 /// The largest share that a node goes in a round.
 const MOST: f64 = 0.1;
-/// The layers' volume is right when this share of it is missing.
-const CLOSE: f64 = 1e-5;
+/// The layers' volume is right when less than this share of it is missing.
+const CLOSE: f64 = 1e-4;
 /// Shares of the way back that are tried.
 const BACK: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Cells added up together.
@@ -54,12 +54,13 @@ pub(crate) struct Improved {
     pub(crate) collapsed: usize,
 }
 
-/// Works on a mesh with elements of about `size` mm and this `layer`.
+/// Works on a mesh with elements of about `size` mm and this `layer`, whose exact volume is `exact_mm3` where it is known.
 pub(crate) fn improve(
     mesh: &mut TetMesh,
     phase: &mut Vec<Phase>,
     periodic: [bool; 3],
     layer: &Layer,
+    exact_mm3: Option<f64>,
     size: f64,
 ) -> Improved {
     let rails = layer.rails.as_slice();
@@ -89,7 +90,7 @@ pub(crate) fn improve(
     let mut shifted = vec![false; mesh.points.len()];
     moved.iter().for_each(|(node, _)| shifted[*node as usize] = true);
     give_back(mesh, &movable, moved);
-    if let Some(exact) = layer.exact_mm3 {
+    if let Some(exact) = exact_mm3 {
         balance(mesh, phase, &movable, exact);
     }
     let mut kept = mesh.drop_removed().into_iter();
@@ -166,6 +167,15 @@ impl Stars {
         self.0.iter_mut().map(|(_, star)| star.worst_first()).fold(least, f64::max)
     }
 
+    /// Whether the node may go to `x`: no cell is poor there, or poorer than the worst now.
+    fn allow(&mut self, movable: &Movable, x: &Vec3) -> bool {
+        let is_within = |stars: &Self, limit: f64| stars.worst(movable, x, limit) <= limit;
+        is_within(self, movable.limit) || {
+            let worst = self.worst_first(-1.0);
+            worst > movable.limit && is_within(self, worst)
+        }
+    }
+
     /// The worst of all with the node at `x` and its images with it.
     fn worst(&self, movable: &Movable, x: &Vec3, limit: f64) -> f64 {
         self.0.iter().map(|(image, star)| star.worst(&movable.faces.put(*image, x), limit)).fold(-1.0, f64::max)
@@ -186,9 +196,8 @@ fn give_back(mesh: &mut TetMesh, movable: &Movable, mut moved: Vec<(u32, Vec3)>)
         }
         let x = mesh.position(node);
         let mut stars = Stars::of(mesh, movable, &incidence, node);
-        let limit = stars.worst_first(movable.limit);
         let mut nearer = BACK.iter().map(|share| x + (from - x) * *share);
-        if let Some(position) = nearer.find(|position| stars.worst(movable, position, limit) <= limit) {
+        if let Some(position) = nearer.find(|position| stars.allow(movable, position)) {
             apply(mesh, Mover(movable, node).moved(&position));
         }
     }
@@ -218,10 +227,8 @@ fn balance(mesh: &mut TetMesh, phase: &[Phase], movable: &Movable, exact: f64) {
         for &node in nodes.iter().filter(|node| is_first(**node)) {
             let [inner, outer] = ends(mesh, node);
             let position = inner + movable.faces.flat(node).along(&(outer - inner)) * share;
-            let (mover, mut stars) = (Mover(movable, node), Stars::of(mesh, movable, &incidence, node));
-            let limit = stars.worst_first(movable.limit);
-            if stars.worst(movable, &position, limit) <= limit {
-                apply(mesh, mover.moved(&position));
+            if Stars::of(mesh, movable, &incidence, node).allow(movable, &position) {
+                apply(mesh, Mover(movable, node).moved(&position));
             }
         }
     }

@@ -37,6 +37,7 @@ pub(super) enum Onto {
 
 /// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
 ///
+/// The exact volume of all layers together is `exact_mm3`, where it is known, those of a body and its images once.
 /// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
 /// bounding box, with opposite faces that match.
 pub(super) fn add(
@@ -46,6 +47,7 @@ pub(super) fn add(
     bodies: &[Aggregate],
     thickness: impl Fn(&Aggregate) -> f64 + Sync,
     onto: Onto,
+    exact_mm3: Option<f64>,
 ) -> Layer {
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
     let thickness = |body: u32| thickness(bodies.get(body));
@@ -63,7 +65,6 @@ pub(super) fn add(
     let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
     offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
     let mut targets = on_rays.clone();
-    let exact_mm3 = exact_mm3(&bodies, thickness);
     match onto {
         Onto::Faces => offset::project(mesh, &copies, &offsets, &constraint, &mut targets),
         Onto::Triangles => {
@@ -82,15 +83,5 @@ pub(super) fn add(
     parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
     let thinned_aggregates = offsets.thinner(&bodies, thickness);
     let rails = append(mesh, phase, &layer, &copies, &backtracking);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, exact_mm3 }
-}
-
-/// The exact volume of all layers, mm3, those of a body and its images once.
-fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
-    let shell = |&body: &u32| {
-        let whole = bodies.get(body);
-        Some(whole.body.volume() - whole.core_volume(thickness(body)).ok()?)
-    };
-    let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
-    parallel::map_each(&ones, shell).into_iter().sum()
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails }
 }

@@ -271,11 +271,6 @@ impl<'a> Bodies<'a> {
         self.all.len() as u32
     }
 
-    /// One body of each id.
-    pub(super) fn first_of_each(&self) -> impl Iterator<Item = u32> {
-        (0..self.count()).filter(|&index| index == 0 || self.get(index - 1).id != self.get(index).id)
-    }
-
     pub(super) fn get(&self, index: u32) -> &'a Aggregate {
         &self.all[index as usize]
     }

@@ -86,8 +86,6 @@ pub(crate) struct Layer {
     pub(crate) pinched_nodes: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,
-    /// The layers' exact volume, mm3, where it is known.
-    pub(super) exact_mm3: Option<f64>,
 }
 
 /// A tetrahedron of the layer; it holds both ends of one rail.

@@ -109,10 +109,16 @@ impl BoxTree {
         leaves.flatten().copied()
     }
 
-    /// The item at the least `distance`, and that distance; of equally near ones the first. An item's distance is at
+    /// The item at the least `distance`, and that distance; of equally near ones the first. A good `guess` of both is quicker
+    /// than none. An item's distance is at
     /// least that of `point` to its box. `None` where all are infinitely far.
-    pub fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
-        let mut best = (f64::INFINITY, u32::MAX);
+    pub fn nearest(
+        &self,
+        point: &Vec3,
+        guess: Option<(u32, f64)>,
+        distance: impl Fn(u32) -> f64,
+    ) -> Option<(u32, f64)> {
+        let mut best = guess.map_or((f64::INFINITY, u32::MAX), |(item, distance)| (distance, item));
         let mut open = vec![(0.0, 0)];
         while let Some((least, at)) = open.pop() {
             let Some(node) = self.nodes.get(at).filter(|_| least * (1.0 - ROUNDING) <= best.0) else { continue };
