@@ -33,8 +33,23 @@ fn ring(order: usize) -> TriangleMesh {
     TriangleMesh { vertices: (0..SIDES[0] * SIDES[1]).map(corner).collect(), triangles }
 }
 
+/// A cube of 10 mm with a fin of 1 mm on one side, which is a third of its length.
+fn finned() -> TriangleMesh {
+    let outline =
+        [[0.0, 0.0], [10.0, 0.0], [10.0, 4.5], [15.0, 4.5], [15.0, 5.5], [10.0, 5.5], [10.0, 10.0], [0.0, 10.0]];
+    let cap = [[0, 1, 2], [0, 2, 5], [0, 5, 6], [0, 6, 7], [2, 3, 4], [2, 4, 5]];
+    let sides = (0..8).flat_map(|k| [[k, (k + 1) % 8, k + 8], [(k + 1) % 8, (k + 1) % 8 + 8, k + 8]]);
+    let lids = cap.iter().flat_map(|[a, b, c]| [[*a, *c, *b], [a + 8, b + 8, c + 8]]);
+    let vertices = [0.0, 10.0].iter().flat_map(|z| outline.map(|[x, y]| Vec3::new(x, y, *z))).collect();
+    TriangleMesh { vertices, triangles: lids.chain(sides).collect() }
+}
+
 fn spec(order: usize, rest: &str) -> Spec {
-    let TriangleMesh { vertices, triangles } = ring(order);
+    of_grain(ring(order), rest)
+}
+
+fn of_grain(grain: TriangleMesh, rest: &str) -> Spec {
+    let TriangleMesh { vertices, triangles } = grain;
     let vertices: Vec<[f64; 3]> = vertices.into_iter().map(<[f64; 3]>::from).collect();
     let grain = format!("{{ vertices = {vertices:?}, faces = {triangles:?} }}");
     let text =
@@ -54,6 +69,21 @@ const PERIODIC: &str = "fraction = 0.12\nspecimen = { kind = 'cube', side_mm = 4
 
 fn volume(model: &Model) -> f64 {
     model.aggregates.iter().map(|ring| ring.body.volume()).sum()
+}
+
+#[test]
+fn grains_with_parts_thinner_than_two_of_their_itz_are_reported() {
+    for (thickness, is_thin) in [(0.3, false), (1.0, true)] {
+        let rest = format!(
+            "fraction = 0.1\nspecimen = {{ kind = 'cube', side_mm = 50 }}\nitz = {{ thickness_mm = [{thickness}, {thickness}] }}"
+        );
+        let model = pack(&of_grain(finned(), &rest), &Silent).unwrap();
+        let all: Vec<u32> = (0..model.aggregates.len() as u32).collect();
+        assert!(all.len() > 2);
+        assert_eq!(model.report.itz_thin, if is_thin { all } else { Vec::new() }, "{thickness}");
+        assert_eq!(model.report.remarks().len(), usize::from(is_thin));
+        assert_eq!(check::check(&model).findings, []);
+    }
 }
 
 #[test]

@@ -229,6 +229,8 @@ fn assembled(
     let thickness = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.surface().deepest().1) } else { 0.0 };
     let thicknesses = parallel::map_each(&bodies, thickness);
     let limited = (0..).zip(&thicknesses).filter(|(_, thickness)| **thickness < itz).map(|(id, _)| id).collect();
+    let is_thin = |id: usize| thicknesses[id] > 0.0 && bodies[id].is_thin(thicknesses[id]);
+    let itz_thin = parallel::filter(bodies.len(), is_thin);
     let aggregate = |(id, body): (usize, Polyhedron)| Aggregate {
         id: id as u32,
         kind: Kind::Aggregate,
@@ -247,6 +249,7 @@ fn assembled(
         stop_reason: StopReason::TargetReached,
         stop_detail: format!("all {} grains of the label volume", aggregates.len()),
         itz_limited: limited,
+        itz_thin,
         labels: Some(labels),
         ..Report::of_bodies(&target(&spec), &aggregates, &[])
     };

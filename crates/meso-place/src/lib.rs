@@ -192,6 +192,8 @@ pub struct GrainTally {
     pub aggregates: usize,
     /// Placed aggregates whose drawn ITZ was thinner than asked, by their number among the placed ones.
     pub itz_limited: Vec<u32>,
+    /// Placed aggregates with parts thinner than two of their ITZ, likewise.
+    pub itz_thin: Vec<u32>,
     /// Volume of the largest grain taken of each class, mm3; the entries of voids and fibres follow the grading's.
     pub largest_mm3: Vec<f64>,
 }
@@ -206,12 +208,11 @@ impl GrainTally {
         }
         let aggregates = || grains.iter().zip(poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
         let placed = aggregates().filter(|(_, pose)| pose.is_some());
-        let limited = (0..).zip(placed).filter(|(_, (grain, _))| grain.itz_limited);
-        Self {
-            complete,
-            aggregates: aggregates().count(),
-            itz_limited: limited.map(|(id, _)| id).collect(),
-            largest_mm3,
+        let (mut itz_limited, mut itz_thin) = (Vec::new(), Vec::new());
+        for (id, (grain, _)) in (0..).zip(placed) {
+            itz_limited.extend(grain.itz_limited.then_some(id));
+            itz_thin.extend(grain.itz_thin.then_some(id));
         }
+        Self { complete, aggregates: aggregates().count(), itz_limited, itz_thin, largest_mm3 }
     }
 }

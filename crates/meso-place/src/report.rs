@@ -4,6 +4,7 @@ use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::thousands;
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -35,6 +36,9 @@ pub struct Report {
     pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
+    /// Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub itz_thin: Vec<u32>,
     /// The label volume that the aggregates come from, where they do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelReport>,
@@ -224,6 +228,7 @@ pub fn report(
         grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
         itz_limited: tally.itz_limited.clone(),
+        itz_thin: tally.itz_thin.clone(),
         labels: None,
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
@@ -241,7 +246,25 @@ pub fn report(
 /// Value in a report for a figure that its file does not hold.
 pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
 
+/// Aggregates that a remark names.
+const NAMED: usize = 5;
+
 impl Report {
+    /// A sentence on each kind of aggregate whose ITZ is not as drawn.
+    pub fn remarks(&self) -> Vec<String> {
+        let limited = "an ITZ thinner than drawn: half of the distance from the centre to the nearest face";
+        let thin = "parts thinner than two of their ITZ, which have nothing inside it";
+        let named = |ids: &[u32]| ids.iter().take(NAMED).map(u32::to_string).collect::<Vec<_>>().join(", ");
+        let more = |ids: &[u32]| if ids.len() > NAMED { ", ..." } else { "" };
+        let kinds =
+            [(&self.itz_limited, limited), (&self.itz_thin, thin)].into_iter().filter(|(ids, _)| !ids.is_empty());
+        kinds
+            .map(|(ids, has)| {
+                format!("{} aggregates have {has} (ids {}{})", thousands(ids.len()), named(ids), more(ids))
+            })
+            .collect()
+    }
+
     /// The figures that follow from the bodies of a model; others are not recorded.
     pub fn of_bodies(target: &PackingTarget, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Self {
         let volume = target.specimen.volume();
@@ -261,6 +284,7 @@ impl Report {
             classes,
             phases: PhaseReport::all(&target.inclusions, inclusions, volume),
             itz_limited: Vec::new(),
+            itz_thin: Vec::new(),
             labels: None,
             stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
             stop_detail: NOT_RECORDED.to_owned(),

@@ -18,16 +18,33 @@ impl Polyhedron {
     /// Points deeper than the thickness would end in a round along the bottom of a dent; here the faces go on until they
     /// meet.
     pub fn inset(&self, thickness: f64) -> Option<Self> {
+        let inner = self.moved_inwards(thickness);
+        let is_near = self.off(&inner, |depth| depth / thickness - 1.0) <= MOST_OFF;
+        (is_near && inner.volume() > 0.0).then_some(inner)
+    }
+
+    /// Whether a body with dents has parts thinner than two shells of `thickness` mm: corners that move inwards come out too
+    /// near to the other side, by more than a tenth of the thickness, root mean square over all corners.
+    pub fn is_thin(&self, thickness: f64) -> bool {
+        let inner = self.moved_inwards(thickness);
+        self.off(&inner, |depth| (depth / thickness - 1.0).min(0.0)) > MOST_OFF
+    }
+
+    /// Each corner where its faces meet that are moved `thickness` mm inwards.
+    fn moved_inwards(&self, thickness: f64) -> Self {
         let mut around: Vec<Vec<Vec3>> = vec![Vec::new(); self.vertices().len()];
         for (triangle, plane) in self.triangles().zip(self.planes()) {
             triangle.iter().for_each(|&corner| around[corner as usize].push(plane.normal));
         }
         let moved = self.vertices().iter().zip(&around).map(|(vertex, normals)| vertex + inward(normals, thickness));
-        let inner = Self::from_parts(moved.collect(), self.triangles()).with_dents();
+        Self::from_parts(moved.collect(), self.triangles()).with_dents()
+    }
+
+    /// Root mean square over the corners of `inner` of what `of` makes of their depths in this body.
+    fn off(&self, inner: &Self, of: impl Fn(f64) -> f64) -> f64 {
         let surface = self.surface();
-        let off = |corner: &Vec3| (surface.depth(corner) / thickness - 1.0).powi(2);
-        let mean = inner.vertices().iter().map(off).sum::<f64>() / inner.vertices().len() as f64;
-        (mean.sqrt() <= MOST_OFF && inner.volume() > 0.0).then_some(inner)
+        let squares = inner.vertices().iter().map(|corner| of(surface.depth(corner)).powi(2));
+        (squares.sum::<f64>() / inner.vertices().len() as f64).sqrt()
     }
 }
 

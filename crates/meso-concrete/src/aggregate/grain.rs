@@ -57,6 +57,8 @@ pub struct Grain {
     pub itz_thickness_mm: f64,
     /// True when the drawn thickness was too large for the grain and was limited.
     pub itz_limited: bool,
+    /// True when the grain has dents, and parts thinner than two of its ITZ: nothing of these is inside the ITZ.
+    pub itz_thin: bool,
     /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
     pub body: CompactPolyhedron,
     /// Radius of the sphere about the centre that holds the body, mm, rounded up.
@@ -186,6 +188,7 @@ impl Grain {
             template: 0,
             itz_thickness_mm: 0.0,
             itz_limited: false,
+            itz_thin: false,
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),
             inner_radius: inner_radius as f32 * (1.0 - f32::EPSILON),
             body: body.into(),

@@ -7,6 +7,7 @@ use super::{Grading, Itz, Outline, Shape, SizeClass, SizeDefinition};
 use crate::parallel;
 use crate::stop;
 use meso_collision::geometry::{HullError, Round, convex_hull};
+use std::collections::BTreeMap;
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
 pub const ITZ_LIMIT: f64 = 0.5;
@@ -42,6 +43,7 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
         let target = fraction * volume * limits.share * beyond;
         fill(&mut grains, target, mixture.go_on, |index| make(mixture, class, limits, index))?;
     }
+    mark_thin(&mut grains);
     take_inclusions(&mut grains, mixture, classes.len() as u16, volume * beyond)?;
     grains.shrink_to_fit();
     let last = |grain: &Grain| grain.kind != Kind::Fibre;
@@ -51,6 +53,28 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
         last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
     });
     Ok(grains)
+}
+
+/// Marks grains with dents whose parts are thinner than two of their ITZ. Of the copies of a surface, the one with the thickest
+/// ITZ for its size is asked first: where it has none, no other has.
+fn mark_thin(grains: &mut [Grain]) {
+    let mut copies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (number, grain) in grains.iter().enumerate().filter(|(_, grain)| !grain.body.is_convex()) {
+        copies.entry(grain.template).or_default().push(number);
+    }
+    let copies: Vec<Vec<usize>> = copies.into_values().collect();
+    let is_thin = |number: &usize| {
+        let Grain { itz_thickness_mm, body, .. } = &grains[*number];
+        *itz_thickness_mm > 0.0 && body.widened().is_thin(*itz_thickness_mm)
+    };
+    let share = |number: &usize| grains[*number].itz_thickness_mm / f64::from(grains[*number].outer_radius);
+    let thin = parallel::flat_map(copies.len(), |surface| {
+        let all = &copies[surface];
+        let thickest = all.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        let some = if thickest.is_some_and(is_thin) { &all[..] } else { &[] };
+        some.iter().filter(|number| is_thin(number)).copied().collect::<Vec<_>>()
+    });
+    thin.into_iter().for_each(|number| grains[number].itz_thin = true);
 }
 
 /// Most grains generated at once: enough to share among threads.

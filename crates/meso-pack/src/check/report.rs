@@ -55,8 +55,8 @@ fn of_labels(model: &Model) -> Report {
     let said = model.report.clone();
     let right = Report::of_bodies(&target(&model.spec), &model.aggregates, &model.inclusions);
     let grading = model.spec.grading.describe();
-    let Report { version, strategy, itz_limited, labels, stop_detail, seconds, work, .. } = said;
-    Report { version, grading, strategy, itz_limited, labels, stop_detail, seconds, work, ..right }
+    let Report { version, strategy, itz_limited, itz_thin, labels, stop_detail, seconds, work, .. } = said;
+    Report { version, grading, strategy, itz_limited, itz_thin, labels, stop_detail, seconds, work, ..right }
 }
 
 /// Checks the report of a run that was stopped.

@@ -45,11 +45,15 @@ pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Taken>, Vec<
     order.sort_by(|a, b| a.body.volume().total_cmp(&b.body.volume()).then(a.id.cmp(&b.id)));
     for body in order {
         match drafts.claim(body) {
-            Some(limited) => tally.itz_limited.extend(limited.then_some(body.id)),
+            Some([limited, thin]) => {
+                tally.itz_limited.extend(limited.then_some(body.id));
+                tally.itz_thin.extend(thin.then_some(body.id));
+            }
             None => findings.push(Finding::NotTaken { body: body.id }),
         }
     }
     tally.itz_limited.sort_unstable();
+    tally.itz_thin.sort_unstable();
     findings.sort_by_key(Finding::body);
     (Some(Taken { tally, outcome }), findings)
 }
@@ -84,7 +88,8 @@ struct Draft {
     class: u16,
     itz_bits: u64,
     volume: f64,
-    limited: bool,
+    /// Whether its ITZ was limited, and whether it has parts that are too thin for it.
+    itz: [bool; 2],
 }
 
 /// The grains in order, each to be claimed once.
@@ -100,15 +105,15 @@ impl Drafts {
             class: grain.class,
             itz_bits: grain.itz_thickness_mm.to_bits(),
             volume: grain.volume(),
-            limited: grain.itz_limited,
+            itz: [grain.itz_limited, grain.itz_thin],
         };
         let mut sorted: Vec<Draft> = grains.iter().map(draft).collect();
         sorted.sort_unstable_by(|a, b| a.cmp(b.class, b.itz_bits, b.volume));
         Self { free: (0..=sorted.len()).collect(), sorted }
     }
 
-    /// Whether the ITZ of the grain that this body is was limited; `None` where it is none that is left.
-    fn claim(&mut self, body: &Aggregate) -> Option<bool> {
+    /// What the report says of the ITZ of the grain that this body is; `None` where it is none that is left.
+    fn claim(&mut self, body: &Aggregate) -> Option<[bool; 2]> {
         let itz_bits = if body.kind == Kind::Aggregate { body.itz_thickness_mm.to_bits() } else { 0 };
         let volume = body.body.volume();
         let rounding = rounding(volume);
@@ -119,7 +124,7 @@ impl Drafts {
             return None;
         }
         self.free[found] = found + 1;
-        Some(draft.limited)
+        Some(draft.itz)
     }
 
     fn next_free(&mut self, mut at: usize) -> usize {

@@ -157,6 +157,8 @@ class Report(TypedDict):
     """Voids and fibres, where the spec asks for some."""
     itz_limited: list[int]
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
+    itz_thin: NotRequired[list[int]]
+    """Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ."""
     labels: NotRequired[LabelReport | None]
     """The label volume that the aggregates come from, where they do."""
     stop_reason: str

@@ -43,6 +43,9 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         escape(&report.strategy),
         thousands(report.discarded)
     )?;
+    for remark in report.remarks() {
+        writeln!(out, "<p>{remark}.</p>")?;
+    }
     phases(model, out)
 }
 

@@ -90,6 +90,7 @@ fn print(report: &Report, verbose: bool, is_default: bool) {
         let phase = |p: &PhaseReport| format!("{} {:.5} of {} asked", p.phase.plural(), p.fraction, p.target_fraction);
         report.phases.iter().for_each(|p| stderr::line(phase(p)));
     }
+    report.remarks().iter().for_each(stderr::line);
 }
 
 /// Every size class and further phase as a row.
