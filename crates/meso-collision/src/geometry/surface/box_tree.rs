@@ -110,8 +110,7 @@ impl BoxTree {
     }
 
     /// The item at the least `distance`, and that distance; of equally near ones the first. A good `guess` of both is quicker
-    /// than none. An item's distance is at
-    /// least that of `point` to its box. `None` where all are infinitely far.
+    /// than none. An item's distance is at least that of `point` to its box. `None` where all are infinitely far.
     pub fn nearest(
         &self,
         point: &Vec3,
@@ -209,7 +208,7 @@ mod tests {
                 met += found.len();
                 let distance = |item: u32| boxes[item as usize].distance(&point);
                 let least = (0..count as u32).map(|item| (distance(item), item)).min_by(|p, q| p.0.total_cmp(&q.0));
-                assert_eq!(tree.nearest(&point, distance), least.map(|(distance, item)| (item, distance)));
+                assert_eq!(tree.nearest(&point, None, distance), least.map(|(distance, item)| (item, distance)));
             }
         }
         assert!(met > 100, "{met}");
