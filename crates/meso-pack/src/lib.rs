@@ -19,6 +19,10 @@ pub mod packing {
     pub use meso_place::{StopReason, Strategy, Work};
 }
 
-pub use meso_spec as spec;
+/// Every option, as a SPEC.toml has it.
+pub mod spec {
+    pub use meso_spec::{Files, MixDesign, Spec, SpecError, options_from_toml, options_from_value};
+}
+
 pub use meso_spec::{Spec, SpecError};
 pub use model::{Model, pack};

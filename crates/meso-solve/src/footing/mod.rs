@@ -21,7 +21,7 @@ const QUICK: f64 = 20_000.0;
 /// A specimen that is not this many times as large as the cube of a trial is meshed at once.
 const FAR_LARGER: f64 = 4.0;
 /// Phase error of a trial, as a share, beyond which the specimen is not meshed. A cube of 50 mm lost 32 % of its aggregates where
-/// one of 150 mm lost 19 %; one of 40 mm had 21 % too much solid ITZ where a cylinder of 150 mm had 41 %.
+/// one of 150 mm lost 19 %.
 const HOPELESS: f64 = 2.0 * PhaseOff::ACCEPTED;
 
 /// Sets the gaps that a mesh needs and `spec` leaves open; returns them, mm, and `None` if nothing changes.
