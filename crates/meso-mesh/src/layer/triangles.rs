@@ -41,7 +41,7 @@ pub(super) fn project(
 }
 
 /// Damps a step where the triangles hardly decide on it, as a share of their area: a sliver that would vanish in the offset does
-/// not pull its nodes across each other. (With 0.001 and 30 steps, layers of 0.5 mm on polyhedra had 2.8 % of error, now 2.0 %.)
+/// not pull its nodes across each other.
 const DAMPING: f64 = 0.05;
 /// Steps, each of which leaves a twentieth of the error on plane triangles, and a third at edges of 40 degrees.
 const STEPS: usize = 4;
