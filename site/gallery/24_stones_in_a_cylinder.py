@@ -43,9 +43,13 @@ print({phase: round(volume) for phase, volume in volumes.items()}, "mm3;", len(m
 # Everything behind the cylinder's axis, coloured by phase.
 grid = mesh.to_pyvista()
 half = grid.extract_cells(grid.cell_centers().points[:, 1] > grid.center[1])
-figure, axes = plt.subplots(1, 2, figsize=(9, 5.6))
-axes[0].imshow(packing.plot(screenshot=True, window_size=(700, 900)))
-axes[1].imshow(half.plot(scalars="phase", cmap=["#d9d2c5", "#c8553d", "#7b6b58"], cpos="xz", show_edges=True, line_width=0.3, show_scalar_bar=False, off_screen=True, screenshot=True, return_img=True, window_size=(700, 900)))
+stones = np.asarray(packing.plot(screenshot=True, window_size=(700, 900)))[135:790, 60:640]
+look = {"cmap": ["#d9d2c5", "#c8553d", "#7b6b58"], "lighting": False, "show_edges": True, "edge_color": "#a39c90", "line_width": 0.2}
+view = {"cpos": "xz", "zoom": 1.3, "off_screen": True, "screenshot": True, "return_img": True, "window_size": (560, 640)}
+cut = half.plot(scalars="phase", show_scalar_bar=False, show_axes=False, **look, **view)
+figure, axes = plt.subplots(1, 2, figsize=(9, 5.7))
+axes[0].imshow(stones)
+axes[1].imshow(cut)
 for picture, title in zip(axes, ["stones in the cylinder", "mesh behind the axis, with the ITZ"]):
     picture.set_title(title)
     picture.axis("off")
