@@ -176,7 +176,9 @@ const MOST_HALVINGS: usize = 7;
 const ENOUGH: f64 = 1.05;
 
 impl Aabb {
-    /// Volume of the points where `height` is positive, mm3: see [`volumes_above`](Self::volumes_above).
+    /// Volume of the points where `height` is positive, mm3, in the cube about this box. The height has a slope of 1.
+    ///
+    /// Cubes are halved `halvings` times where the surface may divide them, and the last ones count in part.
     pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
         let [volume] = self.volumes_above(halvings, [0.0], |point, _: Option<&()>| (height(point), ()));
         volume
