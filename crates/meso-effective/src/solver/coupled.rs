@@ -16,6 +16,9 @@ impl Links {
         let (nz, wraps) = (self.counts[2], self.wraps);
         let below = if k > 0 { Some(k - 1) } else { wraps.then_some(nz - 1) };
         let above = if k + 1 < nz { Some(k + 1) } else { wraps.then_some(0) };
+        // A period of two layers has one neighbour on both sides.
+        let below = below.filter(|below| *below != k);
+        let above = above.filter(|above| *above != k && Some(*above) != below);
         [below, Some(k), above].map(|k| k.map_or(0..0, |k| self.coupled_in(k)))
     }
 
@@ -103,4 +106,29 @@ fn fluxes<T: Real>(pairs: &[f32; 12], [a, b, c, d, e, f]: [T; 6]) -> [T; 6] {
         (p[4] * a + p[6] * b) + (p[8] * c + p[10] * d),
         (p[5] * a + p[7] * b) + (p[9] * c + p[11] * d),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The case: with two layers, the coupled fluxes of the other one counted twice.
+    #[test]
+    fn layers_of_any_period_add_each_coupled_flux_once() {
+        for nz in [1, 2, 3, 4] {
+            let counts = [3, 2, nz];
+            let voxels: Vec<u32> = (0..6 * nz as u32).collect();
+            let pairs = voxels.iter().map(|&voxel| std::array::from_fn(|i| (voxel as usize * 12 + i) as f32)).collect();
+            let starts = (0..=nz).map(|k| 6 * k).collect();
+            let corners = Some(Corners { starts, voxels, pairs });
+            let links = Links { corners, ..Links::of(counts, true, Default::default()) };
+            let u: Vec<f64> = (0..6 * nz).map(|voxel| ((voxel * voxel) % 7) as f64).collect();
+            let (mut whole, mut by_layer) = (vec![0.0; u.len()], vec![0.0; u.len()]);
+            (0..links.coupled())
+                .for_each(|number| links.coupled_out(number, &u, [0.0; 3], |at, flux| whole[at] += flux));
+            (0..nz).for_each(|k| links.add_coupled(k, &u, |at, flux| by_layer[6 * k + at] += flux));
+            // Whole numbers: no sum rounds.
+            assert_eq!(whole, by_layer, "{nz} layers");
+        }
+    }
 }
