@@ -2,10 +2,11 @@
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
 //! surface nodes onto the offsets of their own faces ([`offset`]) or of the mesh's triangles ([`triangles`]), and between each
-//! interface triangle and its offset stands a prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
-//! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
-//! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
-//! rails that collapse, and the layer's volume made right again ([`improve`](mod@improve)).
+//! interface triangle and its offset stands a prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its
+//! nodes are untangled; where that does not help they step back, at last to where they were; a rail (an edge between the two
+//! ends) of no length takes just one of the three tetrahedra of each prism with it, so neighbours still match. In lattices small
+//! angles are enlarged, by smoothing and by rails that collapse, and the layer's volume made right again
+//! ([`improve`](mod@improve)).
 //!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of each other move by the same displacement ([`periodic`]).

@@ -213,7 +213,7 @@ impl Expansion {
     }
 
     /// All courses that were given.
-    fn courses(&self) -> impl Iterator<Item = &Course> {
+    pub(super) fn courses(&self) -> impl Iterator<Item = &Course> {
         self.zones().into_iter().flatten().flatten()
     }
 

@@ -34,10 +34,9 @@ impl Test {
 
     /// Names of the tables that [`take_tables`](Self::take_tables) reads.
     pub fn tables(&self) -> Vec<String> {
-        let mut expansion = self.expansion.clone();
-        let courses = expansion.iter_mut().flat_map(|expansion| expansion.courses_mut());
-        let name = |course: &mut Course| if let Course::Table(name) = course { Some(name.clone()) } else { None };
-        self.history.clone().into_iter().chain(courses.filter_map(|(_, course)| name(course))).collect()
+        let courses = self.expansion.iter().flat_map(|expansion| expansion.courses());
+        let name = |course: &Course| if let Course::Table(name) = course { Some(name.clone()) } else { None };
+        self.history.clone().into_iter().chain(courses.filter_map(name)).collect()
     }
 }
 

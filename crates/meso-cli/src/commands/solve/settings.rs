@@ -232,10 +232,11 @@ pub(crate) fn deck_of_file(path: &Path) -> Result<Test, Failure> {
 
 /// Replaces the names of tables in the tree of the TEST.toml at `path` by their turns and courses.
 pub(crate) fn take_tables(tree: &mut Value, path: &Path) -> Result<(), Failure> {
-    if tables(path)?.is_empty() {
+    let test: Test = inputs::toml(path, options_from_toml)?;
+    if test.tables().is_empty() {
         return Ok(());
     }
-    let Test { turns, expansion, .. } = of_file(path)?;
+    let Test { turns, expansion, .. } = with_tables(test, path)?;
     let value = |taken: serde_json::Result<Value>| taken.map_err(|error| Failure::Run(error.to_string()));
     if let Value::Object(keys) = tree {
         if keys.remove("history").is_some() {
