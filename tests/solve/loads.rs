@@ -313,14 +313,20 @@ fn beam(depth_mm: f64, element_size_mm: f64) -> Meshed {
 }
 
 /// A prism of mortar with a lower and perhaps an upper notch of some width.
-pub(crate) fn notched(
+pub(crate) fn notched(sizes_mm: [f64; 3], notches_mm: [f64; 3], element_size_mm: f64) -> Meshed {
+    notched_by(Method::FITTED, sizes_mm, notches_mm, element_size_mm)
+}
+
+/// [`notched`], meshed by a method.
+fn notched_by(
+    method: Method,
     [length_mm, width_mm, depth_mm]: [f64; 3],
     [notch_depth_mm, upper_notch_depth_mm, notch_width_mm]: [f64; 3],
     element_size_mm: f64,
 ) -> Meshed {
     let specimen =
         Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm, upper_notch_depth_mm };
-    Meshed::of(&[], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
+    Meshed::of(&[], specimen, options(method, element_size_mm, ItzForm::None))
 }
 
 #[test]
@@ -351,6 +357,20 @@ fn a_notched_beam_spends_its_fracture_energy_over_its_ligament() {
     let beyond = response.result.beyond_peak.energy_beyond_peak_n_per_mm * ligament / response.result.energies.external;
     assert!((0.3..0.95).contains(&beyond), "{beyond}");
     assert!(response.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", response.result);
+}
+
+/// In elements of 2 and 3 mm, too: docs/tests.md, Bending.
+#[test]
+#[ignore = "slow tier: a minute of processor time"]
+fn a_beam_as_deep_as_those_of_standards_spends_its_fracture_energy_in_boxes() {
+    let (materials, size) = (brittle(), 4.0);
+    let beam = notched_by(Method::VOXEL, [412.0, 3.0 * size, 96.0], [24.0, 0.0, size], size);
+    let test = Test { kind: TestKind::Bending, law: LawName::Meso, strain: Some(0.006), ..Test::default() };
+    let result = beam.solve(&materials, &test).result;
+    let ligament = 72.0 * 3.0 * size;
+    let work = result.energies.external / ligament / materials.mortar_strength.fracture_energy_n_per_mm;
+    assert!((work - 1.0).abs() < 0.05, "{work}");
+    assert!(result.kinetic_over_internal_to_half_peak < 0.01 && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
 /// Largest rate of a column over some rows, per second at full speed: a difference over `rows` of them.

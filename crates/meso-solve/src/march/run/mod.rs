@@ -420,9 +420,18 @@ fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common,
         shape,
         cohesion,
         hourglass: test.hourglass,
-        band_mm: sample.band_factor * shape.edge(),
+        band_mm: band_of_boxes(sample, test.law) * shape.edge(),
         free: None,
     })
+}
+
+/// Width of a crack band over the edge of a box. A crack that follows principal stresses keeps to one layer of boxes; the
+/// stiff neighbours of a layer of damaged plasticity hinder its flow, so that it is tougher.
+fn band_of_boxes(sample: &Sample, law: LawName) -> f64 {
+    match law {
+        LawName::Cdpm2 | LawName::Meso => 1.0,
+        LawName::Elastic | LawName::Cdp => sample.band_factor,
+    }
 }
 
 /// The values of cohesive faces, those of a deck but for the friction.
