@@ -1,7 +1,7 @@
 //! The materials of a point of a fit, and their file.
 
 use meso_core::materials::{Materials, Strength};
-use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// The parameters of a fit, as keys of `[materials.mortar_strength]`.
 pub(super) const PARAMETERS: [&str; 4] =
@@ -37,35 +37,10 @@ pub(super) fn at(base: &Materials, point: &[f64]) -> Materials {
 }
 
 /// A file with all values, after some lines of comment.
-pub(super) fn toml(materials: &Materials, comment: &str) -> String {
-    let mut text: String = comment.lines().map(|line| format!("# {line}\n")).collect();
-    let tree = serde_json::to_value(materials).unwrap_or_default();
-    add_table(&mut text, "materials", &tree);
-    text
-}
-
-/// Adds a table: its values, then the tables within it.
-fn add_table(text: &mut String, name: &str, table: &Value) {
-    let entries = || table.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null());
-    text.push_str(&format!("\n[{name}]\n"));
-    for (key, value) in entries().filter(|(_, value)| !value.is_object()) {
-        text.push_str(&format!("{key} = {}\n", inline(value)));
-    }
-    entries()
-        .filter(|(_, value)| value.is_object())
-        .for_each(|(key, value)| add_table(text, &format!("{name}.{key}"), value));
-}
-
-fn inline(value: &Value) -> String {
-    match value {
-        Value::Array(items) => format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(", ")),
-        Value::Object(entries) => {
-            let entries: Vec<String> =
-                entries.iter().map(|(key, value)| format!("{key} = {}", inline(value))).collect();
-            format!("{{ {} }}", entries.join(", "))
-        }
-        scalar => scalar.to_string(),
-    }
+pub(super) fn file(materials: &Materials, comment: &str) -> String {
+    let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
+    let table = BTreeMap::from([("materials", materials)]);
+    comment + "\n" + &toml::to_string(&table).expect("materials are numbers, names and tables of them")
 }
 
 #[cfg(test)]
@@ -88,7 +63,7 @@ mod tests {
         let point = feasible(&base, &[1.0 / 3.0 * 100.0, 1e-5, 0.07, 3.3]);
         let made = at(&base, &point);
         assert!(point[1] > 1e-3 && values(&made.mortar_strength) == point, "{point:?}");
-        let read: File = options_from_toml(&toml(&made, "a remark\nof two lines")).unwrap();
+        let read: File = options_from_toml(&file(&made, "a remark\nof two lines")).unwrap();
         assert_eq!(read.materials, made);
     }
 }

@@ -200,7 +200,7 @@ impl Work<'_> {
 
     /// Writes the materials of a point, and returns the name of their file beside the study.
     fn keep(&self, point: &[f64]) -> Result<String, Failure> {
-        let text = materials::toml(&materials::at(&self.base, point), "A point of a fit.");
+        let text = materials::file(&materials::at(&self.base, point), "A point of a fit.");
         let name = format!("materials/{}.toml", &digest(text.as_bytes())[..SHORT_HASH]);
         let folder = self.args.output.join("materials");
         std::fs::create_dir_all(&folder).map_err(|error| Failure::file(&folder, &error))?;
@@ -226,7 +226,7 @@ impl Work<'_> {
         let lines: Vec<String> = PARAMETERS.iter().zip(&estimates).map(|(key, of)| self.line(key, of)).collect();
         let title = format!("mesocrete fit {} {}", self.args.curve.display(), self.args.spec.display());
         let comment = format!("{}\n{}", printable(&title), lines.join("\n"));
-        let text = materials::toml(&materials::at(&self.base, &best), &comment);
+        let text = materials::file(&materials::at(&self.base, &best), &comment);
         let figures = self.report(fit, &estimates);
         let (mut unit, force) = (Unit::default(), self.args.writing.force);
         unit.fill(materials, force, |out| out.write_all(text.as_bytes()))?;
