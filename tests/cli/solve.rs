@@ -51,6 +51,7 @@ fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
         "time_step_s",
         "added_mass_percent",
         "modulus_mpa",
+        "first_peak_mpa",
         "peak_strain",
         "stress_at_end_mpa",
         "kinetic_over_internal_max",

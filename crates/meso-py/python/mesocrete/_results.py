@@ -542,6 +542,8 @@ class CurveFigures(TypedDict):
     """Secant to 30 % of the peak, MPa, from the stress and the strain at which the path begins."""
     peak_mpa: float
     """Highest stress, MPa."""
+    first_peak_mpa: float
+    """The stress beyond half of the highest from which the curve first falls by 0.5 %, MPa; else the highest. In splitting it is the strength: the halves may carry more."""
     peak_strain: float
     """Strain at the highest stress."""
     stress_at_end_mpa: float

@@ -111,6 +111,8 @@ impl Extra {
 const SECANT: f64 = 0.3;
 /// A curve that falls below this share of its peak has softened.
 const SOFTENED: f64 = 0.8;
+/// A peak is followed by a fall by this share of it.
+const FALL: f64 = 0.005;
 /// Share of the peak to which a descending curve means something: CEB-FIP Model Code 1990, 2.1.4.4.1, ends it there.
 const DESCENT: f64 = 0.5;
 
@@ -121,6 +123,10 @@ pub struct Figures {
     pub modulus_mpa: f64,
     /// Highest stress, MPa.
     pub peak_mpa: f64,
+    /// The stress beyond half of the highest from which the curve first falls by 0.5 %, MPa; else the highest. In splitting it
+    /// is the strength: the halves may carry more.
+    #[serde(default)]
+    pub first_peak_mpa: f64,
     /// Strain at the highest stress.
     pub peak_strain: f64,
     /// Stress of the last row, MPa.
@@ -137,6 +143,7 @@ impl Figures {
         Self {
             modulus_mpa: secant(begin(rows, lead_s), &rows[..=peak]),
             peak_mpa: top.stress_mpa,
+            first_peak_mpa: first_peak(rows, top.stress_mpa),
             peak_strain: top.strain,
             stress_at_end_mpa: last.stress_mpa,
             softened: outermost(&rows[peak..]).any(|(_, row)| row.stress_mpa < SOFTENED * top.stress_mpa),
@@ -167,6 +174,18 @@ pub(crate) fn outermost(rows: &[Row]) -> impl Iterator<Item = (usize, &Row)> {
 /// Number of the row with the highest stress, the first of them.
 pub(crate) fn peak(rows: &[Row]) -> usize {
     (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best })
+}
+
+/// [`Figures::first_peak_mpa`] of rows whose highest stress is `highest`.
+fn first_peak(rows: &[Row], highest: f64) -> f64 {
+    let mut top = 0.0_f64;
+    for (_, row) in outermost(rows).skip_while(|(_, row)| row.stress_mpa < DESCENT * highest) {
+        if row.stress_mpa < (1.0 - FALL) * top {
+            break;
+        }
+        top = top.max(row.stress_mpa);
+    }
+    top
 }
 
 /// The rows before the stress has fallen to half its peak. Beyond, a brittle specimen collapses and its pieces fly.
@@ -223,6 +242,23 @@ mod tests {
             (&[], 0),
         ] {
             assert_eq!(to_half_peak(&rows(stresses)).len(), left, "{stresses:?}");
+        }
+    }
+
+    #[test]
+    fn the_first_peak_is_followed_by_a_fall() {
+        let rows = |stresses: &[f64]| -> Vec<Row> {
+            let row = |(i, &stress_mpa): (usize, &f64)| Row { strain: i as f64, stress_mpa, ..Row::default() };
+            stresses.iter().enumerate().map(row).collect()
+        };
+        for (stresses, first) in [
+            // A dip below half of the highest stress is none, nor is one of a quarter of a percent.
+            (&[1.0, 0.5, 20.0, 30.0, 29.0, 40.0, 10.0][..], 30.0),
+            (&[1.0, 20.0, 19.95, 40.0, 10.0], 40.0),
+            (&[1.0, 20.0], 20.0),
+            (&[], 0.0),
+        ] {
+            assert_eq!(Figures::of(&rows(stresses), 0.0).first_peak_mpa, first, "{stresses:?}");
         }
     }
 

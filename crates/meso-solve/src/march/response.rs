@@ -365,7 +365,10 @@ impl Summary {
             let strains = self.strains_at_end.iter().map(|(name, strain)| format!("{name} {strain:.3e}"));
             return format!("mean {}", strains.collect::<Vec<_>>().join(", "));
         }
-        format!("peak {:.2} MPa at a strain of {:.5}", self.figures.peak_mpa, self.figures.peak_strain)
+        let Figures { first_peak_mpa, peak_mpa, peak_strain, .. } = self.figures;
+        let splits_early = self.test == TestKind::Splitting && first_peak_mpa < peak_mpa;
+        let first = if splits_early { format!("first peak {first_peak_mpa:.2} MPa, ") } else { String::new() };
+        format!("{first}peak {peak_mpa:.2} MPa at a strain of {peak_strain:.5}")
     }
 
     /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.

@@ -232,6 +232,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let of_strength = [
         (modulus.as_str(), format!("{:.0} MPa", figures.modulus_mpa)),
         ("peak", format!("{:.2} MPa", figures.peak_mpa)),
+        ("first peak, beyond which it falls by 0.5 %", format!("{:.2} MPa", figures.first_peak_mpa)),
         ("strain at the peak", format!("{:.5}", figures.peak_strain)),
         ("stress at the end", format!("{:.2} MPa", figures.stress_at_end_mpa)),
         ("fell below 0.8 of the peak", softened.to_owned()),
