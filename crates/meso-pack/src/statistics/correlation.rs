@@ -9,7 +9,7 @@
 
 use super::{Sample, in_order};
 use meso_collision::geometry::{Polyhedron, Triangles};
-use meso_collision::math::{Aabb, Rotation, Vec3};
+use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
 
@@ -239,7 +239,7 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
     if body.is_convex() {
         return chord(body, origin, direction).into_iter().collect();
     }
-    let Some(turn) = Rotation::rotation_between(direction, &Vec3::x()) else { return Vec::new() };
+    let turn = along_x(direction);
     let along: Vec<Vec3> = body.vertices().iter().map(|vertex| turn * (vertex - origin)).collect();
     let around_line = |corners: &[Vec3; 3]| {
         (1..3).all(|axis| {
@@ -252,6 +252,14 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
         return Vec::new();
     }
     Triangles::new(few).row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
+}
+
+/// The rotation of a direction onto the x axis. That of nalgebra between two directions calls the platform's arc cosine,
+/// which clippy.toml cannot see.
+fn along_x(direction: &Vec3) -> Mat3 {
+    let least = Vec3::ith(direction.iamin(), 1.0);
+    let across = direction.cross(&least).normalize();
+    Mat3::from_rows(&[direction.transpose(), across.transpose(), direction.cross(&across).transpose()])
 }
 
 /// Where a line enters and leaves a convex body.
