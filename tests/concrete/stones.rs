@@ -175,6 +175,6 @@ fn aggregates_other_than_convex_polyhedra_have_exact_volumes_without_a_flag() {
         assert!(plain == exact && exact.abs() < 5e-4 && fitted.abs() > 5e-3, "{itz:?}: {plain} {exact} {fitted}");
         let [plain, exact, fitted] =
             [None, Some(Volumes::Exact), Some(Volumes::Fitted)].map(|volumes| error(&polyhedra, itz, volumes));
-        assert!(plain == fitted && exact.abs() < 5e-4, "{itz:?}: {plain} {exact} {fitted}");
+        assert!(plain == fitted && exact.abs() < 2e-3 && fitted < -0.01, "{itz:?}: {plain} {exact} {fitted}");
     }
 }
