@@ -261,10 +261,7 @@ fn flags_of_other_methods_and_analyses_are_refused() {
         (&["--thin-itz", "--itz", "none"], "--thin-itz is true; only the itz solid takes it"),
         (&["--subsamples", "2", "--method", "lattice"], "--subsamples is 2; only the method voxel takes it"),
         (&["--narrow-gaps", "split"], "--narrow-gaps is split; only the methods lattice and conforming take it"),
-        (
-            &["--volumes", "exact", "--method", "lattice"],
-            "--volumes is exact; only the method conforming and a fitted lattice take it, without a solid itz",
-        ),
+        (&["--volumes", "exact"], "--volumes is exact; only the method conforming and a fitted lattice take it"),
         (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is true; only voxels take it"),
         (&["--strain", "0.002"], "--strain is 0.002; only an analysis takes it"),
         (

@@ -103,13 +103,10 @@ fn a_fitted_lattice_of_rings_has_no_inverted_cells_and_volumes_within_half_a_per
     let model = packed(CUBE);
     let fitted = MeshOptions { method: Method::FITTED, itz: ItzForm::None, ..Default::default() };
     // Chords across a dent add to a ring: 0.4 % at a fifth of the ring's thickness, 0.9 % at a third.
-    assert_fitted(&model, &MeshOptions { element_size_mm: 1.25, ..fitted.clone() }, 0.005);
+    let chords = MeshOptions { element_size_mm: 1.25, volumes: Some(Volumes::Fitted), ..fitted.clone() };
+    assert_fitted(&model, &chords, 0.005);
     for itz in [ItzForm::Smeared, ItzForm::Cohesive] {
-        assert_fitted(
-            &model,
-            &MeshOptions { itz, element_size_mm: 2.0, volumes: Volumes::Exact, ..fitted.clone() },
-            1e-5,
-        );
+        assert_fitted(&model, &MeshOptions { itz, element_size_mm: 2.0, ..fitted.clone() }, 1e-5);
     }
 }
 
@@ -126,7 +123,7 @@ fn a_solid_itz_of_rings_has_the_volume_of_their_shells() {
     let volumes = PhaseVolumes::of_mesh(&mesh);
     assert!((volumes.itz / exact - 1.0).abs() < 0.05, "{} {exact}", volumes.itz);
     let both = volumes.itz + volumes.aggregate;
-    assert!((both / volume(&model) - 1.0).abs() < 0.01, "{both} {}", volume(&model));
+    assert!((both / volume(&model) - 1.0).abs() < 0.001, "{both} {}", volume(&model));
 }
 
 fn assert_fitted(model: &Model, options: &MeshOptions, tolerance: f64) {

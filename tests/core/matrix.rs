@@ -64,7 +64,7 @@ fn options(chance: &mut Chance) -> MeshOptions {
         element_size_mm: chance.pick(&[1.5, 2.0, 3.0]),
         itz,
         joined: chance.pick(&[Joined::Keep, Joined::Mortar]),
-        volumes: chance.pick(&[Volumes::Fitted, Volumes::Exact]),
+        volumes: chance.pick(&[None, Some(Volumes::Fitted), Some(Volumes::Exact)]),
         narrow_gaps: chance.pick(&[NarrowGaps::Keep, NarrowGaps::Split]),
     }
 }

@@ -32,7 +32,14 @@ fn meshed(options: MeshOptions) -> Mesh {
 }
 
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
-    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
+    meshed(MeshOptions {
+        method: Method::FITTED,
+        itz,
+        joined,
+        volumes: Some(volumes),
+        element_size_mm: 2.0,
+        ..Default::default()
+    })
 }
 
 // Meshes that several tests share. Joined aggregates kept, without and with cohesive elements.

@@ -15,6 +15,7 @@ use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume
 use crate::figures::{PhaseVolumes, note_closed_gaps};
 use crate::tet::TetMesh;
 use meso_collision::geometry::Polyhedron;
+use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Container;
 use meso_concrete::watch::{Silent, Stage, Watch};
@@ -43,6 +44,7 @@ impl Default for Tools<'_> {
 pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Tools) -> Result<Mesh, MeshError> {
     let parts = parts.into();
     let Parts { specimen, .. } = parts;
+    let options = &options.for_bodies(&parts.bodies);
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
     accepts(&parts.bodies, options)?;
@@ -52,7 +54,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     report(watch, 0.05)?;
     let mut mesh = cells_of(&parts, bodies, options, gmsh)?;
     report(watch, 0.6)?;
-    if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
+    if !options.follows_surfaces() {
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, &parts.bodies);
@@ -92,12 +94,11 @@ fn report(watch: &dyn Watch, share: f64) -> Result<(), MeshError> {
 /// Parts joined aggregates, restores volumes, splits narrow gaps, spares stiff cells and names the smeared ITZ, as far as each
 /// is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &BodyImages, options: &MeshOptions) {
-    let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     // Where cells stand across the surfaces, whole faces of aggregates meet: cohesive elements there would bear pressure.
-    if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !follows_surfaces) {
+    if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !options.follows_surfaces()) {
         part_joined(mesh, bodies, options.joined == Joined::Cut);
     }
-    if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
+    if options.itz != ItzForm::Solid && restores_volumes(options) {
         restore_volumes(mesh, bodies, options.element_size_mm);
     }
     if options.narrow_gaps == NarrowGaps::Split {
@@ -109,6 +110,11 @@ fn make_fit(mesh: &mut Mesh, bodies: &BodyImages, options: &MeshOptions) {
     if options.itz == ItzForm::Smeared {
         smear_itz(mesh);
     }
+}
+
+/// Whether the aggregates get their exact volumes: without a layer once they are parted, else before it opens.
+fn restores_volumes(options: &MeshOptions) -> bool {
+    options.follows_surfaces() && options.volumes == Some(Volumes::Exact)
 }
 
 /// The cells of the method asked for, with the solid ITZ as a layer of its own.
@@ -126,11 +132,11 @@ fn cells_of(
         Method::Lattice { fit: Fit::Plain, .. } => lattice::plain(all, specimen, options),
         Method::Lattice { fit: Fit::Fitted, .. } => {
             let (mesh, notes) = lattice::fitted(all, &*specimen.container(), periodic, size);
-            with_layer(mesh, notes, all, parts, options)
+            with_layer(mesh, notes, bodies, parts, options)
         }
         Method::Conforming { slabs, .. } => {
             let mesh = conforming::mesh(placed, all, specimen, size, slabs, gmsh)?;
-            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, all, parts, options)
+            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, bodies, parts, options)
         }
     };
     bodies.name_bodies(&mut mesh.owner);
@@ -138,13 +144,17 @@ fn cells_of(
 }
 
 /// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
-fn with_layer(mut mesh: TetMesh, mut notes: Notes, bodies: &[Aggregate], parts: &Parts, options: &MeshOptions) -> Mesh {
+fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &Parts, options: &MeshOptions) -> Mesh {
+    let bodies = images.all.as_slice();
     let inside = |&owner: &u32| match owner {
         NO_BODY => Phase::Mortar,
         owner => Phase::inside(bodies[owner as usize].kind),
     };
-    let mut phase = mesh.owner.iter().map(inside).collect();
+    let mut phase: Vec<Phase> = mesh.owner.iter().map(inside).collect();
     if options.itz == ItzForm::Solid {
+        if restores_volumes(options) {
+            mesh.points = with_exact_volumes(&mesh, &phase, images, options.element_size_mm);
+        }
         let is_lattice = options.method.name() == MethodName::Lattice;
         let onto = if is_lattice { layer::Onto::Triangles } else { layer::Onto::Faces };
         let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
@@ -163,6 +173,16 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, bodies: &[Aggregate], parts: 
     }
     let TetMesh { points, cells, owner } = mesh;
     Mesh { notes, ..Mesh::of(CellKind::Tetrahedron, points, cells.into_flattened(), phase, owner) }
+}
+
+/// The nodes where the aggregates have their exact volumes.
+fn with_exact_volumes(mesh: &TetMesh, phase: &[Phase], images: &BodyImages, size: f64) -> Vec<Vec3> {
+    let mut owner = mesh.owner.clone();
+    images.name_bodies(&mut owner);
+    let cells = mesh.cells.as_flattened().to_vec();
+    let mut whole = Mesh::of(CellKind::Tetrahedron, mesh.points.clone(), cells, phase.to_vec(), owner);
+    restore_volumes(&mut whole, images, size);
+    whole.points
 }
 
 /// Keeps the aggregates' cells and the mortar's inside `container`, and the nodes they have.

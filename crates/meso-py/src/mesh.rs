@@ -108,7 +108,7 @@ pub(crate) fn build(
     let progress = listener(py, progress)?;
     let of = Arc::clone(&model);
     let options = beside_python(py, None, move |watch| asked.resolved(purpose, &of.spec, false, watch))?;
-    let options = options.map_err(mesh_error)?;
+    let options = options.map_err(mesh_error)?.for_bodies(&model.aggregates);
     accept_in_memory("the mesh", options.bytes(&model.spec.specimen), "element_size")?;
     let gmsh = gmsh(py)?;
     let of = Arc::clone(&model);

@@ -27,11 +27,11 @@ impl Polyhedron {
         let aabb = self.aabb();
         let levels = [thickness, 0.0];
         let [core, whole] = match self.round() {
-            Some(round) => aabb.volumes_above(EROSION_HALVINGS, levels, |x, _: Option<&()>| (-round.height(x), ())),
+            Some(round) => aabb.volumes_above(EROSION_HALVINGS, levels, |x, _, _: Option<&()>| (-round.height(x), ())),
             None => {
                 let surface = self.surface();
-                aabb.volumes_above(EROSION_HALVINGS, levels, |x, near| {
-                    let found = surface.depth_from(x, near);
+                aabb.volumes_above(EROSION_HALVINGS, levels, |x, reach, around| {
+                    let found = surface.depth_within(x, reach, around);
                     (found.depth, found)
                 })
             }

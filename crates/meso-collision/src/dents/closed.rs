@@ -43,15 +43,29 @@ impl Triangles {
         if self.contains(point) { distance } else { -distance }
     }
 
-    /// The depth of `point` with the nearest triangle, found faster from those of a point near by.
-    pub(super) fn depth_from(&self, point: &Vec3, near: Option<&Depth>) -> Depth {
-        let guess = near.map(|near| (near.triangle, self.nearest_of(near.triangle, point).1));
-        let (triangle, distance) = self.nearest_below(point, guess).unwrap_or((0, f64::INFINITY));
-        let is_inside = match near.filter(|near| (near.point - point).norm() < near.depth.abs()) {
-            Some(near) => near.depth > 0.0,
+    /// The depth of `point`, and the triangles that are the nearest ones of points within `reach` mm of it; none of them
+    /// where `reach` is negative. `around` is the answer for a point whose reach this one is in.
+    pub(super) fn depth_within(&self, point: &Vec3, reach: f64, around: Option<&Depth>) -> Depth {
+        let (mut near, mut best) = (Vec::new(), (f64::INFINITY, 0));
+        let mut look = |triangle: u32| {
+            let distance = self.nearest_of(triangle, point).1;
+            best = if (distance, triangle) < best { (distance, triangle) } else { best };
+            if distance <= best.0 + 2.0 * reach {
+                near.push((distance, triangle));
+            }
+        };
+        match around {
+            Some(around) => around.triangles.iter().for_each(|triangle| look(*triangle)),
+            None => (0..self.corners().len() as u32).for_each(look),
+        }
+        let (distance, triangle) = best;
+        let is_inside = match around.filter(|around| (around.point - point).norm() < around.depth.abs()) {
+            Some(around) => around.depth > 0.0,
             None => self.is_below(triangle, point, distance).unwrap_or_else(|| self.contains(point)),
         };
-        Depth { point: *point, triangle, depth: if is_inside { distance } else { -distance } }
+        near.retain(|near| near.0 <= distance + 2.0 * reach);
+        let triangles = near.into_iter().map(|near| near.1).collect();
+        Depth { point: *point, triangles, depth: if is_inside { distance } else { -distance } }
     }
 
     /// Whether a point lies on the inner side of its nearest triangle; `None` unless it lies straight above or below it.
@@ -158,11 +172,10 @@ impl Triangles {
     }
 }
 
-/// A point, its nearest triangle and its depth below that, mm.
-#[derive(Clone, Copy)]
+/// A point, its depth, mm, and the triangles that are the nearest ones of points around it.
 pub(super) struct Depth {
     point: Vec3,
-    triangle: u32,
+    triangles: Vec<u32>,
     pub(super) depth: f64,
 }
 
@@ -180,47 +193,49 @@ impl Aabb {
     ///
     /// Cubes are halved `halvings` times where the surface may divide them, and the last ones count in part.
     pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
-        let [volume] = self.volumes_above(halvings, [0.0], |point, _: Option<&()>| (height(point), ()));
+        let [volume] = self.volumes_above(halvings, [0.0], |point, _, _: Option<&()>| (height(point), ()));
         volume
     }
 
     /// Volumes of the points where the height is above each of the `levels`, mm3, in the cube about this box. The height has a
-    /// slope of 1; `height` gives it with a note for the eight cubes within, which get it from the cube around them.
+    /// slope of 1; `height` gives it with a note for the eight cubes within, which get it from the cube around them. It also
+    /// gets the farthest that their middles and corners are from that of the cube, below 0 where the cube is a last one.
     ///
     /// Cubes are halved `halvings` times where a surface may divide them. The share of the last ones follows from the
     /// height at their middle, as if the surface were a plane across an axis.
-    pub(super) fn volumes_above<const N: usize, T: Copy>(
+    pub(super) fn volumes_above<const N: usize, T>(
         &self,
         halvings: usize,
         levels: [f64; N],
-        height: impl Fn(&Vec3, Option<&T>) -> (f64, T),
+        height: impl Fn(&Vec3, f64, Option<&T>) -> (f64, T),
     ) -> [f64; N] {
-        let mut half = self.size().max() / 2.0;
-        let (mut cubes, mut volumes) = (vec![((self.min + self.max) / 2.0, [true; N], None)], [0.0; N]);
+        let (mut half, mut volumes) = (self.size().max() / 2.0, [0.0; N]);
+        let mut divided: Vec<(Vec3, [bool; N], T)> = Vec::new();
         for halving in 0..=halvings {
-            let (reach, whole) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3));
-            let mut divided = Vec::new();
-            for (middle, undecided, around) in cubes {
-                let (height, note) = height(&middle, around.as_ref());
+            let (reach, whole, is_last) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3), halving == halvings);
+            let mut asked = |middle: Vec3, undecided: &[bool; N], around: Option<&T>| {
+                let (height, note) = height(&middle, if is_last { -1.0 } else { reach }, around);
                 let mut divides = [false; N];
                 for i in (0..N).filter(|&i| undecided[i]) {
                     let height = height - levels[i];
                     if height >= reach {
                         volumes[i] += whole;
-                    } else if height > -reach && halving == halvings {
+                    } else if height > -reach && is_last {
                         volumes[i] += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
                     } else {
                         divides[i] = height > -reach;
                     }
                 }
-                if divides.contains(&true) {
-                    divided.push((middle, divides, Some(note)));
-                }
-            }
+                divides.contains(&true).then_some((middle, divides, note))
+            };
+            divided = if halving == 0 {
+                asked((self.min + self.max) / 2.0, &[true; N], None).into_iter().collect()
+            } else {
+                let within =
+                    divided.iter().flat_map(|around| eighths(around.0, half).map(move |middle| (middle, around)));
+                within.filter_map(|(middle, around)| asked(middle, &around.1, Some(&around.2))).collect()
+            };
             half /= 2.0;
-            let within =
-                |&(middle, undecided, around)| eighths(middle, half).map(move |eighth| (eighth, undecided, around));
-            cubes = divided.iter().flat_map(within).collect();
         }
         volumes
     }

@@ -139,7 +139,7 @@ impl<'a> Bodies<'a> {
             element_size_mm,
             itz: if is_layer { ItzForm::Solid } else { ItzForm::None },
             joined: Joined::Keep,
-            volumes: if is_layer { Volumes::Fitted } else { Volumes::Exact },
+            volumes: (!is_layer).then_some(Volumes::Exact),
             narrow_gaps: NarrowGaps::Keep,
         };
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };

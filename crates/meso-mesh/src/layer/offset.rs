@@ -7,7 +7,7 @@
 //!    the nodes of the surface land on the cut of the offset with it.
 //! 2. Where faces do not look away from the centroid ([`use_fallback_directions`]): they stand where a lattice closed a gap, so
 //!    that a body reaches out to its neighbour. Their nodes go along the direction that enters all the faces around the node as steeply as can be, far
-//!    enough for the whole thickness below the least steep of them (at most four times the thickness). So do all nodes of bodies
+//!    enough for the whole thickness below the least steep of them (at most 1.5 times the thickness). So do all nodes of bodies
 //!    with dents, whose rays may meet several faces.
 //! 3. In conforming meshes, onto the offsets of the very faces that meet at the node ([`project`]). A ray may leave the offset through the plane beside:
 //!    then a triangle at an edge ends up across the offset's edge and cuts it off (0.036 mm rms over the layer's inner side in a
@@ -203,7 +203,7 @@ pub(super) fn use_fallback_directions(
         let around: Vec<Vec3> = group.iter().map(|(_, normal)| *normal).collect();
         let radial = offsets.get(copies.body(copy), constraint.flat(copy));
         if let (Some(radial), Some((inward, cosine))) = (radial, direction_into_all(&around)) {
-            targets[copy as usize] = p(copy) + inward * (radial.thickness / cosine.max(0.25));
+            targets[copy as usize] = p(copy) + inward * (radial.thickness / cosine.max(LEAST_STEEP));
         }
     }
     constraint.spread(targets);
@@ -211,6 +211,9 @@ pub(super) fn use_fallback_directions(
 
 /// Steps of the search.
 const DIRECTION_STEPS: usize = 60;
+/// A displacement grows up to this cosine to the least steep face. Faces may look at each other where a gap is closed: nodes
+/// that went farther there dragged their neighbours along (error of layers of 1 mm: 8.6 % at 1/4, 3.8 % at 2/3).
+const LEAST_STEEP: f64 = 2.0 / 3.0;
 /// Least cosine of a direction to all faces that counts as inward.
 const STEEP: f64 = 0.05;
 

@@ -7,7 +7,7 @@ pub use table::{MeshTable, Purpose};
 
 use super::error::MeshError;
 use meso_concrete::Room;
-use meso_concrete::aggregate::{Aggregate, Itz, Shape, ShapeKind};
+use meso_concrete::aggregate::{Aggregate, Itz, Kind, Shape, ShapeKind};
 use meso_concrete::specimen::Specimen;
 use serde::{Deserialize, Serialize};
 
@@ -23,8 +23,8 @@ pub struct MeshOptions {
     pub itz: ItzForm,
     /// Treatment of aggregates that would share nodes.
     pub joined: Joined,
-    /// Which volume the aggregates of a fitted mesh have.
-    pub volumes: Volumes,
+    /// Which volume the aggregates of a fitted mesh have; `None` lets the bodies decide: [`for_bodies`](Self::for_bodies).
+    pub volumes: Option<Volumes>,
     /// How many elements a narrow gap between aggregates has.
     pub narrow_gaps: NarrowGaps,
 }
@@ -167,7 +167,7 @@ pub enum Volumes {
     /// That of the mesh with its nodes on their surfaces: less than their own, since chords cut corners off.
     #[default]
     Fitted,
-    /// Their own; the nodes lie some hundredths of a millimetre off their surfaces. Not with a solid ITZ.
+    /// Their own; the nodes lie some hundredths of a millimetre off their surfaces.
     Exact,
 }
 
@@ -190,7 +190,7 @@ impl Default for MeshOptions {
             element_size_mm: 2.0,
             itz: ItzForm::Solid,
             joined: Joined::Keep,
-            volumes: Volumes::Fitted,
+            volumes: None,
             narrow_gaps: NarrowGaps::Keep,
         }
     }
@@ -229,6 +229,25 @@ impl MeshOptions {
             }
         }
         self.validate_order()
+    }
+
+    /// The options with the choice that the bodies decide.
+    ///
+    /// Chords add to stones and cut off spheres, so that aggregates other than convex polyhedra have exact volumes by default.
+    pub fn for_bodies(&self, bodies: &[Aggregate]) -> Self {
+        let is_faceted =
+            |body: &Aggregate| body.kind != Kind::Aggregate || body.body.is_convex() && body.body.round().is_none();
+        let volumes = match self.volumes {
+            Some(asked) => asked,
+            None if self.follows_surfaces() && !bodies.iter().all(is_faceted) => Volumes::Exact,
+            None => Volumes::Fitted,
+        };
+        Self { volumes: Some(volumes), ..self.clone() }
+    }
+
+    /// Whether nodes lie on the surfaces of the aggregates.
+    pub(super) fn follows_surfaces(&self) -> bool {
+        !matches!(self.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. })
     }
 
     /// Refuses a method that cannot mesh grains of a `shape`.

@@ -22,7 +22,7 @@ pub struct MeshTable {
     pub itz: Option<ItzForm>,
     /// Treatment of aggregates that would share nodes.
     pub joined: Option<Joined>,
-    /// Volume of the aggregates in a mesh that follows their surfaces; not with a solid ITZ.
+    /// Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra.
     pub volumes: Option<Volumes>,
     /// Fewest elements across a gap between aggregates, in tetrahedra.
     pub narrow_gaps: Option<NarrowGaps>,
@@ -100,7 +100,12 @@ impl MeshTable {
             element_size_mm,
             itz,
             joined: asked.joined.unwrap_or_default(),
-            volumes: asked.volumes.filter(|_| effect.restores_volumes()).unwrap_or_default(),
+            // A layer keeps its outer side on the surfaces of convex polyhedra, whatever the use, unless it is asked for.
+            volumes: match itz {
+                _ if !effect.follows_surfaces() => Some(Volumes::Fitted),
+                ItzForm::Solid => self.volumes,
+                ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => asked.volumes,
+            },
             narrow_gaps: asked.narrow_gaps.filter(|_| effect.splits_gaps()).unwrap_or_default(),
         })
     }
@@ -136,9 +141,9 @@ impl MeshTable {
                 "only the method conforming takes it",
             ),
             (
-                effect.restores_volumes(),
+                effect.follows_surfaces(),
                 asked("volumes", self.volumes, Volumes::Fitted),
-                "only the method conforming and a fitted lattice take it, without a solid itz",
+                "only the method conforming and a fitted lattice take it",
             ),
             (
                 effect.splits_gaps(),
@@ -163,14 +168,13 @@ struct Effect {
 }
 
 impl Effect {
-    /// Whether aggregates can have their exact volumes: nodes lie on their surfaces, and there is no layer over them.
-    fn restores_volumes(self) -> bool {
-        let follows_surfaces = match self.method {
+    /// Whether nodes lie on the surfaces of the aggregates, which then can have their exact volumes.
+    fn follows_surfaces(self) -> bool {
+        match self.method {
             MethodName::Voxel => false,
             MethodName::Lattice => self.fit == Fit::Fitted,
             MethodName::Conforming => true,
-        };
-        follows_surfaces && self.itz != ItzForm::Solid
+        }
     }
 
     /// Whether edges across narrow gaps can be split: voxels stay as they are.
@@ -214,7 +218,7 @@ impl From<MeshOptions> for MeshTable {
             element_size_mm: Some(element_size_mm),
             itz: Some(itz),
             joined: Some(joined),
-            volumes: Some(volumes),
+            volumes,
             narrow_gaps: Some(narrow_gaps),
             thin_itz: Some(thin_itz),
             subsamples: Some(subsamples),
@@ -234,9 +238,9 @@ impl MeshOptions {
             ("element_size_mm", self.element_size_mm.to_string()),
             ("itz", written(&self.itz)),
             ("joined", written(&self.joined)),
-            ("volumes", written(&self.volumes)),
-            ("narrow_gaps", written(&self.narrow_gaps)),
         ];
+        let volumes = self.volumes.map(|volumes| ("volumes", written(&volumes)));
+        let narrow_gaps = [("narrow_gaps", written(&self.narrow_gaps))];
         let own = [
             asked("fit", table.fit, Fit::Fitted),
             asked("order", table.order, 1),
@@ -244,7 +248,7 @@ impl MeshOptions {
             asked("subsamples", table.subsamples, 1),
             table.slabs.map(|slabs| ("slabs", slabs.to_string())),
         ];
-        shared.into_iter().chain(own.into_iter().flatten()).collect()
+        shared.into_iter().chain(volumes).chain(narrow_gaps).chain(own.into_iter().flatten()).collect()
     }
 }
 
@@ -281,7 +285,6 @@ mod tests {
             ),
             (MeshTable { volumes: exact, ..voxel.clone() }, "mesh.volumes is exact; only the method conforming and"),
             (MeshTable { volumes: exact, fit: Some(Fit::Plain), ..lattice.clone() }, "mesh.volumes is exact; only"),
-            (MeshTable { volumes: exact, itz: Some(ItzForm::Solid), ..lattice.clone() }, "mesh.volumes is exact; only"),
             (MeshTable { thin_itz: Some(true), ..lattice.clone() }, "mesh.thin_itz is true; only the method voxel"),
             (
                 MeshTable { thin_itz: Some(true), itz: Some(ItzForm::None), ..voxel.clone() },
@@ -296,6 +299,6 @@ mod tests {
         let usual = MeshTable { thin_itz: Some(false), subsamples: Some(1), volumes: Some(Volumes::Fitted), ..lattice };
         assert!(resolved(&usual, Purpose::Test).is_ok());
         let options = resolved(&voxel, Purpose::Test).unwrap();
-        assert_eq!((options.volumes, options.narrow_gaps), (Volumes::Fitted, NarrowGaps::Keep));
+        assert_eq!((options.volumes, options.narrow_gaps), (Some(Volumes::Fitted), NarrowGaps::Keep));
     }
 }

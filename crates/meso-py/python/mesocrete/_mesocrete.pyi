@@ -689,7 +689,8 @@ class Packing:
             meshing stops with a `RuntimeError`.
         **options
             The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
-            if its elements resolve it: voxels thicker than the thinnest shell cannot. None means "none".
+            if its elements resolve it: voxels thicker than the thinnest shell cannot. None means "none". Where `volumes` is
+            not given, meshes that follow grains other than convex polyhedra have their exact volumes.
 
         Raises
         ------

@@ -404,7 +404,7 @@ class MeshOptions(TypedDict, total=False):
     thin_itz: bool | None
     """Whether a solid ITZ may be thinner than one voxel; voxels only."""
     volumes: Literal["fitted", "exact"] | None
-    """Volume of the aggregates in a mesh that follows their surfaces; not with a solid ITZ."""
+    """Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra."""
 
 
 class DeckCdpm2Parameters(TypedDict, total=False):

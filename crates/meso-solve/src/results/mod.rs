@@ -60,7 +60,7 @@ impl Source {
     /// Source of a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
-        Self { version: env!("CARGO_PKG_VERSION").to_owned(), seed, fraction, mesh: mesh.clone() }
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), seed, fraction, mesh: mesh.for_bodies(&model.aggregates) }
     }
 }
 

@@ -56,7 +56,7 @@ impl Surfaces {
     /// From a point to the body with the nearest box, which is seldom far from the nearest body; infinite without bodies.
     fn near(&self, point: &Vec3) -> f64 {
         self.tree
-            .nearest(point, None, |item| self.boxes[item as usize].distance(point))
+            .nearest(point, |item| self.boxes[item as usize].distance(point))
             .map_or(f64::INFINITY, |(item, _)| self.bodies[item as usize].distance(point))
     }
 }

@@ -59,7 +59,7 @@ impl MeshReport {
             half_strength_strain: deck.half_strength_strain(mesh),
             warnings: deck.doubts(mesh, quality.exact_volumes_mm3.as_ref()),
             notes: mesh.notes,
-            options,
+            options: options.for_bodies(&model.aggregates),
             voxels: mesh.kind == CellKind::Hexahedron,
             smeared: mesh.has_smeared_itz(),
             voids_mm3: quality.exact_volumes_mm3.and_then(|exact| exact.voids(mesh, specimen.volume())),

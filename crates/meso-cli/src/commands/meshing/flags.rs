@@ -56,8 +56,8 @@ pub(crate) struct MeshFlags {
     #[arg(long, value_parser = names::parser::<Joined>())]
     #[arg(hide_short_help = true)]
     joined: Option<Joined>,
-    /// Volume of the aggregates in a mesh that follows them, with any --itz but solid [default: fitted; for a test
-    /// exact]
+    /// Volume of the aggregates in a mesh that follows them [default: exact for grains other than convex polyhedra, and for a
+    /// test without a solid ITZ; else fitted]
     #[arg(long, value_parser = names::parser::<Volumes>())]
     #[arg(hide_short_help = true)]
     volumes: Option<Volumes>,

@@ -109,15 +109,10 @@ impl BoxTree {
         leaves.flatten().copied()
     }
 
-    /// The item at the least `distance`, and that distance; of equally near ones the first. A good `guess` of both is quicker
-    /// than none. An item's distance is at least that of `point` to its box. `None` where all are infinitely far.
-    pub fn nearest(
-        &self,
-        point: &Vec3,
-        guess: Option<(u32, f64)>,
-        distance: impl Fn(u32) -> f64,
-    ) -> Option<(u32, f64)> {
-        let mut best = guess.map_or((f64::INFINITY, u32::MAX), |(item, distance)| (distance, item));
+    /// The item at the least `distance`, and that distance; of equally near ones the first. An item's distance is at least
+    /// that of `point` to its box. `None` where all are infinitely far.
+    pub fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
+        let mut best = (f64::INFINITY, u32::MAX);
         let mut open = vec![(0.0, 0)];
         while let Some((least, at)) = open.pop() {
             let Some(node) = self.nodes.get(at).filter(|_| least * (1.0 - ROUNDING) <= best.0) else { continue };
@@ -208,7 +203,7 @@ mod tests {
                 met += found.len();
                 let distance = |item: u32| boxes[item as usize].distance(&point);
                 let least = (0..count as u32).map(|item| (distance(item), item)).min_by(|p, q| p.0.total_cmp(&q.0));
-                assert_eq!(tree.nearest(&point, None, distance), least.map(|(distance, item)| (item, distance)));
+                assert_eq!(tree.nearest(&point, distance), least.map(|(distance, item)| (item, distance)));
             }
         }
         assert!(met > 100, "{met}");

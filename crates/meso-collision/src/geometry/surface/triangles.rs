@@ -75,11 +75,7 @@ impl Triangles {
 
     /// The point of all triangles that is nearest to `point`, and its distance, mm; `None` where there are none.
     pub fn nearest(&self, point: &Vec3) -> Option<(Vec3, f64)> {
-        self.nearest_below(point, None).map(|(t, distance)| (self.nearest_of(t, point).0, distance))
-    }
-
-    /// The triangle that is nearest to `point`, and its distance, mm, among a guess of both and all that are as near.
-    pub(crate) fn nearest_below(&self, point: &Vec3, guess: Option<(u32, f64)>) -> Option<(u32, f64)> {
-        self.tree.nearest(point, guess, |t| self.nearest_of(t, point).1)
+        let nearest = self.tree.nearest(point, |t| self.nearest_of(t, point).1);
+        nearest.map(|(t, distance)| (self.nearest_of(t, point).0, distance))
     }
 }
