@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Draws the curves of `run.py OUT` beside the points of experiments: `python3 docs/validation/pictures.py OUT IMAGES`.
+"""Draws the curves of `run.py OUT` beside the points of experiments: `python3 docs/validation/pictures.py OUT IMAGES [SIDE_MM]`.
 
-Needs matplotlib.
+Specimens are 100 mm wide, or SIDE_MM. Needs matplotlib.
 """
 
 import csv
@@ -31,7 +31,8 @@ LABELS = {
 def main() -> None:
     """Draw every picture that has curves."""
     out, images = (Path(word) for word in sys.argv[1:3])
-    done = {case.name: curve for case in run.cases() if (curve := run.read(case, out))}
+    side = float(sys.argv[3]) if len(sys.argv) > 3 else run.SMALL_MM
+    done = {case.name: curve for case in run.cases(side) if (curve := run.read(case, out))}
     curves(done, images / "validation-curve.png", ["cube-0.1", "height-100"])
     curves(done, images / "validation-friction.png", ["cube-0.1", "cube-0.6"])
     curves(done, images / "validation-fraction.png", [f"fraction-{share}" for share in ("0.0", "0.2", "0.4", "0.6")])
@@ -40,7 +41,7 @@ def main() -> None:
     curves(done, images / "validation-biaxial.png", ["height-100", "biaxial-1", "biaxial-0.52"])
     slender = [f"slenderness-{mu}-h{n}" for mu in ("0.005", "0.6") for n in (1, 2)]
     curves(done, images / "validation-slenderness.png", slender)
-    beyond(done, images / "validation-height.png")
+    beyond(done, images / "validation-height.png", side)
 
 
 def published(name: str) -> tuple[list[float], list[float]]:
@@ -67,8 +68,8 @@ def curves(done: dict[str, run.Curve], path: Path, names: list[str]) -> None:
     save(figure, axes, path, "strain, per mille", "stress, MPa", drawn=drawn)
 
 
-def beyond(done: dict[str, run.Curve], path: Path) -> None:
-    """Stress over peak and displacement beyond the peak: prisms of three heights, and tests."""
+def beyond(done: dict[str, run.Curve], path: Path, side: float) -> None:
+    """Stress over peak and displacement beyond the peak: prisms of three heights and one width, and tests."""
     figure, axes = plt.subplots(figsize=(6, 4))
     drawn = False
     for number, height in enumerate((50, 100, 200)):
@@ -76,7 +77,7 @@ def beyond(done: dict[str, run.Curve], path: Path) -> None:
             if curve := done.get(f"height-{height}-{seed}"):
                 top = curve.top
                 way = [(e - curve.strain[top]) * curve.height for e in curve.strain[top:]]
-                label = f"{height} mm" if seed == 1 else None
+                label = f"{side:g} mm wide, {side * height / 100:g} mm high" if seed == 1 else None
                 axes.plot(way, [s / curve.peak for s in curve.stress[top:]], f"C{number}", lw=1, label=label)
                 drawn = True
     for marker, (name, (label, height)) in zip("os", TESTS.items()):
