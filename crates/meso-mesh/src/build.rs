@@ -156,7 +156,7 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
             mesh.points = with_exact_volumes(&mesh, &phase, images, options.element_size_mm);
         }
         let is_lattice = options.method.name() == MethodName::Lattice;
-        let onto = if is_lattice { layer::Onto::Triangles } else { layer::Onto::Faces };
+        let onto = if is_lattice { layer::Onto::Triangles(options.element_size_mm) } else { layer::Onto::Faces };
         let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
         let periodic = parts.specimen.periodic().0;
         let exact_mm3 = exact.map(|exact| exact.itz);

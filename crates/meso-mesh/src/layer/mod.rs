@@ -28,12 +28,12 @@ use periodic::{Bodies, PeriodicConstraint};
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
 /// The surfaces whose offsets are the inner side of a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Onto {
     /// The faces of convex bodies, where the mesh has nodes along all of their edges.
     Faces,
-    /// The mesh's own triangles, which may cut across edges and dents.
-    Triangles,
+    /// The triangles of a mesh of this size of elements, mm, which may cut across edges and dents.
+    Triangles(f64),
 }
 
 /// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
@@ -61,19 +61,25 @@ pub(super) fn add(
     let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
     let mut constraint = PeriodicConstraint::new(mesh, periodic, &bodies, &owner, copies.first());
     constraint.align(&mut mesh.points);
-    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut constraint, periodic);
+    let thick = match onto {
+        Onto::Faces => f64::INFINITY,
+        Onto::Triangles(size) => triangles::THICK * size,
+    };
+    let offsets = RadialOffsets::new(&bodies, thickness, thick, &owner, &mut constraint, periodic);
     let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &constraint));
     let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
     offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
     let mut targets = on_rays.clone();
     match onto {
         Onto::Faces => offset::project(mesh, &copies, &offsets, &constraint, &mut targets),
-        Onto::Triangles => {
+        Onto::Triangles(size) => {
             triangles::project(mesh, &faces, &copies, &offsets, &constraint, &mut targets);
+            let reach = offsets.thickest_to_settle() / size;
+            triangles::settle(mesh, &faces, &copies, &offsets, &constraint, reach, &mut targets);
             if let Some(exact) = exact_mm3.filter(|exact| *exact > 0.0) {
                 triangles::scale(mesh, &layer, copies.first(), exact, &mut targets);
             }
-            triangles::relax(mesh, &owner, copies.first(), &offsets, &constraint, &mut targets);
+            triangles::relax(mesh, &owner, copies.first(), &offsets, &constraint, reach, &mut targets);
         }
     }
     untangle(mesh, &layer, &constraint, &on_rays, &mut targets);

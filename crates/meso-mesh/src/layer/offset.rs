@@ -18,7 +18,7 @@
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
-use meso_collision::geometry::Plane;
+use meso_collision::geometry::{Plane, Triangles};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -41,11 +41,21 @@ pub(super) struct RadialOffset {
     across: Flat,
     /// The body has dents, so that a ray may meet several faces.
     pub(super) has_dents: bool,
+    /// The layer is thick beside an element, and the body no sphere or ellipsoid: see [`settle`](super::triangles::settle).
+    pub(super) settles: bool,
+    /// The surface of a body with dents whose layer settles.
+    surface: Option<Triangles>,
 }
 
 impl RadialOffset {
     /// `None` where the aggregate hardly reaches `flat`: no direction is inward.
-    fn new(aggregate: &Aggregate, thickness: f64, flat: Flat, walls: &Aabb, periodic: [bool; 3]) -> Option<Self> {
+    fn new(
+        aggregate: &Aggregate,
+        [thickness, thick]: [f64; 2],
+        flat: Flat,
+        walls: &Aabb,
+        periodic: [bool; 3],
+    ) -> Option<Self> {
         let planes: Vec<Plane> = aggregate.body.bounding_planes();
         let aabb = aggregate.body.aabb();
         let has_dents = !aggregate.body.is_convex();
@@ -62,7 +72,10 @@ impl RadialOffset {
         let shallowest = depths.fold(f64::INFINITY, f64::min);
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic), has_dents })
+        let settles = thickness > thick && aggregate.body.round().is_none();
+        let surface = (settles && has_dents).then(|| aggregate.body.surface());
+        let across = Flat::of(sides, periodic);
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_dents, settles, surface })
     }
 
     /// The target of a node along its ray; where the body has dents, the node itself.
@@ -83,6 +96,22 @@ impl RadialOffset {
         if surface.is_finite() { self.centre + ray * (offset / surface) } else { *x }
     }
 
+    /// The step from `x` to where its nearest face is as far above it as the layer is thick.
+    pub(super) fn step_to_depth(&self, x: &Vec3) -> Vec3 {
+        let (inward, depth) = match &self.surface {
+            Some(surface) => {
+                let depth = surface.depth(x);
+                let from_surface = surface.nearest(x).map_or(Vec3::zeros(), |(nearest, _)| x - nearest);
+                (from_surface.try_normalize(ON * self.thickness).unwrap_or_default() * depth.signum(), depth)
+            }
+            None => {
+                let depths = self.planes.iter().map(|(normal, depth)| (-normal, depth - normal.dot(&(x - self.centre))));
+                depths.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+            }
+        };
+        inward * (self.thickness - depth)
+    }
+
     /// The planes of the faces that hold the node at `x`.
     fn faces_at(&self, x: &Vec3) -> Vec<(Vec3, f64)> {
         let from_centre = x - self.centre;
@@ -95,10 +124,11 @@ impl RadialOffset {
 pub(super) struct RadialOffsets(HashMap<(u32, Flat), RadialOffset>);
 
 impl RadialOffsets {
-    /// Layers of `thickness(body)` mm; nodes without an inward direction are pinned.
+    /// Layers of `thickness(body)` mm, which settle above `thick` mm; nodes without an inward direction are pinned.
     pub(super) fn new(
         bodies: &Bodies,
         thickness: impl Fn(u32) -> f64 + Sync,
+        thick: f64,
         owner: &[u32],
         constraint: &mut PeriodicConstraint,
         periodic: [bool; 3],
@@ -112,7 +142,7 @@ impl RadialOffsets {
         let offset = |&(body, flat): &(u32, Flat)| {
             stop::point();
             let offset =
-                RadialOffset::new(bodies.get(body), thickness(body), flat, constraint.faces.walls(), periodic)?;
+                RadialOffset::new(bodies.get(body), [thickness(body), thick], flat, constraint.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
         let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());
@@ -127,6 +157,11 @@ impl RadialOffsets {
     /// The map of `body` for nodes on `flat`.
     pub(super) fn get(&self, body: u32, flat: Flat) -> Option<&RadialOffset> {
         self.0.get(&(body, flat))
+    }
+
+    /// The thickest layer that settles, mm; 0 without one.
+    pub(super) fn thickest_to_settle(&self) -> f64 {
+        self.0.values().filter(|offset| offset.settles).map(|offset| offset.thickness).fold(0.0, f64::max)
     }
 
     /// Aggregates too small for their thickness, with all their periodic images.
