@@ -1,7 +1,7 @@
 //! One body alone: closed, convex, seen from outside, by exact signs.
 
 use meso_collision::dents::SelfCrossing;
-use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh, Triangles};
+use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh};
 use meso_collision::math::Vec3;
 use robust::{Coord3D, orient3d};
 
@@ -68,7 +68,7 @@ pub(super) fn check_surface(body: &Polyhedron) -> Result<(), String> {
     if parts != 1 {
         return Err(format!("its surface has {parts} parts"));
     }
-    let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+    let facets = mesh.facets();
     match (SelfCrossing { mesh: &mesh, facets: &facets }).find() {
         Some([[corner, ..], _]) => Err(format!("its surface crosses itself near {:?}", <[f64; 3]>::from(corner))),
         None => Ok(()),
