@@ -7,4 +7,5 @@
 
 pub mod embedded;
 pub mod plot;
+pub mod section;
 pub mod vtk;
