@@ -18,9 +18,9 @@ mod materials;
 mod periodic;
 mod supports;
 
+use crate::export::lines::Lines;
 pub(crate) use curve::write_curve;
 pub(crate) use limits::DECK;
-use lines::Lines;
 use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
