@@ -220,6 +220,17 @@ pub(crate) struct Column<F> {
     pub(crate) field: Option<F>,
 }
 
+/// Reports the iterations of solution number `done` of `stages`, if there are any.
+pub(crate) fn reporting(watch: &dyn Watch, done: usize, stages: usize) -> impl Fn(usize, f64) {
+    move |iteration, _| {
+        // Some 20 iterations are usual.
+        let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / stages as f64;
+        if stages > 0 {
+            watch.stage(Stage::Solve, share);
+        }
+    }
+}
+
 impl Task<'_> {
     /// The solutions along the axes asked for. Periodic axes share one grid; a walled one is turned to the third place.
     fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column<FluxField>>, EffectiveError> {
@@ -261,13 +272,7 @@ impl Task<'_> {
         let given = Flow { grid, links, axis, potential: &nothing };
         let (energy, rhs) = (given.given_energy(), given.sources());
         drop(nothing);
-        let report = |iteration: usize, _: f64| {
-            // Some 20 iterations are usual.
-            let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
-            if self.stages > 0 {
-                self.watch.stage(Stage::Solve, share);
-            }
-        };
+        let report = reporting(self.watch, done, self.stages);
         let found = solver::solve(links, rhs, Energy::falling(energy), self.options.tolerance, &report)?;
         let flow = Flow { grid, links, axis, potential: &found.potential };
         let mean = flow.mean();
