@@ -145,7 +145,7 @@ fn results_that_are_there_are_kept_unless_forced() {
 }
 
 #[test]
-fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
+fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
     let folder = Folder::with_model();
     folder.write("soft.toml", "[materials.mortar]\nyoungs_modulus_mpa = -5\n");
     folder.write("broken.json", "{");
