@@ -15,11 +15,12 @@
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
 //!    small edges of its own; the squares of the residuals are least then (0.006 mm rms in all).
 
+use super::by_node;
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
 use meso_collision::geometry::Plane;
-use meso_collision::math::{Aabb, Mat3, Vec3};
+use meso_collision::math::{Aabb, Mat3, Vec3, inverse};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
@@ -196,8 +197,7 @@ pub(super) fn use_fallback_directions(
         }
     }
     normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));
-    // Stable: the normals of a node stay in the faces' order.
-    normals.sort_by_key(|(copy, _)| *copy);
+    by_node(&mut normals);
     for group in normals.chunk_by(|a, b| a.0 == b.0) {
         let copy = group[0].0;
         let around: Vec<Vec3> = group.iter().map(|(_, normal)| *normal).collect();
@@ -271,7 +271,7 @@ fn on_own_faces(radial: &RadialOffset, flat: Flat, x: &Vec3, target: &Vec3) -> O
     let own = radial.faces_at(x);
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
-    let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;
+    let inverse = inverse(&damped).filter(|_| !own.is_empty())?;
     let mut position = target - radial.centre;
     for _ in 0..PROJECTION_STEPS {
         let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&position);
