@@ -124,10 +124,9 @@ pub fn effective<'a>(
     let Parts { bodies, specimen } = parts.into();
     let values = phases.values(options.what);
     values.validate(options.what)?;
-    let values = &values;
     let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
-    of_medium(&Packing { bodies: &bodies, specimen, values }, counts, options, watch)
+    of_medium(&Packing { bodies: &bodies, specimen, values: &values }, counts, options, watch)
 }
 
 /// The effective property of `medium`, on grids of `counts` voxels and of half as many along each axis.

@@ -4,7 +4,7 @@
 //! SOLID187 (10) or SOLID185 (8), cohesive elements INTER205. Nodes of the sides are the components XMIN to ZMAX. Numbers
 //! are the mesh's indices plus 1.
 
-use super::columns::{part, present};
+use super::columns::{part, places, present};
 use super::lines::Lines;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use meso_mesh::materials::{Elastic, Materials};
@@ -98,12 +98,7 @@ fn cells(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
 
 /// Nodes beyond the eighth stand on a second line; a wedge of 6 nodes repeats the third node of either face.
 fn one(lines: &mut Lines<impl Write>, element: u64, group: u64, nodes: &[u32]) -> io::Result<()> {
-    let order: &[usize] = match nodes.len() {
-        4 => &[0, 1, 2, 3],
-        6 => &[0, 1, 2, 2, 3, 4, 5, 5],
-        8 => &[0, 1, 2, 3, 4, 5, 6, 7],
-        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
-    };
+    let order = places(nodes.len());
     let width = WIDTHS[0];
     for field in [group, group, 1, 1, 0, 0, 0, 0, order.len() as u64, 0, element] {
         lines.integer(width, field);

@@ -14,6 +14,11 @@ pub(super) fn part(phase: Phase) -> u64 {
     }
 }
 
+/// Places of an element's nodes on a card; a wedge of 6 repeats the third node of either face.
+pub(super) fn places(nodes: usize) -> &'static [usize] {
+    if nodes == 6 { &[0, 1, 2, 2, 3, 4, 5, 5] } else { &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9][..nodes] }
+}
+
 /// Phases that a mesh has, cohesive elements as ITZ.
 pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
     let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();

@@ -10,7 +10,7 @@ mod materials;
 
 pub use super::abaqus::LsdynaLaw;
 use super::abaqus::{Analysis, DeckOptions};
-use super::columns::{part, present};
+use super::columns::{part, places, present};
 use super::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
@@ -105,12 +105,7 @@ fn elements(cards: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
 ///
 /// A tetrahedron repeats its last node. A cohesive wedge repeats the third node of either face.
 fn element(cards: &mut Lines<impl Write>, number: u64, part: u64, nodes: &[u32]) -> io::Result<()> {
-    let order: &[usize] = match nodes.len() {
-        4 => &[0, 1, 2, 3, 3, 3, 3, 3],
-        6 => &[0, 1, 2, 2, 3, 4, 5, 5],
-        8 => &[0, 1, 2, 3, 4, 5, 6, 7],
-        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
-    };
+    let order = if nodes.len() == 4 { &[0, 1, 2, 3, 3, 3, 3, 3] } else { places(nodes.len()) };
     cards.integer(8, number);
     cards.integer(8, part);
     if order.len() > 8 {
