@@ -136,7 +136,7 @@ fn sets(cards: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result
         }
     }
     set(cards, "*SET_PART_LIST_TITLE", "SPECIMEN", 1)?;
-    list(cards, present(mesh).into_iter().map(part))
+    list(cards, present(mesh).map(part))
 }
 
 fn set(cards: &mut Lines<impl Write>, keyword: &str, name: &str, number: u64) -> io::Result<()> {
