@@ -54,10 +54,11 @@ pub fn map_with<S, T: Send>(
 ) -> Vec<T> {
     gathered(count, &|run, found| {
         let mut scratch = scratch();
-        found.extend(run.map(|i| {
+        found.reserve(run.len());
+        for i in run {
             stop::point();
-            of(&mut scratch, i)
-        }));
+            found.push(of(&mut scratch, i));
+        }
     })
 }
 
