@@ -7,11 +7,6 @@ pub type Mat3 = nalgebra::Matrix3<f64>;
 /// A proper rotation.
 pub type Rotation = nalgebra::UnitQuaternion<f64>;
 
-/// The inverse of a matrix; `None` for a singular one. Compiled here once: nalgebra's function brings those of all sizes.
-pub fn inverse(matrix: &Mat3) -> Option<Mat3> {
-    matrix.try_inverse()
-}
-
 /// Axis-aligned box, both corners included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {

@@ -144,8 +144,7 @@ pub(crate) fn of_medium(
     let coarse = Task { options: &coarse, stages: 0, ..task }.columns(counts.map(|count| count.div_ceil(2)))?;
     let mut fine = task.columns(counts)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
-    let space = task.space;
-    let resolution = Resolution::of_voxels(space.boundary("fixed"), counts, space.spacing(counts));
+    let resolution = Resolution::of_voxels(task.space.boundary("fixed"), counts, task.space.spacing(counts));
     Ok((Effective::new(options.what, [&fine, &coarse], medium.phases(), medium.rest(), resolution), fields))
 }
 

@@ -9,7 +9,7 @@ use crate::boundary::Boundary;
 use crate::effective::Column;
 use crate::error::EffectiveError;
 use crate::solver::Energy;
-use meso_collision::math::{Mat3, Vec3, inverse};
+use meso_collision::math::{Mat3, Vec3};
 
 impl Task<'_> {
     /// The columns of the axes asked for. All three solutions count in each.
@@ -37,7 +37,7 @@ impl Task<'_> {
             let field = (self.fields && self.options.axes[axis]).then(field);
             columns.push(Column { axis, flux: [0.0; 3], iterations: found.iterations, error: found.error, field });
         }
-        let tensor = inverse(&resistance).unwrap_or_default();
+        let tensor = resistance.try_inverse().unwrap_or_default();
         columns.iter_mut().for_each(|column| column.flux = tensor.column(column.axis).into());
         columns.retain(|column| self.options.axes[column.axis]);
         Ok(columns)

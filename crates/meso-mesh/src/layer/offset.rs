@@ -20,7 +20,7 @@ use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
 use meso_collision::geometry::Plane;
-use meso_collision::math::{Aabb, Mat3, Vec3, inverse};
+use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
@@ -271,7 +271,7 @@ fn on_own_faces(radial: &RadialOffset, flat: Flat, x: &Vec3, target: &Vec3) -> O
     let own = radial.faces_at(x);
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
-    let inverse = inverse(&damped).filter(|_| !own.is_empty())?;
+    let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;
     let mut position = target - radial.centre;
     for _ in 0..PROJECTION_STEPS {
         let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&position);

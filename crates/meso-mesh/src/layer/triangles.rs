@@ -14,7 +14,7 @@ use super::periodic::PeriodicConstraint;
 use super::prisms::LayerCell;
 use crate::cells::{Copies, InterfaceFace};
 use crate::tet::{TetMesh, volume};
-use meso_collision::math::{Mat3, Vec3, inverse};
+use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::parallel;
 use meso_concrete::stop;
 
@@ -59,7 +59,7 @@ impl TriangleStar {
     /// The displacement to the offsets of all triangles by `thickness` mm; `None` without triangles.
     fn displacement(&self, thickness: f64) -> Option<Vec3> {
         let damped = self.squares + Mat3::identity() * (DAMPING * self.squares.trace());
-        let inverse = inverse(&damped)?;
+        let inverse = damped.try_inverse()?;
         let closer = |u: Vec3, _| u - inverse * (self.normals * thickness + self.squares * u);
         Some((0..STEPS).fold(Vec3::zeros(), closer))
     }
