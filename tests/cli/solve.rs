@@ -307,6 +307,20 @@ pub(crate) mod signals {
         assert!(rows > 50 && rows < 390, "{rows}");
     }
 
+    /// The case: `timeout` lost the curve of a test, since it sends SIGTERM to the program and again to its group.
+    #[test]
+    fn two_signals_at_once_are_one_request() {
+        let folder = Folder::with_model();
+        let mut child = folder.command(&LONG).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        assert!(lines.any(|told| told.unwrap().starts_with(" 10 %")));
+        signal(&child, "-TERM");
+        signal(&child, "-TERM");
+        lines.for_each(|line| drop(line.unwrap()));
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(result(&folder, "out/result.json")["ended"], "stopped");
+    }
+
     /// The case: no test but compression was interrupted. From Python, each is in every run of the tests.
     #[test]
     #[ignore = "slow tier: eight tests in many small steps, 12 s of processor time"]
