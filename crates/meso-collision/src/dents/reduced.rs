@@ -357,7 +357,7 @@ mod tests {
             assert!(reduced.triangles.len() < 1500, "{}", reduced.triangles.len());
             assert!((reduced.volume() / given.volume() - 1.0).abs() < 0.01);
             // By samples, which the proof does not use.
-            let [own, other] = [&reduced, &given].map(facets);
+            let [own, other] = [&reduced, &given].map(TriangleMesh::facets);
             let farthest = |from: &TriangleMesh, to: &Triangles| {
                 from.vertices.iter().map(|v| to.nearest(v).unwrap().1).fold(0.0, f64::max)
             };
