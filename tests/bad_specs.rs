@@ -301,6 +301,11 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ),
     ("[shape]\nflatness = { law = 'constant', valeu = 1 }", "shape.flatness.valeu", "did you mean value?"),
     ("[shape]\nflatness = 0.7", "shape.flatness", "it must be a table"),
+    ("[shape]\nkind = 'stone'", "shape.kind", "\"library\", \"harmonics\""),
+    ("[shape]\nkind = 'sphere'\ndegree = 3", "shape.degree", "counts only for kind = \"harmonics\"; leave it out"),
+    ("[shape]\ntriangles = 160", "shape.triangles", "counts only for kind = \"harmonics\"; leave it out"),
+    ("[shape]\ntolerance = 0.01", "shape.tolerance", "counts only for a library of surfaces; leave it out"),
+    ("[shape]\ndegre = 3", "shape.degre", "did you mean degree?"),
     ("[shape]\nroundness = 1", "shape.roundness", "the keys here are kind, vertices, elongation, flatness"),
     // itz
     ("[itz]\nthickness_mm = [-0.1, 0.5]", "itz.thickness_mm", "is -0.1;"),

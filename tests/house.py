@@ -26,7 +26,7 @@ LEANING = re.compile(r"(?:The same|Those|That of|Of|As \[`)\b|As \[`")
 
 
 # Figures above their bars, as they were last reached.
-REACHED = {"lines outside unit tests": 89_385}
+REACHED = {"lines outside unit tests": 89_490}
 
 
 class Figure(NamedTuple):
@@ -167,6 +167,7 @@ def figures() -> list[Figure]:
     what = [f"{where}: {said[:80]}" for where, said in sentences if re.search(r"\bwhat\b", said, re.IGNORECASE)]
     doors = [place for place in found(r"^pub fn build\w*", libraries=True) if "meso-mesh/src/build.rs" in place]
     detections = {place.split("/")[1] for place in found(r"feature_detected")}
+    narrow = sorted({place.split(":")[0] for place in found(r"\bnarrow_gaps\b")})
     two = names_with_two_meanings()
     return [
         Figure("largest crate, % of lines", round(100 * by_crate[largest] / total, 1), 20, [str(by_crate)]),
@@ -178,6 +179,8 @@ def figures() -> list[Figure]:
         Figure("public type names with two meanings", len(two), 0, two),
         Figure("doc(hidden) in libraries", len(hidden()), 5, hidden()),
         Figure("doors to mesh::build", len(doors), 1, doors),
+        Figure("files that name narrow_gaps", len(narrow), 4, narrow),
+        Figure("functions of gjk without an example", len(without_example()), 0, without_example()),
         Figure("comment sentences that lean, per 1000", per_mille(leaning, sentences), 3, leaning),
         Figure("comment sentences with what, per 1000", per_mille(what, sentences), 8, what),
         Figure("lines outside unit tests", total, 55_800, []),
@@ -187,6 +190,17 @@ def figures() -> list[Figure]:
 def hidden() -> list[str]:
     """List the items of libraries that are public, but not in the documentation."""
     return found(r"#\[doc\(hidden\)\]", libraries=True)
+
+
+def without_example() -> list[str]:
+    """List the public functions of gjk whose documentation has no example."""
+    places = []
+    for path in sources("meso-collision"):
+        text = tested(path) if "gjk" in path.parts else ""
+        for match in re.finditer(r"((?:^ *(?:///|#\[).*\n)*)^ *pub (?:const )?fn \w+", text, re.MULTILINE):
+            if "```" not in match[1]:
+                places.append(at(path, text, match.end()))
+    return places
 
 
 def per_mille(some: list[str], sentences: list[tuple[str, str]]) -> float:

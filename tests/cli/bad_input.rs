@@ -110,7 +110,7 @@ fn every_wrong_flag_exits_with_2_and_names_the_flag() {
 }
 
 #[test]
-fn what_the_system_refuses_exits_with_1_and_names_the_path() {
+fn a_refusal_of_the_system_exits_with_1_and_names_the_path() {
     let long = format!("{}.json", "x".repeat(300));
     let cases: &[(&[&str], &str)] = &[
         (&["pack", "absent.toml"], "absent.toml: No such file or directory; check the name"),

@@ -205,6 +205,22 @@ fn falling_short_is_a_warning_and_with_strict_a_code() {
     assert_eq!(folder.run(&["pack", "small.toml", "--strict", "-o", "b.json"]).code, 0);
 }
 
+/// The case: 40 % asked of a cube of 32 mm and grains to 16 mm, 31 % packed, and "every class as graded" said of it.
+#[test]
+fn grains_too_large_for_their_specimen_give_a_warning_before_a_test_and_on_the_page() {
+    let folder = Folder::new();
+    assert_eq!(folder.run(&["init", "en-cube-100", "-o", "coarse.toml"]).code, 0);
+    let spec = String::from_utf8(folder.read("coarse.toml")).unwrap();
+    folder.write("coarse.toml", spec.replace("side_mm = 100", "side_mm = 32"));
+    let warning = "% off its target: each size class is within one of its grains";
+    let run = folder.run(&["pack", "coarse.toml", "--quiet", "-o", "a.json", "-o", "a.html"]);
+    assert!(run.code == 0 && run.stderr.contains(warning), "{}", run.stderr);
+    let page = String::from_utf8(folder.read("a.html")).unwrap();
+    assert!(page.contains(warning) && !page.contains("every class as graded") && page.contains(", 32,768 mm\u{b3})"));
+    let run = folder.run(&["solve", "coarse.toml", "--element-size-mm", "4", "--strain", "1e-5", "--frames", "0"]);
+    assert!(run.stderr.contains(warning), "{}", run.stderr);
+}
+
 #[test]
 fn every_recipe_starts_a_spec_that_is_read() {
     let folder = Folder::new();

@@ -98,7 +98,7 @@ fn words_in_any_order_break_nothing() {
 }
 
 #[test]
-fn what_is_validated_is_what_the_command_accepts() {
+fn the_validation_accepts_the_lines_that_the_command_accepts() {
     let lines: [(&[&str], bool); 6] = [
         (&["pack", "--fraction", "0.4", "-o", "a.json"], true),
         (&["pack", "--fraction", "1.4"], false),

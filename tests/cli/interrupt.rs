@@ -41,7 +41,7 @@ fn the_second_interrupt_ends_it_and_leaves_nothing() {
     let mut child = start(&folder, &["pack", "large.toml", "-o", "a.json"]);
     std::thread::sleep(Duration::from_millis(500));
     signal(&child, "-INT");
-    std::thread::sleep(Duration::from_millis(20));
+    std::thread::sleep(Duration::from_millis(250));
     signal(&child, "-INT");
     let code = child.wait().unwrap().code();
     assert_eq!(code, Some(130));

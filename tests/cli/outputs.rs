@@ -52,7 +52,7 @@ fn a_signal_or_a_failure_at_any_step_leaves_all_old_files_or_all_new_ones() {
 }
 
 #[test]
-fn what_is_replaced_keeps_its_mode_and_its_links() {
+fn a_replaced_file_keeps_its_mode_and_its_links() {
     let folder = Folder::with_model();
     folder.write("secret.csv", "old");
     std::fs::set_permissions(folder.path("secret.csv"), PermissionsExt::from_mode(0o600)).unwrap();

@@ -40,7 +40,7 @@ fn a_packing_is_kept_where_its_mesh_is_refused() {
 }
 
 #[test]
-fn what_is_accepted_is_written_and_strict_says_how_far_it_is_off() {
+fn an_accepted_mesh_is_written_and_strict_says_how_far_its_phases_are_off() {
     let folder = Folder::with_model();
     let mesh = ["mesh", "small.json", "-o", "m.inp", "-f"];
     let accepted = run(&folder, &mesh, &["--accept-phase-error"]);

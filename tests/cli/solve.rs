@@ -145,7 +145,7 @@ fn results_that_are_there_are_kept_unless_forced() {
 }
 
 #[test]
-fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
+fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
     let folder = Folder::with_model();
     folder.write("soft.toml", "[materials.mortar]\nyoungs_modulus_mpa = -5\n");
     folder.write("broken.json", "{");
@@ -305,6 +305,20 @@ pub(crate) mod signals {
         assert!(result["steps"].as_u64() > result["steps_planned"].as_u64().map(|planned| planned / 4), "{result}");
         let rows = curve(&folder, "out/curve.csv")["strain"].len();
         assert!(rows > 50 && rows < 390, "{rows}");
+    }
+
+    /// The case: `timeout` lost the curve of a test, since it sends SIGTERM to the program and again to its group.
+    #[test]
+    fn two_signals_at_once_are_one_request() {
+        let folder = Folder::with_model();
+        let mut child = folder.command(&LONG).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        assert!(lines.any(|told| told.unwrap().starts_with(" 10 %")));
+        signal(&child, "-TERM");
+        signal(&child, "-TERM");
+        lines.for_each(|line| drop(line.unwrap()));
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(result(&folder, "out/result.json")["ended"], "stopped");
     }
 
     /// The case: no test but compression was interrupted. From Python, each is in every run of the tests.

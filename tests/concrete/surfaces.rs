@@ -321,6 +321,12 @@ fn grains_that_are_not_convex_count_as_their_hulls_on_request() {
     }
     assert_eq!(grains("a.ply", "hull = true\n", ply(&two, "ascii")), Ok(2));
     assert_eq!(grains("a.off", "hull = true\n", off(&dented)), Ok(1));
+    let inward: Vec<Facet> = two.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let (spec, remarks) = read(&format!("{GRADING}[shape]\nlibrary = 'a.stl'\n"), stl_text(&inward, b"")).unwrap();
+    assert!(spec.shape.grains.len() == 2 && remarks.contains("clockwise seen from outside; they were turned"));
+    // A body within another one, turned inwards, is a hollow.
+    let hollow: Vec<Facet> = cube(2.0, 4.0).iter().map(|&[a, b, c]| [a, c, b]).chain(cube(0.0, 10.0)).collect();
+    assert!(grains("a.stl", "", stl_text(&hollow, b"")).unwrap_err().contains("must be counter-clockwise"));
     let open = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,2,1]]}]";
     assert_eq!(grains("a.json", "hull = true\n", open.to_vec()), Ok(1));
     let error = grains("a.stl", "hull = 1\n", stl_text(&two, b"")).unwrap_err();

@@ -91,7 +91,7 @@ WRONG_TYPE = {
 
 @pytest.mark.parametrize("taker", TAKERS)
 @pytest.mark.parametrize("form", WRONG_TYPE)
-def test_what_holds_no_real_numbers_is_a_type_error(taker, form):
+def test_objects_without_real_numbers_are_type_errors(taker, form):
     with pytest.raises(TypeError, match="real numbers"):
         TAKERS[taker](WRONG_TYPE[form])
 
@@ -165,7 +165,7 @@ def test_masked_entries_are_refused(taker):
         TAKERS[taker](points)
 
 
-def test_what_numpy_asks_of_an_object_may_raise_its_own_exception():
+def test_an_object_may_raise_its_own_exception_when_numpy_asks_it():
     class Broken:
         def __array__(self, *args, **kwargs):
             raise ZeroDivisionError("mine")

@@ -96,6 +96,7 @@ def test_a_latin_hypercube_has_one_volume_in_every_stratum(tmp_path):
         ({"sampler": [TINY]}, "sampler has 1 specs; it must have n = 2"),
         ({"sampler": lambda _: {"fraction": 7}}, "volume 0: fraction is 7"),
         ({"sink": "d.h5", "model": True}, "an .h5 holds no models"),
+        ({"sink": "d.hdf", "model": True}, "an .h5 holds no models"),
         ({"sink": "d.zarr", "sampler": [TINY, TINY | {"specimen": mc.Specimen.cylinder(20, 30)}]}, "a folder .* takes volumes of all"),
     ],
 )

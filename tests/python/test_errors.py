@@ -97,7 +97,7 @@ def test_loading_anything(tmp_path, content):
     only_documented(lambda: mc.Spec.read(path))
 
 
-def test_what_a_panic_becomes_is_caught_by_except_exception():
+def test_except_exception_catches_a_panic():
     # The only exceptions that pass `except Exception` are the interpreter's own.
     assert issubclass(RuntimeError, Exception)
     restore, (vertices, _) = mc.convex_hull(np.eye(4)[:, :3]).__reduce__()

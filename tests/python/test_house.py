@@ -47,3 +47,12 @@ def test_a_comment_that_leans_on_the_line_above_is_counted(tmp_path: Path) -> No
     finally:
         house.ROOT = root
     assert [bool(house.LEANING.match(said)) for _, said in sentences] == [True, True, False]
+
+
+def test_names_of_tests_name_their_subject() -> None:
+    """A name that begins with a pronoun cannot be read alone."""
+    paths = [path for path in (house.ROOT / "tests").rglob("*.*") if path.suffix in (".rs", ".py")]
+    text = "\n".join(map(house.text_of, [*paths, *house.sources()]))
+    names = re.findall(r"#\[test\]\s+(?:#\[.*\]\s+)*fn (\w+)|^def test_(\w+)", text, re.MULTILINE)
+    assert len(names) > 1000
+    assert [name for pair in names for name in pair if re.match("(what|that|those|of|as|it|this|they|these)_", name)] == []

@@ -118,7 +118,7 @@ def test_sections_and_boxes_are_parts_of_the_whole(packing):
         (lambda p: p.voxelize(0.001), ValueError, "mesocrete image"),
     ],
 )
-def test_what_cannot_be_asked_is_named(packing, ask, error, text):
+def test_impossible_pictures_are_named(packing, ask, error, text):
     """Every refusal names the option and the way out."""
     with pytest.raises(error, match=text.replace("[", r"\[")):
         ask(packing)

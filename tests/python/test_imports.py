@@ -1,6 +1,7 @@
 """The crates' files import downwards alone: no circles, and none above the floors that ARCHITECTURE names.
 
-`use` lines and the paths within the code are read as text. A path counts for the deepest module that has a file of its own.
+`use` lines and the paths within the code are read as text. A path counts for the deepest module that has a file of its own,
+and a name that this module only re-exports for the module that it comes from.
 A module and those inside it are one family, and imports within it do not count. Unit tests may import what they like.
 """
 
@@ -58,7 +59,23 @@ def leaves(tree: str) -> Iterator[str]:
             part += letter
 
 
-def target(path: str, own: Module, known: dict[Module, Path]) -> Module | None:
+Exports = dict[Module, dict[str, str]]
+
+
+def exports(known: dict[Module, Path]) -> Exports:
+    """Map every module to the names that it re-exports, with the paths that they come from."""
+    found: Exports = {}
+    for own, path in known.items():
+        trees = re.findall(r"(?<!\w)pub(?:\([^)]*\))?\s+use\s+([^;]+);", code(path))
+        paths = [leaf for tree in trees for leaf in leaves(re.sub(r"\s+as\s+", "=", tree).translate(NO_SPACE))]
+        found[own] = {re.split("::|=", path)[-1]: path.partition("=")[0] for path in paths}
+    return found
+
+
+NO_SPACE = str.maketrans("", "", " \n")
+
+
+def target(path: str, own: Module, known: dict[Module, Path], exported: Exports) -> Module | None:
     """Find the module with a file of its own that a path lies in; none for other crates."""
     parts = path.split("::")
     at = list(own)
@@ -71,7 +88,8 @@ def target(path: str, own: Module, known: dict[Module, Path]) -> Module | None:
             at.pop()
         elif part not in ("crate", "self"):
             if (*at, part) not in known:
-                break
+                origin = exported[tuple(at)].get(part) if tuple(at) != own else None
+                return (origin and target(origin, tuple(at), known, exported)) or tuple(at)
             at.append(part)
     return tuple(at)
 
@@ -79,9 +97,10 @@ def target(path: str, own: Module, known: dict[Module, Path]) -> Module | None:
 def edges(crate: str) -> dict[Module, set[Module]]:
     """Map every module to those that it imports from, but for its own family."""
     known = modules(crate)
+    exported = exports(known)
     found = {}
     for own, path in known.items():
-        targets = {target(use, own, known) for use in imported(code(path))} - {None}
+        targets = {target(use, own, known, exported) for use in imported(code(path))} - {None}
         found[own] = {to for to in targets if own[: len(to)] != to and to[: len(own)] != own}
     return found
 
@@ -154,6 +173,17 @@ def test_paths_within_the_code_count_as_imports() -> None:
         "crate::parquet::write",
         "super::d::E",
     ]
+
+
+def test_a_name_counts_for_the_module_that_it_is_re_exported_from(tmp_path: Path) -> None:
+    """The circle of a body and its hull once passed, since both names came from the room around them."""
+    known = {(): tmp_path / "lib.rs", ("a",): tmp_path / "a.rs", ("a", "b"): tmp_path / "b.rs"}
+    texts = ["mod a;\npub use a::Inner;\n", "mod b;\npub(crate) use b::{self as c, Deep as Inner, Own};\n", "struct Deep;\n"]
+    for path, text in zip(known.values(), texts, strict=True):
+        path.write_text(text, encoding="utf-8")
+    exported = exports(known)
+    assert target("crate::Inner", ("z",), known, exported) == ("a", "b")
+    assert target("crate::a::Other", ("z",), known, exported) == ("a",)
 
 
 # A crate may use crates of lower numbers only.

@@ -52,7 +52,7 @@ def test_a_fibre_meets_no_other_body_by_our_own_gjk(reinforced):
         assert not gjk.intersects_many(fibre.vertices, others).any()
 
 
-def test_they_survive_pickles_and_files(reinforced, tmp_path):
+def test_inclusions_survive_pickles_and_files(reinforced, tmp_path):
     assert pickle.loads(pickle.dumps(reinforced)) == reinforced
     fibre = reinforced.inclusions[-1]
     assert pickle.loads(pickle.dumps(fibre)) == fibre
@@ -98,6 +98,6 @@ def test_pictures_and_meshio_know_the_phase(reinforced):
         ({"fibres": {"fraction": 0.01, "diameter_mm": 0.5, "length_mm": 60}}, "fibres.length_mm .* has only 40 mm of room"),
     ],
 )
-def test_what_cannot_be_is_named(change, message):
+def test_impossible_inclusions_are_named(change, message):
     with pytest.raises(ValueError, match=message):
         mc.pack(SPEC | change)

@@ -122,7 +122,7 @@ def test_progress_that_says_no_ends_work_that_has_no_part_to_give(work, large):
     assert time.process_time() - said[0] < 0.6
 
 
-def test_what_progress_raises_comes_out():
+def test_an_exception_of_progress_comes_out():
     def progress(fraction, target):
         raise Stop("mine")
 

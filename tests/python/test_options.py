@@ -49,7 +49,7 @@ def test_every_recipe_fits_the_schema(schema):
         {"mix": {"cement": 300}},
     ],
 )
-def test_what_pack_refuses_by_its_form_the_schema_refuses(schema, spec):
+def test_the_schema_refuses_specs_that_pack_refuses_by_their_form(schema, spec):
     assert list(schema.iter_errors(spec))
     with pytest.raises((ValueError, TypeError)):
         mc.Spec(**spec)

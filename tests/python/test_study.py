@@ -292,6 +292,8 @@ def test_wrong_studies_are_refused_before_the_work(tmp_path):
         mc.study(TINY, {"seed": [1]}, out=out, executor=3)
     with pytest.raises(TypeError, match="progress is of type int"):
         mc.study(TINY, {"seed": [1]}, out=out, progress=3)
+    with pytest.raises(TypeError, match=r"then is of type str; it must be a callable that takes \(packing\)"):
+        mc.study(TINY, {"seed": [1]}, then="volume", out=out)
     with concurrent.futures.ProcessPoolExecutor(1) as pool:
         with pytest.raises(TypeError, match="then cannot be sent to another process"):
             mc.study(TINY, {"seed": [1]}, then=lambda _: 1, out=out, executor=pool)

@@ -402,6 +402,12 @@ fn mortar_that_will_hardly_soften_in_the_step_is_doubted() {
     assert!((0.001..0.009).contains(&strain), "{strain}");
     let doubts = with(60.0).doubts(mesh, None);
     assert!(doubts.len() == 1 && doubts[0].contains("hardly soften"), "{doubts:?}");
+    let remedy = doubts[0].split("crushing_energy_n_per_mm (").nth(1).and_then(|text| text.split(' ').next());
+    let remedy = remedy.and_then(|energy| energy.parse().ok()).expect("an energy that softens");
+    assert!(
+        with(remedy).doubts(mesh, None).is_empty() && !with(2.0 * remedy).doubts(mesh, None).is_empty(),
+        "{remedy}"
+    );
     let bonded = compression().doubts(&MORTAR, None);
     assert!(bonded.len() == 1 && bonded[0].contains("without an ITZ"), "{bonded:?}");
 }

@@ -1,5 +1,6 @@
 //! Ctrl-C and termination. While a specimen is packed, the first signal keeps the best packing; the second one, and
-//! any signal at another time, stops everything.
+//! any signal at another time, stops everything. A second signal within [`ONE_REQUEST`] counts as the first one: `timeout`
+//! sends SIGTERM to the program and again to its group.
 //!
 //! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
 //! `.mesocrete-*.tmp`, or gmsh's folder. Hidden files come and go, and outputs get their names, only while
@@ -10,9 +11,13 @@ use meso_core::Watch;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// Signals within this time of the first one are the same request. Two presses of Ctrl-C mostly lie further apart.
+const ONE_REQUEST: Duration = Duration::from_millis(200);
+
+static ASKED: OnceLock<Instant> = OnceLock::new();
 /// Runs that read [`asked`]: a study has several at once.
 static POLLED: AtomicUsize = AtomicUsize::new(0);
 /// The process ends as soon as [`hold`] is free.
@@ -23,8 +28,8 @@ static HIDDEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub(crate) fn install() {
     // This fails only if an earlier run in the same process has set it.
     let _ = ctrlc::set_handler(|| {
-        let first = !ASKED.swap(true, Ordering::SeqCst);
-        if !(first && POLLED.load(Ordering::SeqCst) > 0) {
+        let keeps = POLLED.load(Ordering::SeqCst) > 0 || ASKED.get().is_some();
+        if !keeps || ASKED.get_or_init(Instant::now).elapsed() >= ONE_REQUEST {
             ENDING.store(true, Ordering::SeqCst);
             meso_gmsh::end_all();
             let hidden = lock();
@@ -39,7 +44,7 @@ pub(crate) fn install() {
 
 /// True once the user asked to stop.
 pub(crate) fn asked() -> bool {
-    ASKED.load(Ordering::SeqCst)
+    ASKED.get().is_some()
 }
 
 /// While this lives, the first Ctrl-C only sets the flag that [`asked`] reads.

@@ -4,7 +4,7 @@
 //! devices are streamed.
 
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::{interrupt, stderr};
 use meso_files::whole::{self, Keeper, Output, folder, new_file};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -92,6 +92,12 @@ fn probe(path: &Path) -> Result<(), Failure> {
     // It is gone before a signal is heard.
     let _held = interrupt::hold();
     new_file(folder).map(drop).map_err(|error| Failure::file(path, &error))
+}
+
+/// Names the files among `targets` as written.
+pub(crate) fn wrote<'a>(targets: impl IntoIterator<Item = &'a Target>) {
+    let files = targets.into_iter().filter_map(Target::file);
+    files.for_each(|path| stderr::line(format!("wrote {}", path.display())));
 }
 
 /// Refuses targets that are the same file, or one of the `inputs`.

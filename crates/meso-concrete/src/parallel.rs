@@ -27,15 +27,17 @@ fn run_len(count: usize) -> usize {
 fn gathered<T: Send>(count: usize, of: &(dyn Fn(Range<usize>, &mut Vec<T>) + Sync)) -> Vec<T> {
     let len = run_len(count);
     let runs: Vec<Mutex<Vec<T>>> = (0..count.div_ceil(len)).map(|_| Mutex::default()).collect();
+    let total = AtomicUsize::new(0);
     shared(runs.len(), &|run| {
         let mut found = Vec::new();
         of(run * len..count.min((run + 1) * len), &mut found);
+        total.fetch_add(found.len(), Ordering::Relaxed);
         *runs[run].lock().unwrap_or_else(PoisonError::into_inner) = found;
     });
-    let runs: Vec<Vec<T>> =
-        runs.into_iter().map(|run| run.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
-    let mut all = Vec::with_capacity(runs.iter().map(Vec::len).sum());
-    runs.into_iter().for_each(|mut run| all.append(&mut run));
+    let mut all = Vec::with_capacity(total.into_inner());
+    for run in runs {
+        all.append(&mut run.into_inner().unwrap_or_else(PoisonError::into_inner));
+    }
     all
 }
 
@@ -52,10 +54,11 @@ pub fn map_with<S, T: Send>(
 ) -> Vec<T> {
     gathered(count, &|run, found| {
         let mut scratch = scratch();
-        found.extend(run.map(|i| {
+        found.reserve(run.len());
+        for i in run {
             stop::point();
-            of(&mut scratch, i)
-        }));
+            found.push(of(&mut scratch, i));
+        }
     })
 }
 

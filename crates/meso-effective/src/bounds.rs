@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Bounds of Voigt, Reuss, and Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125).
 ///
-/// Those of Hashin and Shtrikman hold for an isotropic mixture; one direction of a small specimen may cross them.
+/// Bounds of Hashin and Shtrikman hold for an isotropic mixture; one direction of a small specimen may cross them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PropertyBounds {
     /// Phases in series.

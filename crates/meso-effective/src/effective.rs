@@ -124,10 +124,9 @@ pub fn effective<'a>(
     let Parts { bodies, specimen } = parts.into();
     let values = phases.values(options.what);
     values.validate(options.what)?;
-    let values = &values;
     let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
-    of_medium(&Packing { bodies: &bodies, specimen, values }, counts, options, watch)
+    of_medium(&Packing { bodies: &bodies, specimen, values: &values }, counts, options, watch)
 }
 
 /// The effective property of `medium`, on grids of `counts` voxels and of half as many along each axis.
@@ -145,8 +144,7 @@ pub(crate) fn of_medium(
     let coarse = Task { options: &coarse, stages: 0, ..task }.columns(counts.map(|count| count.div_ceil(2)))?;
     let mut fine = task.columns(counts)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
-    let space = task.space;
-    let resolution = Resolution::of_voxels(space.boundary("fixed"), counts, space.spacing(counts));
+    let resolution = Resolution::of_voxels(task.space.boundary("fixed"), counts, task.space.spacing(counts));
     Ok((Effective::new(options.what, [&fine, &coarse], medium.phases(), medium.rest(), resolution), fields))
 }
 
@@ -220,6 +218,17 @@ pub(crate) struct Column<F> {
     pub(crate) field: Option<F>,
 }
 
+/// Reports the iterations of solution number `done` of `stages`, if there are any.
+pub(crate) fn reporting(watch: &dyn Watch, done: usize, stages: usize) -> impl Fn(usize, f64) {
+    move |iteration, _| {
+        // Some 20 iterations are usual.
+        let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / stages as f64;
+        if stages > 0 {
+            watch.stage(Stage::Solve, share);
+        }
+    }
+}
+
 impl Task<'_> {
     /// The solutions along the axes asked for. Periodic axes share one grid; a walled one is turned to the third place.
     fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column<FluxField>>, EffectiveError> {
@@ -261,13 +270,7 @@ impl Task<'_> {
         let given = Flow { grid, links, axis, potential: &nothing };
         let (energy, rhs) = (given.given_energy(), given.sources());
         drop(nothing);
-        let report = |iteration: usize, _: f64| {
-            // Some 20 iterations are usual.
-            let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
-            if self.stages > 0 {
-                self.watch.stage(Stage::Solve, share);
-            }
-        };
+        let report = reporting(self.watch, done, self.stages);
         let found = solver::solve(links, rhs, Energy::falling(energy), self.options.tolerance, &report)?;
         let flow = Flow { grid, links, axis, potential: &found.potential };
         let mean = flow.mean();

@@ -51,4 +51,5 @@ pub use labels::{LabelPhases, LabelSpecimen, effective_of_labels, stiffness_of_l
 pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};
 pub use resolution::Resolution;
+pub use surfaces::ByPhase;
 pub use tetrahedra::{MeshField, effective_in_tetrahedra, stiffness_in_tetrahedra};

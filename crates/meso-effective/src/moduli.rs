@@ -1,6 +1,6 @@
 //! Elastic constants of the phases.
 
-use crate::surfaces::Phase;
+use crate::surfaces::{ByPhase, Phase};
 use meso_concrete::{OutOfRange, Ranges};
 use serde::{Deserialize, Serialize};
 
@@ -28,20 +28,7 @@ pub struct GivenModuli {
 }
 
 /// The table `[stiffness]` of a phases file, one table for each phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PhaseModuli {
-    /// Constants of the mortar.
-    pub mortar: GivenModuli,
-    /// Constants of the ITZ.
-    pub itz: GivenModuli,
-    /// Constants of the aggregates within their ITZ.
-    pub aggregate: GivenModuli,
-    /// Constants of the voids.
-    pub void: GivenModuli,
-    /// Constants of the fibres.
-    pub fibre: GivenModuli,
-}
+pub type PhaseModuli = ByPhase<GivenModuli>;
 
 /// Largest ratio of a phase's modulus to the mortar's.
 const CONTRAST: f64 = 1e4;
@@ -54,25 +41,12 @@ const STRAIN: f64 = 0.1;
 pub(crate) type Table = [Moduli; Phase::ALL.len()];
 
 impl PhaseModuli {
-    /// Given constants of a phase, by its name.
-    pub fn phase_mut(&mut self, name: &str) -> Option<&mut GivenModuli> {
-        Some(match name {
-            "mortar" => &mut self.mortar,
-            "itz" => &mut self.itz,
-            "aggregate" => &mut self.aggregate,
-            "void" => &mut self.void,
-            "fibre" => &mut self.fibre,
-            _ => return None,
-        })
-    }
-
     /// Constants of all phases.
     ///
     /// # Errors
     /// The first constant out of its range.
     pub(crate) fn table(&self) -> Result<Table, OutOfRange> {
-        let given = [self.mortar, self.itz, self.aggregate, self.void, self.fibre];
-        let table = Phase::ALL.map(|phase| given[phase as usize].or(Moduli::usual(phase)));
+        let table = Phase::ALL.map(|phase| self.of(phase).or(Moduli::usual(phase)));
         let mortar = table[0].youngs_modulus_mpa;
         Ranges("stiffness").positive("mortar.youngs_modulus_mpa", mortar)?;
         Phase::ALL.into_iter().try_for_each(|phase| table[phase as usize].validate(phase.name(), mortar))?;

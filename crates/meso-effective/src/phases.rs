@@ -1,7 +1,7 @@
 //! Properties, and the value of each phase.
 
 use crate::moduli::PhaseModuli;
-use crate::surfaces::Phase;
+use crate::surfaces::ByPhase;
 use meso_concrete::{OutOfRange, Ranges};
 use serde::{Deserialize, Serialize};
 
@@ -16,20 +16,8 @@ pub enum Property {
     Conductivity,
 }
 
-/// Value of each phase, in one unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhaseValues {
-    /// Mortar, which must conduct.
-    pub mortar: f64,
-    /// Aggregates within their ITZ.
-    pub aggregate: f64,
-    /// Interfacial transition zone.
-    pub itz: f64,
-    /// Voids.
-    pub void: f64,
-    /// Fibres.
-    pub fibre: f64,
-}
+/// Value of each phase, in one unit; mortar must conduct.
+pub type PhaseValues = ByPhase<f64>;
 
 /// Values of a phases file: one table for each property, in which omitted phases keep the defaults of [`PhaseValues::of_property`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,35 +31,8 @@ pub struct Phases {
     pub stiffness: PhaseModuli,
 }
 
-/// Values that a phases file states.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct GivenValues {
-    /// Value of the mortar.
-    pub mortar: Option<f64>,
-    /// Value of the aggregates within their ITZ.
-    pub aggregate: Option<f64>,
-    /// Value of the ITZ; the mortar's if omitted.
-    pub itz: Option<f64>,
-    /// Value of the voids.
-    pub void: Option<f64>,
-    /// Value of the fibres.
-    pub fibre: Option<f64>,
-}
-
-impl GivenValues {
-    /// Given value of a phase, by its name.
-    pub(crate) fn phase_mut(&mut self, name: &str) -> Option<&mut Option<f64>> {
-        Some(match name {
-            "mortar" => &mut self.mortar,
-            "itz" => &mut self.itz,
-            "aggregate" => &mut self.aggregate,
-            "void" => &mut self.void,
-            "fibre" => &mut self.fibre,
-            _ => return None,
-        })
-    }
-}
+/// Values that a phases file states; an omitted ITZ has the mortar's.
+pub type GivenValues = ByPhase<Option<f64>>;
 
 impl Phases {
     /// The values for `property`.
@@ -102,11 +63,6 @@ impl PhaseValues {
             Property::Diffusivity => Self { mortar: 1.0, aggregate: 0.0, itz: 1.0, void: 0.0, fibre: 0.0 },
             Property::Conductivity => Self { mortar: 1.5, aggregate: 3.0, itz: 1.5, void: 0.025, fibre: 50.0 },
         }
-    }
-
-    /// Value of a phase.
-    pub(crate) fn of(&self, phase: Phase) -> f64 {
-        [self.mortar, self.itz, self.aggregate, self.void, self.fibre][phase as usize]
     }
 
     /// Refuses values that are negative or too far from the mortar's.

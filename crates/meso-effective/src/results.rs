@@ -227,7 +227,7 @@ fn write_tensor(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn write_bounds(rows: &[(&str, &PropertyBounds)], out: &mut dyn Write) -> io::Result<()> {
-    let head = "<th>Reuss</th><th>Hashin-Shtrikman</th><th>Hashin-Shtrikman</th><th>Voigt</th>";
+    let head = "<th>Reuss</th><th>Hashin-Shtrikman, lower</th><th>upper</th><th>Voigt</th>";
     writeln!(out, "<table><tr><th>bounds</th>{head}</tr>")?;
     for (name, b) in rows {
         let (low, high) = (b.hashin_shtrikman_lower, b.hashin_shtrikman_upper);

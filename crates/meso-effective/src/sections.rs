@@ -2,6 +2,7 @@
 
 use crate::grid::Grid;
 use meso_collision::geometry::Polyhedron;
+use meso_view::section::divide;
 use std::ops::Range;
 
 /// Distance of a section from the plane between voxels, over their spacing: a body that ends in the plane covers it from inside.
@@ -72,8 +73,8 @@ impl Section {
         let whole = squares.spacing[0] * squares.spacing[1];
         for row in squares.touched(1, low, high) {
             let (bottom, top) = (squares.side(1, row), squares.side(1, row + 1));
-            divide(&self.corners, 1, bottom, &mut self.rest, &mut self.beyond);
-            divide(&self.beyond, 1, top, &mut self.strip, &mut self.rest);
+            divide::<_, 2>(&self.corners, 1, bottom, &mut self.rest, &mut self.beyond);
+            divide::<_, 2>(&self.beyond, 1, top, &mut self.strip, &mut self.rest);
             if self.strip.len() < 3 {
                 continue;
             }
@@ -84,8 +85,8 @@ impl Section {
                 let share = if from >= inner_left && to <= inner_right {
                     1.0
                 } else {
-                    divide(&self.strip, 0, from, &mut self.rest, &mut self.beyond);
-                    divide(&self.beyond, 0, to, &mut self.piece, &mut self.rest);
+                    divide::<_, 2>(&self.strip, 0, from, &mut self.rest, &mut self.beyond);
+                    divide::<_, 2>(&self.beyond, 0, to, &mut self.piece, &mut self.rest);
                     (area(&self.piece) / whole).clamp(0.0, 1.0)
                 };
                 visit(row * squares.counts[0] + column, share);
@@ -201,29 +202,6 @@ fn area(polygon: &[Point]) -> f64 {
         (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0])
     });
     spans.sum::<f64>() / 2.0
-}
-
-/// The parts of a convex polygon below `at` on `axis`, and from there on.
-fn divide(polygon: &[Point], axis: usize, at: f64, below: &mut Vec<Point>, above: &mut Vec<Point>) {
-    below.clear();
-    above.clear();
-    let Some(mut from) = polygon.last() else { return };
-    for to in polygon {
-        if (from[axis] < at) != (to[axis] < at) {
-            let (low, high) = if from[axis] < at { (from, to) } else { (to, from) };
-            let t = (at - low[axis]) / (high[axis] - low[axis]);
-            let mut cut = [low[0] + t * (high[0] - low[0]), low[1] + t * (high[1] - low[1])];
-            cut[axis] = at;
-            below.push(cut);
-            above.push(cut);
-        }
-        if to[axis] < at {
-            below.push(*to);
-        } else {
-            above.push(*to);
-        }
-        from = to;
-    }
 }
 
 /// The convex hull of points, counter-clockwise (Andrew's monotone chain).

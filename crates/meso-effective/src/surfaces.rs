@@ -4,6 +4,7 @@ use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::parallel;
+use serde::{Deserialize, Serialize};
 
 /// A phase of concrete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +30,36 @@ impl Phase {
 
     pub(crate) fn name(self) -> &'static str {
         ["mortar", "itz", "aggregate", "void", "fibre"][self as usize]
+    }
+}
+
+/// A value for each phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ByPhase<T> {
+    /// Mortar.
+    pub mortar: T,
+    /// Interfacial transition zone.
+    pub itz: T,
+    /// Aggregates within their ITZ.
+    pub aggregate: T,
+    /// Voids.
+    pub void: T,
+    /// Fibres.
+    pub fibre: T,
+}
+
+impl<T: Copy> ByPhase<T> {
+    /// Value of a phase.
+    pub(crate) fn of(&self, phase: Phase) -> T {
+        [self.mortar, self.itz, self.aggregate, self.void, self.fibre][phase as usize]
+    }
+
+    /// Value of a phase, by its name.
+    pub fn phase_mut(&mut self, name: &str) -> Option<&mut T> {
+        let Self { mortar, itz, aggregate, void, fibre } = self;
+        let all = [mortar, itz, aggregate, void, fibre];
+        all.into_iter().zip(Phase::ALL).find(|(_, phase)| phase.name() == name).map(|(value, _)| value)
     }
 }
 

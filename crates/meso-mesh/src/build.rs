@@ -54,7 +54,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     report(watch, 0.05)?;
     let mut mesh = cells_of(&parts, bodies, options, gmsh)?;
     report(watch, 0.6)?;
-    if !options.follows_surfaces() {
+    if !options.method.follows_surfaces() {
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, &parts.bodies);
@@ -95,7 +95,7 @@ fn report(watch: &dyn Watch, share: f64) -> Result<(), MeshError> {
 /// is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &BodyImages, options: &MeshOptions) {
     // Where cells stand across the surfaces, whole faces of aggregates meet: cohesive elements there would bear pressure.
-    if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !options.follows_surfaces()) {
+    if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !options.method.follows_surfaces()) {
         part_joined(mesh, bodies, options.joined == Joined::Cut);
     }
     if options.itz != ItzForm::Solid && restores_volumes(options) {
@@ -114,7 +114,7 @@ fn make_fit(mesh: &mut Mesh, bodies: &BodyImages, options: &MeshOptions) {
 
 /// Whether the aggregates get their exact volumes: without a layer once they are parted, else before it opens.
 fn restores_volumes(options: &MeshOptions) -> bool {
-    options.follows_surfaces() && options.volumes == Some(Volumes::Exact)
+    options.method.follows_surfaces() && options.volumes == Some(Volumes::Exact)
 }
 
 /// The cells of the method asked for, with the solid ITZ as a layer of its own.

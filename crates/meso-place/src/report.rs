@@ -189,6 +189,8 @@ pub struct Work {
 
 /// A class counts as reached within this share of its target, or within one of its own grains.
 const REACHED: f64 = 0.002;
+/// Distance of the fraction from its target, over that, from which it is said though no class lacks a whole grain.
+const COARSE: f64 = 0.02;
 
 /// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
 pub fn report(
@@ -263,6 +265,30 @@ impl Report {
                 format!("{} aggregates have {has} (ids {}{})", thousands(ids.len()), named(ids), more(ids))
             })
             .collect()
+    }
+
+    /// Why the fraction is not the one asked for; `None` where it is.
+    pub fn shortfall(&self) -> Option<String> {
+        let why = match self.stop_reason {
+            StopReason::TargetReached => return self.coarse_grains(),
+            StopReason::Interrupted => " (interrupted)",
+            StopReason::TimeLimit => " (the time limit came first)",
+            StopReason::AttemptsExhausted | StopReason::Jammed => "",
+        };
+        Some(format!("short of the target{why}: {}", self.stop_detail))
+    }
+
+    /// Says that grains are so large for their specimen that the fraction is off, though no class lacks a whole one.
+    fn coarse_grains(&self) -> Option<String> {
+        let asked: f64 = self.classes.iter().map(|class| class.target_fraction).sum();
+        let off = self.fraction / asked - 1.0;
+        (off.abs() > COARSE).then(|| {
+            let (fraction, percent) = (self.fraction, 100.0 * off);
+            format!(
+                "the fraction is {fraction:.5}, {percent:+.1} % off its target: each size class is within one of its grains, \
+                 which are large for this specimen; take a larger specimen or smaller aggregates"
+            )
+        })
     }
 
     /// The figures that follow from the bodies of a model; others are not recorded.

@@ -1,7 +1,5 @@
 //! An invalid spec: the fault, its place, and the remedy.
 
-use super::tree::Node;
-
 /// A spec that cannot be; displayed as `line 4: grading.d_min_mm is 25, ...`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{key}{}{message}", line.map(|n| format!("line {n}: ")).unwrap_or_default(), if key.is_empty() { "" } else { " " })]
@@ -32,11 +30,5 @@ impl SpecError {
             (true, Some(_)) => Self { key: name.to_owned(), line: None, ..self },
             _ => self,
         }
-    }
-
-    /// Adds the line of the key in `tree`, if the tree has it.
-    pub(super) fn at(mut self, tree: &Node) -> Self {
-        self.line = self.line.or_else(|| tree.line_of(&self.key));
-        self
     }
 }

@@ -33,6 +33,18 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
     let hull = shape.take("hull").map(|(_, node)| node);
     let is_harmonic = shape.child("kind").is_some_and(|kind| kind.value == Value::Text(HARMONICS.to_owned()));
+    let is_library = !is_harmonic && (shape.child("library").is_some() || shape.child("path").is_some());
+    for (key, counts, place) in [
+        (TOLERANCE, is_library, "a library of surfaces"),
+        ("shape.degree", is_harmonic, "kind = \"harmonics\""),
+        ("shape.triangles", is_harmonic, "kind = \"harmonics\""),
+    ] {
+        let given = shape.child(key.trim_start_matches("shape."));
+        if let (Some(Node { line, .. }), false) = (given, counts) {
+            let message = format!("counts only for {place}; leave it out");
+            return Err(SpecError { line: *line, ..SpecError::value(key, message) });
+        }
+    }
     let tolerance = tolerance(shape)?;
     let [degree, triangles] = [DEGREE, TRIANGLES].map(|option| option.taken(shape));
     let library = shape.take("library").or_else(|| shape.take("path"));
@@ -206,8 +218,12 @@ impl Reader<'_> {
         if import::ending(name).as_deref() == Some("json") {
             return self.json_grains(&bytes);
         }
-        let (bodies, notes) = import::read_bodies(name, &bytes).map_err(|error| error.to_string())?;
+        let (mut bodies, notes) = import::read_bodies(name, &bytes).map_err(|error| error.to_string())?;
         notes.iter().for_each(|note| self.files.remark(name, note));
+        if bodies.iter().all(|body| body.volume() < 0.0) {
+            bodies.iter_mut().flat_map(|body| &mut body.triangles).for_each(|triangle| triangle.swap(1, 2));
+            self.files.remark(name, "its triangles are clockwise seen from outside; they were turned");
+        }
         let count = bodies.len();
         let bodies = bodies.into_iter().map(|body| self.reduced(name, body)).collect::<Result<Vec<_>, _>>()?;
         let named = |(i, body): (usize, TriangleMesh)| {

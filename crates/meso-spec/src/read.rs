@@ -104,10 +104,11 @@ impl What {
         match self {
             Self::UnknownKey { name, known } => (
                 Some(if name.is_empty() { "\"\"".to_owned() } else { name.clone() }),
-                unknown_key(name, known, path),
+                unknown_key(name, &with_library(known, path, &["shape"], &LIBRARY), path),
                 false,
             ),
             Self::UnknownWord { word, known } => {
+                let known = &with_library(known, path, &["shape", "kind"], &["harmonics"]);
                 let hint = nearest(word, known).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
                 (None, format!("is {word:?}; it must be one of {}{hint}", quoted(known)), false)
             }
@@ -118,6 +119,14 @@ impl What {
             Self::Other(message) => (None, format!("cannot be read: {message}"), false),
         }
     }
+}
+
+/// Keys of `shape` that become its grains before serde sees them.
+const LIBRARY: [&str; 6] = ["library", "path", "hull", "tolerance", "degree", "triangles"];
+
+/// The words that serde knows, and `more` where the path is `place`: libraries are read before serde sees the shape.
+fn with_library<'a>(known: &[&'a str], path: &[String], place: &[&str], more: &[&'a str]) -> Vec<&'a str> {
+    known.iter().chain(more.iter().filter(|_| path == place)).copied().collect()
 }
 
 fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {

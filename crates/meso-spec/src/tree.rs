@@ -23,9 +23,17 @@ pub(super) enum Value {
     Table(Vec<(String, Node)>),
 }
 
+impl SpecError {
+    /// Adds the line of the key in `tree`, if the tree has it.
+    pub(super) fn at(mut self, tree: &Node) -> Self {
+        self.line = self.line.or_else(|| tree.line_of(&self.key));
+        self
+    }
+}
+
 impl Node {
     /// The line of the longest part of a dotted path that is there, without the root.
-    pub(super) fn line_of(&self, path: &str) -> Option<usize> {
+    fn line_of(&self, path: &str) -> Option<usize> {
         let mut node = self;
         let mut line = None;
         for name in path.split('.') {

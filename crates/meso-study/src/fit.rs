@@ -91,7 +91,7 @@ pub struct Calibration {
     /// Logarithms of the parameters at the start and at the best point.
     start: Vec<f64>,
     best: Vec<f64>,
-    /// Of every packing: residuals at the best point, and their derivatives by the parameters.
+    /// Residuals of every packing at the best point, and their derivatives by the parameters.
     packings: Vec<Packing>,
     /// Largest change of a logarithm in a step.
     reach: f64,

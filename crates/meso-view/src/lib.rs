@@ -1,4 +1,4 @@
-//! Formats of viewers that packings, meshes and tests share: VTK grids, plots, and parts of a page.
+//! Formats of viewers that packings, meshes and tests share: VTK grids, plots, plane sections, and parts of a page.
 //!
 //! Writers take `impl io::Write`. The crate stands below `meso-write` and `meso-solve`, which compile beside each other.
 
@@ -7,4 +7,5 @@
 
 pub mod embedded;
 pub mod plot;
+pub mod section;
 pub mod vtk;

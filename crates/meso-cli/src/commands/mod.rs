@@ -20,6 +20,7 @@ pub(crate) mod schema;
 mod shared;
 pub(crate) mod solve;
 pub(crate) mod study;
+mod test_file;
 mod values;
 
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
 
-use crate::commands::solve::is_toml;
+use crate::commands::test_file::is_toml;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 use serde::Serialize;

@@ -2,9 +2,9 @@
 
 use super::shared::{Threads, Writing};
 use crate::failure::Failure;
+use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
-use crate::{inputs, stderr};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use meso_core::{methods, page};
@@ -57,8 +57,8 @@ fn write(args: &Args, output: &Path) -> Result<u8, Failure> {
         Content::Figures => write_figures(&figures, out),
     })?;
     unit.commit()?;
-    if let (Some(path), false) = (target.file(), args.writing.quiet) {
-        stderr::line(format!("wrote {}", path.display()));
+    if !args.writing.quiet {
+        outputs::wrote([&target]);
     }
     Ok(0)
 }

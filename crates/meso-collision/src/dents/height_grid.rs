@@ -98,7 +98,7 @@ impl HeightGrid {
         Some(Height { height, slope: slopes, triangles })
     }
 
-    /// The height over the nearest of some triangles. Of several at the same distance the one that faces the point most
+    /// The height over the nearest of some triangles. Among several as near, the one that faces the point most
     /// has the sign.
     fn over<'a>(&self, triangles: &'a [u16], point: &Vec3) -> Height<'a> {
         let mut best = (f64::INFINITY, 0.0, Vec3::zeros());

@@ -51,19 +51,15 @@ impl TriangleMesh {
     }
 
     fn reduced_within(&self, distance: f64, is_last: bool) -> Result<Self, NotReduced> {
-        let given = facets(self);
+        let given = self.facets();
         let stages = Reduction::new(self).stages(&LIMITS.map(|limit| limit * distance));
         let is_accepted = |reduced: &Self| {
-            let found = facets(reduced);
+            let found = reduced.facets();
             let crosses = || (SelfCrossing { mesh: reduced, facets: &found }).find().is_some();
             Proof::of(&given, &found, distance) && Proof::of(&found, &given, distance) && !(is_last && crosses())
         };
         stages.into_iter().rev().find(is_accepted).ok_or(NotReduced::Crosses)
     }
-}
-
-fn facets(mesh: &TriangleMesh) -> Triangles {
-    Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect())
 }
 
 /// Most divisions of a triangle that is compared with a surface.
@@ -361,7 +357,7 @@ mod tests {
             assert!(reduced.triangles.len() < 1500, "{}", reduced.triangles.len());
             assert!((reduced.volume() / given.volume() - 1.0).abs() < 0.01);
             // By samples, which the proof does not use.
-            let [own, other] = [&reduced, &given].map(facets);
+            let [own, other] = [&reduced, &given].map(TriangleMesh::facets);
             let farthest = |from: &TriangleMesh, to: &Triangles| {
                 from.vertices.iter().map(|v| to.nearest(v).unwrap().1).fold(0.0, f64::max)
             };
@@ -399,7 +395,7 @@ mod tests {
     fn a_surface_beyond_the_distance_is_not_within_it() {
         let [small, large] = [1.0, 1.1].map(|size| {
             let ball = Polyhedron::of_round(&Round::ball(size));
-            facets(&TriangleMesh { vertices: ball.vertices().to_vec(), triangles: ball.triangles().collect() })
+            TriangleMesh { vertices: ball.vertices().to_vec(), triangles: ball.triangles().collect() }.facets()
         });
         assert!(Proof::of(&small, &large, 0.12) && Proof::of(&large, &small, 0.12));
         assert!(!Proof::of(&small, &large, 0.09) && !Proof::of(&large, &small, 0.09));

@@ -89,7 +89,7 @@ mod tests {
             let vertices: Vec<Vec3> = (0..5).map(|_| point()).collect();
             let second = if trial % 2 == 0 { [0, 3, 4] } else { [1, 0, 3] };
             let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2], second] };
-            let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+            let facets = mesh.facets();
             let surface = SelfCrossing { mesh: &mesh, facets: &facets };
             let (own, others) = (surface.opposite(0, 1), surface.opposite(1, 0));
             let count = 2 - trial % 2;

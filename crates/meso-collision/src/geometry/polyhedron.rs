@@ -1,6 +1,7 @@
 //! A polyhedron: vertices and outward faces, with its exact integrals. It is convex unless it was made of a surface with
 //! dents, or a round body with facets.
 
+use crate::geometry::Triangles;
 use crate::geometry::exact::predicates::orient3d;
 use crate::geometry::faces::{Face, FaceList, Faces, Form};
 use crate::geometry::measure::facet_kernels::{Facets, Moment};
@@ -8,7 +9,6 @@ use crate::geometry::measure::integrals;
 use crate::geometry::measure::tetrahedron::six_volumes;
 use crate::geometry::plane::{Facet, Plane};
 use crate::geometry::round::{FACETS, Round};
-use crate::geometry::{HullError, TriangleMesh, Triangles, convex_hull};
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
 use std::borrow::Cow;
@@ -48,16 +48,6 @@ impl Polyhedron {
             ends.push(corners.len() as u32);
         }
         Self::from_lists(vertices.into_boxed_slice(), &corners, &ends)
-    }
-
-    /// The body inside a closed surface that need not be convex.
-    ///
-    /// Its triangles get the order of a tree of boxes, which every copy of the body keeps: see [`Triangles::in_order`].
-    pub fn of_surface(mesh: &TriangleMesh) -> Self {
-        let corners = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
-        let tree = Triangles::new(corners);
-        let ordered = tree.order().iter().map(|&t| mesh.triangles[t as usize]);
-        Self::from_parts(mesh.vertices.clone(), ordered).with_dents()
     }
 
     /// The body as one that need not be convex, whose faces must be triangles.
@@ -127,14 +117,6 @@ impl Polyhedron {
     /// Its triangles, to be asked which points they hold and whether they are apart from others.
     pub fn surface(&self) -> Triangles {
         Triangles::in_order(self.triangles().map(|t| t.map(|i| self.vertices[i as usize])).collect())
-    }
-
-    /// The convex hull of its vertices.
-    ///
-    /// # Errors
-    /// Where they span no volume.
-    pub fn hull(&self) -> Result<Self, HullError> {
-        if self.is_convex() { Ok(self.clone()) } else { convex_hull(&self.vertices) }
     }
 
     /// Makes a polyhedron as [`Polyhedron::from_parts`] does, from the corners of all faces and where each face ends.

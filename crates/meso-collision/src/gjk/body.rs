@@ -276,16 +276,32 @@ impl Body {
     }
 
     /// Its figures beside its points.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::{Body, Bounds}, math::Vec3};
+    /// let bounds: Bounds = Body::new(&[Vec3::x(), -Vec3::x()]).bounds();
+    /// ```
     pub fn bounds(&self) -> Bounds {
         Bounds(self.bounds)
     }
 
     /// Radius of the sphere about the frame's origin that holds the body, mm.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::Vec3};
+    /// let reach = Body::new(&[2.0 * Vec3::x(), -Vec3::x()]).circumradius();
+    /// assert!((2.0..2.001).contains(&reach));
+    /// ```
     pub fn circumradius(&self) -> f64 {
         self.bounds.circumradius
     }
 
     /// Radius of a sphere about the frame's origin that lies in the body, mm; 0 where none is known.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::Vec3};
+    /// assert_eq!(Body::new(&[Vec3::x(), -Vec3::x()]).inradius(), 0.0);
+    /// ```
     pub fn inradius(&self) -> f64 {
         f64::from(self.bounds.inradius()).max(0.0)
     }

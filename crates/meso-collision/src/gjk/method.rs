@@ -29,6 +29,11 @@ impl Algorithm {
     pub const ALL: [Self; 4] = [Self::Enhanced, Self::Classical, Self::SignedVolumes, Self::Exact];
 
     /// The name [`FromStr`] takes.
+    ///
+    /// ```
+    /// use meso_collision::gjk::Algorithm;
+    /// assert_eq!(Algorithm::SignedVolumes.name().parse(), Ok(Algorithm::SignedVolumes));
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Enhanced => "enhanced",

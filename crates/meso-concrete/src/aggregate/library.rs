@@ -2,7 +2,7 @@
 
 use meso_collision::dents::SelfCrossing;
 use meso_collision::geometry::{
-    HullError, MassProperties, Polyhedron, SurfaceError, TriangleMesh, Triangles, convex_hull, principal_axes,
+    HullError, MassProperties, Polyhedron, SurfaceError, TriangleMesh, convex_hull, principal_axes,
 };
 use meso_collision::math::{Mat3, Vec3, longest_distance};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -92,7 +92,7 @@ impl Template {
             return Err(TemplateError::TooMany { triangles: mesh.triangles.len() });
         }
         mesh.check_closed()?;
-        let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+        let facets = mesh.facets();
         if let Some([first, _]) = (SelfCrossing { mesh: &mesh, facets: &facets }).find() {
             return Err(TemplateError::Crosses { at: first[0].into() });
         }

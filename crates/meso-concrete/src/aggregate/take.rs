@@ -55,8 +55,8 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
     Ok(grains)
 }
 
-/// Marks grains with dents whose parts are thinner than two of their ITZ. Of the copies of a surface, the one with the thickest
-/// ITZ for its size is asked first: where it has none, no other has.
+/// Marks grains with dents whose parts are thinner than two of their ITZ. The copy of a surface with the thickest ITZ for its
+/// size is asked first: where it has none, no other has.
 fn mark_thin(grains: &mut [Grain]) {
     let mut copies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (number, grain) in grains.iter().enumerate().filter(|(_, grain)| !grain.body.is_convex()) {
@@ -70,9 +70,9 @@ fn mark_thin(grains: &mut [Grain]) {
     let share = |number: &usize| grains[*number].itz_thickness_mm / f64::from(grains[*number].outer_radius);
     let thin = parallel::flat_map(copies.len(), |surface| {
         let all = &copies[surface];
-        let thickest = all.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-        let some = if thickest.is_some_and(is_thin) { &all[..] } else { &[] };
-        some.iter().filter(|number| is_thin(number)).copied().collect::<Vec<_>>()
+        let thickest = all.iter().max_by(|a, b| share(a).total_cmp(&share(b))).filter(|number| is_thin(number));
+        let Some(thickest) = thickest else { return Vec::new() };
+        all.iter().filter(|number| *number == thickest || is_thin(number)).copied().collect()
     });
     thin.into_iter().for_each(|number| grains[number].itz_thin = true);
 }

@@ -24,12 +24,25 @@ pub enum HarmonicsError {
         found: String,
     },
     /// A coefficient that is not there.
-    #[error("it has no coefficient n = {n}, m = {m}; all up to the degree are needed, so lower degree to {}", n.saturating_sub(1))]
+    #[error("it has no coefficient n = {n}, m = {m}; all up to the degree are needed{}", lower(*n))]
     Missing {
         /// Degree.
         n: u32,
         /// Order.
         m: u32,
+    },
+    /// Two lines that give one coefficient different values.
+    #[error(
+        "line {line}: n = {n}, m = {m} differs from an earlier line, or from a_n,-m = (-1)^m times the conjugate of a_nm; \
+         write the complex coefficients of a real radius"
+    )]
+    Contradiction {
+        /// From 1.
+        line: usize,
+        /// Degree.
+        n: u32,
+        /// Order.
+        m: i32,
     },
     /// A radius that is not positive.
     #[error(
@@ -43,8 +56,15 @@ pub enum HarmonicsError {
     },
 }
 
+/// What helps where a coefficient of degree `n` is missing.
+fn lower(n: u32) -> String {
+    if n > 1 { format!(", so lower degree to {}", n - 1) } else { String::new() }
+}
+
 /// Highest degree that is evaluated: published files end at 30.
 pub const MOST_DEGREE: u32 = 40;
+/// Lines about one coefficient may differ by this share of the mean radius, as rounded or fitted ones do.
+const SAME: f64 = 1e-3;
 /// Directions over which the volume within the harmonics is summed.
 const FINE: usize = 20_000;
 
@@ -63,12 +83,26 @@ impl Harmonics {
     /// See [`HarmonicsError`].
     pub fn read(bytes: &[u8], degree: u32) -> Result<Self, HarmonicsError> {
         let text = std::str::from_utf8(bytes).map_err(|_| HarmonicsError::NotText)?;
-        let mut found = BTreeMap::new();
+        // Some programs begin a text with its byte order.
+        let text = text.trim_start_matches('\u{feff}');
+        let mut found: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
+        let mut lines = Vec::new();
         for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             let wrong = || HarmonicsError::Line { line: number + 1, found: line.trim().chars().take(40).collect() };
             let (n, m, value) = coefficient(line).ok_or_else(wrong)?;
-            if let (Ok(m), true) = (u32::try_from(m), n <= degree) {
-                found.insert((n, m), value);
+            if n <= degree {
+                lines.push((number + 1, n, m, value));
+            }
+        }
+        // Orders from 0 first: they count as they are written, and those below 0 only where these are absent.
+        lines.sort_by_key(|&(_, _, m, _)| m < 0);
+        let mean = lines.iter().find(|(_, n, _, _)| *n == 0).map_or(0.0, |(_, _, _, [mean, _])| mean.abs());
+        for (line, n, m, value) in lines {
+            let [re, im] = mirrored(m, value);
+            let known = *found.entry((n, m.unsigned_abs())).or_insert([re, im]);
+            let own = if m == 0 { [re, -im] } else { [re, im] };
+            if own.iter().zip(known).any(|(own, known)| (own - known).abs() > SAME * mean) {
+                return Err(HarmonicsError::Contradiction { line, n, m });
             }
         }
         let degree = found.keys().map(|(n, _)| *n).max().unwrap_or(0);
@@ -132,6 +166,15 @@ impl Harmonics {
     }
 }
 
+/// The coefficient of order |m| that one of order m stands for.
+fn mirrored(m: i32, [re, im]: [f64; 2]) -> [f64; 2] {
+    match (m < 0, m % 2 == 0) {
+        (false, _) => [re, im],
+        (true, true) => [re, -im],
+        (true, false) => [-re, im],
+    }
+}
+
 /// Degree, order and value of a line.
 fn coefficient(line: &str) -> Option<(u32, i32, [f64; 2])> {
     let words: Vec<&str> = line.split_whitespace().collect();
@@ -166,6 +209,27 @@ mod tests {
             let exact = 7.0 * y0 + 0.5 * y1 * direction.z + 2.0 * x11 * (0.25 * direction.x + 0.125 * direction.y);
             assert!((stone.radius(&direction) - exact).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn coefficients_of_other_conventions_are_refused() {
+        let read = |text: &str| Harmonics::read(text.as_bytes(), 12);
+        let [above, below] = ["1 0 0.5 0\n1 1 0.25 -0.125\n", "1 -1 -0.25 -0.125\n1 0 0.5 0\n"];
+        let whole = read(&format!("0 0 7 0\n{above}")).unwrap();
+        assert_eq!(read(&format!("\u{feff}0 0 7 0\n{below}")), Ok(whole.clone()));
+        assert_eq!(read(&format!("0 0 7 0\n{above}{below}")), Ok(whole));
+        for (text, line, n, m) in [
+            ("1 -1 0.25 -0.125\n", 4, 1, -1),
+            ("1 -1 -0.25 0.125\n", 4, 1, -1),
+            ("1 1 0.5 -0.125\n", 4, 1, 1),
+            ("0 0 8 0\n", 4, 0, 0),
+        ] {
+            let error = read(&format!("0 0 7 0\n{above}{text}")).unwrap_err();
+            assert_eq!(error, HarmonicsError::Contradiction { line, n, m });
+        }
+        assert_eq!(read("0 0 7 1\n"), Err(HarmonicsError::Contradiction { line: 1, n: 0, m: 0 }));
+        let [none, two] = ["", "0 0 7 0\n1 0 1 0\n1 1 1 0\n2 0 1 0\n"].map(|text| read(text).unwrap_err().to_string());
+        assert!(none.ends_with("are needed") && two.ends_with("so lower degree to 1"), "{none} {two}");
     }
 
     #[test]

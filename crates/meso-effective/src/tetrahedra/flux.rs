@@ -4,7 +4,7 @@ use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
 use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
 use crate::boundary::Boundary;
-use crate::effective::{Column, Effective, EffectiveOptions, REST};
+use crate::effective::{Column, Effective, EffectiveOptions, REST, reporting};
 use crate::error::{self, EffectiveError};
 use crate::grid::Space;
 use crate::phases::{PhaseValues, Phases};
@@ -13,7 +13,7 @@ use crate::solver::{self, Energy, Graph, Rows, Solution};
 use crate::surfaces::Phase;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
-use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::watch::Watch;
 use meso_concrete::{Parts, parallel};
 
 /// The effective property of `parts` on tetrahedra with edges of `element_size_mm`, and the fields if asked for. The size of
@@ -256,13 +256,7 @@ impl Task<'_> {
         energy: Energy,
         done: usize,
     ) -> Result<Solution, EffectiveError> {
-        let report = |iteration: usize, _: f64| {
-            // Some 20 iterations are usual.
-            let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / self.stages as f64;
-            if self.stages > 0 {
-                self.watch.stage(Stage::Solve, share);
-            }
-        };
+        let report = reporting(self.watch, done, self.stages);
         solver::solve(graph, rhs, energy, self.options.tolerance, &report)
     }
 }

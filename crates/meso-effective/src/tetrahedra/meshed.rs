@@ -16,7 +16,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::Watch;
 use meso_concrete::{Parts, Ranges};
 use meso_mesh::cells::faces;
-use meso_mesh::{ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, PhaseOff, Tools, Volumes, build};
+use meso_mesh::{ItzForm, Mesh, MeshOptions, Method, PhaseOff, Tools, Volumes, build};
 use std::borrow::Cow;
 
 /// Most cubes of the element size along an axis: node numbers fit 32 bits.
@@ -138,9 +138,8 @@ impl<'a> Bodies<'a> {
             method: Method::FITTED,
             element_size_mm,
             itz: if is_layer { ItzForm::Solid } else { ItzForm::None },
-            joined: Joined::Keep,
             volumes: (!is_layer).then_some(Volumes::Exact),
-            narrow_gaps: NarrowGaps::Keep,
+            ..MeshOptions::default()
         };
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;

@@ -29,8 +29,9 @@ pub struct Matter {
 struct Prepared(OnceLock<Box<dyn Any + Send + Sync>>);
 
 impl Prepared {
-    /// The law that `prepare` gives; on lanes other than the first ones it is prepared anew.
-    fn law<W: Any + Send + Sync>(&self, prepare: impl Fn() -> W) -> Ready<'_, W> {
+    /// The law that `prepare` gives; on lanes other than the first ones it is prepared anew. Compiled once a law: `prepare` is
+    /// another closure in each task.
+    fn law<W: Any + Send + Sync>(&self, prepare: &dyn Fn() -> W) -> Ready<'_, W> {
         match self.0.get_or_init(|| Box::new(prepare())).downcast_ref() {
             Some(law) => Ready::Kept(law),
             None => Ready::New(prepare()),
@@ -190,13 +191,13 @@ impl Matter {
         match &self.behaviour {
             Behaviour::Elastic => task.run(&law::Hooke::<R>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => {
-                task.run(self.prepared.law(|| self.cdp::<R>(strength, plasticity)).get())
+                task.run(self.prepared.law(&|| self.cdp::<R>(strength, plasticity)).get())
             }
             Behaviour::Cdpm2(strength, biaxial, own) => {
-                task.run(self.prepared.law(|| self.cdpm2::<R>(strength, *biaxial, own)).get())
+                task.run(self.prepared.law(&|| self.cdpm2::<R>(strength, *biaxial, own)).get())
             }
             Behaviour::Meso(strength, biaxial, own) => {
-                task.run(self.prepared.law(|| self.meso::<R>(strength, *biaxial, own)).get())
+                task.run(self.prepared.law(&|| self.meso::<R>(strength, *biaxial, own)).get())
             }
         }
     }

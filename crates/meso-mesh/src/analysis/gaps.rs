@@ -99,7 +99,7 @@ fn ranks(mesh: &Mesh, edges: &[[u32; 2]]) -> Vec<u32> {
     let square = |[a, b]: [u32; 2]| (mesh.points[a as usize] - mesh.points[b as usize]).norm_squared();
     let squares: Vec<f64> = edges.iter().map(|&edge| square(edge)).collect();
     let mut order: Vec<usize> = (0..edges.len()).collect();
-    order.sort_by(|&i, &j| squares[j].total_cmp(&squares[i]).then(i.cmp(&j)));
+    order.sort_unstable_by(|&i, &j| squares[j].total_cmp(&squares[i]).then(i.cmp(&j)));
     let mut ranks = vec![0; edges.len()];
     (0..).zip(order).for_each(|(rank, edge)| ranks[edge] = rank);
     ranks

@@ -14,6 +14,7 @@
 //! back towards its exact position, as far as that leaves no angle too small ([`give_back`]). At last all inner ends move by one
 //! share of their rails, which brings the layers' volume to the exact one ([`balance`]).
 
+use super::by_node;
 use super::periodic::{Faces, Flat};
 use super::prisms::Layer;
 use crate::cells::Phase;
@@ -186,7 +187,7 @@ impl Stars {
 fn give_back(mesh: &mut TetMesh, movable: &Movable, mut moved: Vec<(u32, Vec3)>) {
     moved.retain(|(node, _)| movable.are_inner_ends(*node));
     // Stable: a node's first position is the one before all moves.
-    moved.sort_by_key(|(node, _)| *node);
+    by_node(&mut moved);
     moved.dedup_by_key(|(node, _)| *node);
     let incidence = Incidence::around(&mesh.cells, mesh.points.len(), moved.iter().map(|(node, _)| *node));
     for (node, from) in moved {

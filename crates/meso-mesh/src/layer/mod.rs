@@ -20,7 +20,7 @@ mod triangles;
 use crate::cells::{NO_BODY, Owners, Phase, copies, faces};
 use crate::tet::TetMesh;
 pub(super) use improve::improve;
-use meso_collision::math::Aabb;
+use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use offset::RadialOffsets;
@@ -34,6 +34,11 @@ pub(super) enum Onto {
     Faces,
     /// The triangles of a mesh of this size of elements, mm, which may cut across edges and dents.
     Triangles(f64),
+}
+
+/// Sorts vectors by their nodes; those of one node stay in their order.
+fn by_node(vectors: &mut [(u32, Vec3)]) {
+    vectors.sort_by_key(|(node, _)| *node);
 }
 
 /// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.

@@ -15,6 +15,7 @@
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
 //!    small edges of its own; the squares of the residuals are least then (0.006 mm rms in all).
 
+use super::by_node;
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
@@ -231,8 +232,7 @@ pub(super) fn use_fallback_directions(
         }
     }
     normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));
-    // Stable: the normals of a node stay in the faces' order.
-    normals.sort_by_key(|(copy, _)| *copy);
+    by_node(&mut normals);
     for group in normals.chunk_by(|a, b| a.0 == b.0) {
         let copy = group[0].0;
         let around: Vec<Vec3> = group.iter().map(|(_, normal)| *normal).collect();

@@ -11,6 +11,7 @@
 //! after [`STEPS`] such steps none. The end is sure: with all nodes at their old positions the body's cells are the old ones,
 //! and a layer cell is left out with its rail.
 
+use super::by_node;
 use super::periodic::PeriodicConstraint;
 use crate::cells::Phase;
 use crate::cells::{Copies, InterfaceFace};
@@ -135,8 +136,7 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], constraint: &PeriodicConstrain
         if moves.is_empty() {
             return Vec::new();
         }
-        // Stable: a node's moves stay in the order of the cells.
-        moves.sort_by_key(|(node, _)| *node);
+        by_node(&mut moves);
         stirred.fill(false);
         for group in moves.chunk_by(|a, b| a.0 == b.0) {
             let node = group[0].0 as usize;

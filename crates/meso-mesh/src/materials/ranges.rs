@@ -49,8 +49,12 @@ impl Materials {
     /// The mortar's peak strain is too small for the phase's strength and stiffness.
     pub fn validate_peak_strain(&self, phase: Phase) -> Result<(), OutOfRange> {
         let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase) else { return Ok(()) };
-        let least = PEAK_OVER_ELASTIC * compressive_mpa / self.elastic(phase).youngs_modulus_mpa;
-        let accepted = || format!("{} needs {least:.3e} or more, 5 % above its elastic strain", phase.name());
+        let modulus = self.elastic(phase).youngs_modulus_mpa;
+        let least = PEAK_OVER_ELASTIC * compressive_mpa / modulus;
+        let accepted = || {
+            let elastic = format!("its strength of {compressive_mpa} MPa over its modulus of {modulus} MPa");
+            format!("{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}", phase.name())
+        };
         MATERIALS.require("mortar_strength.peak_strain", peak_strain, peak_strain >= least, accepted())
     }
 

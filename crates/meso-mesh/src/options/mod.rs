@@ -83,6 +83,16 @@ impl Method {
             Self::Lattice { order, .. } | Self::Conforming { order, .. } => order,
         }
     }
+
+    /// Whether nodes lie on the surfaces of the aggregates, which then can have their exact volumes.
+    pub(super) fn follows_surfaces(self) -> bool {
+        !matches!(self, Self::Voxel { .. } | Self::Lattice { fit: Fit::Plain, .. })
+    }
+
+    /// Whether edges across narrow gaps can be split: voxels stay as they are.
+    fn splits_gaps(self) -> bool {
+        self.name() != MethodName::Voxel
+    }
 }
 
 /// A [`Method`] by its name.
@@ -155,7 +165,7 @@ pub enum Joined {
     /// Mortar separates them: of the cells at a shared node those of one aggregate stay. In meshes that follow the surfaces a
     /// cohesive ITZ separates the few that are left by itself.
     Mortar,
-    /// The same with tetrahedra that are cut first: less of the aggregates is lost, and elements get small.
+    /// Mortar separates them after tetrahedra are cut: less of the aggregates is lost, and elements get small.
     Cut,
 }
 
@@ -164,7 +174,7 @@ pub enum Joined {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Volumes {
-    /// That of the mesh with its nodes on their surfaces: less than their own, since chords cut corners off.
+    /// The volume within nodes on their surfaces: less than their own, since chords cut corners off.
     #[default]
     Fitted,
     /// Their own; the nodes lie some hundredths of a millimetre off their surfaces.
@@ -198,7 +208,7 @@ impl Default for MeshOptions {
 
 /// Most elements along one axis: node numbers must fit 32 bits.
 const MAX_COUNT: f64 = 1500.0;
-/// The same for second-order elements: a lattice has 16 nodes a cube, two of them corners.
+/// Most second-order elements along one axis: a lattice has 16 nodes a cube, two of them corners.
 const MAX_COUNT_QUADRATIC: f64 = 600.0;
 /// Most sub-samples per voxel and axis.
 const MAX_SUBSAMPLES: u32 = 8;
@@ -239,15 +249,10 @@ impl MeshOptions {
             |body: &Aggregate| body.kind != Kind::Aggregate || body.body.is_convex() && body.body.round().is_none();
         let volumes = match self.volumes {
             Some(asked) => asked,
-            None if self.follows_surfaces() && !bodies.iter().all(is_faceted) => Volumes::Exact,
+            None if self.method.follows_surfaces() && !bodies.iter().all(is_faceted) => Volumes::Exact,
             None => Volumes::Fitted,
         };
         Self { volumes: Some(volumes), ..self.clone() }
-    }
-
-    /// Whether nodes lie on the surfaces of the aggregates.
-    pub(super) fn follows_surfaces(&self) -> bool {
-        !matches!(self.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. })
     }
 
     /// Refuses a method that cannot mesh grains of a `shape`.

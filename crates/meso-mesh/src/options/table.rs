@@ -88,13 +88,12 @@ impl MeshTable {
         let resolved =
             |thin| if thin { ItzForm::Solid } else { ItzForm::carried_by(method, fit, element_size_mm, itz) };
         let itz = asked.itz.unwrap_or_else(|| resolved(thin_itz));
-        let effect = Effect { method, fit, itz };
-        self.refuse_idle(effect)?;
         let method = match method {
             MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
             MethodName::Lattice => Method::Lattice { fit, order },
             MethodName::Conforming => Method::Conforming { order, slabs: self.slabs },
         };
+        self.refuse_idle(method, itz)?;
         Ok(MeshOptions {
             method,
             element_size_mm,
@@ -102,11 +101,11 @@ impl MeshTable {
             joined: asked.joined.unwrap_or_default(),
             // A layer keeps its outer side on the surfaces of convex polyhedra, whatever the use, unless it is asked for.
             volumes: match itz {
-                _ if !effect.follows_surfaces() => Some(Volumes::Fitted),
+                _ if !method.follows_surfaces() => Some(Volumes::Fitted),
                 ItzForm::Solid => self.volumes,
                 ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => asked.volumes,
             },
-            narrow_gaps: asked.narrow_gaps.filter(|_| effect.splits_gaps()).unwrap_or_default(),
+            narrow_gaps: asked.narrow_gaps.filter(|_| method.splits_gaps()).unwrap_or_default(),
         })
     }
 
@@ -124,29 +123,29 @@ impl MeshTable {
     }
 
     /// Refuses options without effect. A value that asks for nothing, as in a table that was written, is accepted.
-    fn refuse_idle(&self, effect: Effect) -> Result<(), MeshError> {
-        let is_voxel = effect.method == MethodName::Voxel;
+    fn refuse_idle(&self, method: Method, itz: ItzForm) -> Result<(), MeshError> {
+        let is_voxel = method.name() == MethodName::Voxel;
         let idle = [
             (
-                effect.method == MethodName::Lattice,
+                method.name() == MethodName::Lattice,
                 asked("fit", self.fit, Fit::Fitted),
                 "only the method lattice takes it",
             ),
             (is_voxel, asked("thin_itz", self.thin_itz, false), "only the method voxel takes it"),
-            (effect.itz == ItzForm::Solid, asked("thin_itz", self.thin_itz, false), "only the itz solid takes it"),
+            (itz == ItzForm::Solid, asked("thin_itz", self.thin_itz, false), "only the itz solid takes it"),
             (is_voxel, asked("subsamples", self.subsamples, 1), "only the method voxel takes it"),
             (
-                effect.method == MethodName::Conforming,
+                method.name() == MethodName::Conforming,
                 self.slabs.map(|slabs| ("slabs", slabs.to_string())),
                 "only the method conforming takes it",
             ),
             (
-                effect.follows_surfaces(),
+                method.follows_surfaces(),
                 asked("volumes", self.volumes, Volumes::Fitted),
                 "only the method conforming and a fitted lattice take it",
             ),
             (
-                effect.splits_gaps(),
+                method.splits_gaps(),
                 asked("narrow_gaps", self.narrow_gaps, NarrowGaps::Keep),
                 "only the methods lattice and conforming take it",
             ),
@@ -156,30 +155,6 @@ impl MeshTable {
             Some(((key, value), accepted)) => Err(MeshError::option(key, value, accepted)),
             None => Ok(()),
         }
-    }
-}
-
-/// The choices on which the effect of other options depends.
-#[derive(Clone, Copy)]
-struct Effect {
-    method: MethodName,
-    fit: Fit,
-    itz: ItzForm,
-}
-
-impl Effect {
-    /// Whether nodes lie on the surfaces of the aggregates, which then can have their exact volumes.
-    fn follows_surfaces(self) -> bool {
-        match self.method {
-            MethodName::Voxel => false,
-            MethodName::Lattice => self.fit == Fit::Fitted,
-            MethodName::Conforming => true,
-        }
-    }
-
-    /// Whether edges across narrow gaps can be split: voxels stay as they are.
-    fn splits_gaps(self) -> bool {
-        self.method != MethodName::Voxel
     }
 }
 
@@ -230,7 +205,7 @@ impl From<MeshOptions> for MeshTable {
 }
 
 impl MeshOptions {
-    /// The options by name, in the order of a command line. Those of one method are absent if they ask for nothing.
+    /// The options by name, in the order of a command line. Options of one method are absent if they ask for nothing.
     pub fn named(&self) -> Vec<(&'static str, String)> {
         let table = MeshTable::from(self.clone());
         let shared = [

@@ -1,9 +1,8 @@
 //! One body alone: closed, convex, seen from outside, by exact signs.
 
 use meso_collision::dents::SelfCrossing;
-use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh, Triangles};
+use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh, orient3d};
 use meso_collision::math::Vec3;
-use robust::{Coord3D, orient3d};
 
 /// Checks the faces of `body`; an error describes the fault.
 pub(super) fn check(body: &Polyhedron) -> Result<(), String> {
@@ -40,7 +39,7 @@ fn supports(vertices: &[Vec3], face: Face<'_>) -> Result<bool, String> {
         let [a, b, c] = triangle.map(|i| &vertices[i as usize]);
         for (i, vertex) in vertices.iter().enumerate() {
             // The triangle's own corners lie in its plane; to find that out exactly costs the most.
-            let side = if triangle.contains(&(i as u32)) { 0.0 } else { side(a, b, c, vertex) };
+            let side = if triangle.contains(&(i as u32)) { 0.0 } else { orient3d(a, b, c, vertex) };
             if side > 0.0 {
                 return Err(format!("has vertex {i} outside"));
             }
@@ -53,12 +52,6 @@ fn supports(vertices: &[Vec3], face: Face<'_>) -> Result<bool, String> {
     Ok(inside)
 }
 
-/// Exact sign: positive where `p` sees the triangle counter-clockwise, from outside.
-fn side(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
-    let coord = |v: &Vec3| Coord3D { x: v.x, y: v.y, z: v.z };
-    -orient3d(coord(a), coord(b), coord(c), coord(p))
-}
-
 /// Checks a body with dents: its surface is closed, in one part, encloses a volume and nowhere crosses itself.
 pub(super) fn check_surface(body: &Polyhedron) -> Result<(), String> {
     closed(body)?;
@@ -68,7 +61,7 @@ pub(super) fn check_surface(body: &Polyhedron) -> Result<(), String> {
     if parts != 1 {
         return Err(format!("its surface has {parts} parts"));
     }
-    let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+    let facets = mesh.facets();
     match (SelfCrossing { mesh: &mesh, facets: &facets }).find() {
         Some([[corner, ..], _]) => Err(format!("its surface crosses itself near {:?}", <[f64; 3]>::from(corner))),
         None => Ok(()),

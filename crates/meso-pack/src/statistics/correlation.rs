@@ -254,7 +254,7 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
     Triangles::new(few).row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
 }
 
-/// The rotation of a direction onto the x axis. That of nalgebra between two directions calls the platform's arc cosine,
+/// The rotation of a direction onto the x axis. `Rotation3::rotation_between` of nalgebra calls the platform's arc cosine,
 /// which clippy.toml cannot see.
 fn along_x(direction: &Vec3) -> Mat3 {
     let least = Vec3::ith(direction.iamin(), 1.0);

@@ -29,7 +29,7 @@ _QUANTITIES = ("phase", "grain", "share", "distance", "scan")
 # Labels have long runs: more than the fastest level saves a tenth of the space for thrice the time.
 _LEVEL = 1
 _CASES = "cases"
-_HDF5 = (".h5", ".hdf5")
+_HDF5 = (".h5", ".hdf5", ".hdf")
 _MOST = 1_000_000
 
 # What is done in a case: its number, spec, seed and sampled values.

@@ -48,6 +48,9 @@ def fingerprint(then: Callable[..., Any] | None, version: str | int | None = Non
             message = f"version is {version!r}, but there is no function then that it could be of"
             raise ValueError(message)
         return ""
+    if not callable(then):
+        message = f"then is of type {type(then).__name__}; it must be a callable that takes (packing) or (packing, folder)"
+        raise TypeError(message)
     if version is not None:
         return f"{_name(then)}:version {version}"
     return f"{_name(then)}:{_Reader().digest(then, 'then').hex()[:32]}"

@@ -13,6 +13,7 @@ use crate::assemble::order::{along_curve, key};
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{Numbered, Patches};
 use crate::assemble::weight::Weight;
+pub(crate) use crate::assemble::weight::area;
 use crate::error::SolveError;
 use crate::test::Smoothing;
 use meso_collision::math::{Aabb, Vec3};

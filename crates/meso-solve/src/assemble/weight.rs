@@ -131,13 +131,19 @@ fn tetrahedron(mesh: &Mesh, cell: u32) -> Result<(Mat3, f64), SolveError> {
     Ok((metric, volume))
 }
 
+/// Area of a face along its outward normal, mm2: half the cross product of two edges, or of the diagonals.
+pub(crate) fn area(mesh: &Mesh, nodes: &[u32]) -> Vec3 {
+    let p = |i: usize| mesh.points[nodes[i] as usize];
+    let twice =
+        if nodes.len() == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
+    0.5 * twice
+}
+
 /// Unit normal of a cohesive face, out of the aggregate, and the area of each pair of its nodes, mm2.
 pub(crate) fn facing(mesh: &Mesh, face: &[u32]) -> (Vec3, f64) {
     let pairs = face.len() / 2;
-    let p = |i: usize| mesh.points[face[i] as usize];
-    // Twice the area along the normal: the cross product of two edges, or of the diagonals.
-    let twice = if pairs == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
-    let size = twice.norm();
-    let normal = if size > 0.0 { twice / size } else { Vec3::z() };
-    (normal, 0.5 * size / pairs as f64)
+    let area = area(mesh, &face[..pairs]);
+    let size = area.norm();
+    let normal = if size > 0.0 { area / size } else { Vec3::z() };
+    (normal, size / pairs as f64)
 }

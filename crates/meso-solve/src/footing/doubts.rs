@@ -5,6 +5,8 @@ use meso_mesh::{Mesh, Phase, PhaseOff, PhaseVolumes};
 
 /// Difference of the volume of bodies in the mesh from their own, over that, which is worth a warning.
 const VOLUME: f64 = 0.02;
+/// Least share of the aggregates' cells, %, whose loss to mortar is worth a warning.
+const FEW_PARTED: f64 = 0.05;
 
 impl Sample<'_> {
     /// The phase that is farthest off its exact volume, where that is known.
@@ -46,7 +48,7 @@ impl Sample<'_> {
         }
         let kept = mesh.phase.iter().filter(|phase| **phase == Phase::Aggregate).count();
         let share = 100.0 * notes.parted_cells as f64 / (kept + notes.parted_cells).max(1) as f64;
-        (pairs > 0).then(|| {
+        (share >= FEW_PARTED).then(|| {
             format!(
                 "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
                  pack with a gap that the elements resolve, or refine the mesh"

@@ -1,8 +1,8 @@
 //! Gauges: weighted sums of nodes' displacements.
 
+use crate::assemble::area;
 use crate::error::{SolveError, TEST};
 use crate::march::supports::contact::ACROSS;
-use crate::march::supports::nodes::area;
 use crate::sample::Sample;
 use crate::test::load::Gauge;
 use meso_collision::math::Aabb;

@@ -169,7 +169,7 @@ impl Response {
         let rows = &run.state.rows;
         let last = rows.last().copied().unwrap_or_default();
         let ramp_s = run.path.lead_s + run.path.ramp_s;
-        let checked = first_checked(rows, ramp_s);
+        let checked = first_checked(rows, ramp_s, ended == Ended::Stopped);
         let largest = |rows: &[Row], of: fn(&Row) -> f64| {
             let after = rows.iter().skip(checked).filter(|row| row.internal > 0.0);
             after.map(of).fold(0.0, f64::max)
@@ -236,10 +236,12 @@ fn strains_at_end(run: &Run) -> BTreeMap<String, f64> {
 }
 
 /// Number of the first row whose speed counts: after the ramp, or from half the peak on where the ramp holds the peak. So no
-/// ramp hides the strength that is reported.
-fn first_checked(rows: &[Row], ramp_s: f64) -> usize {
+/// ramp hides the strength that is reported. A test that was stopped while its stress still rose in the ramp has no strength.
+fn first_checked(rows: &[Row], ramp_s: f64, was_stopped: bool) -> usize {
     let peak = rows.iter().max_by(|a, b| a.stress_mpa.total_cmp(&b.stress_mpa)).copied().unwrap_or_default();
-    let is_hidden = peak.time_s <= ramp_s;
+    let last = rows.last().copied().unwrap_or_default();
+    let rises = was_stopped && last.time_s <= ramp_s && last.stress_mpa >= 0.8 * peak.stress_mpa;
+    let is_hidden = peak.time_s <= ramp_s && !rises;
     let counts = |row: &Row| row.time_s > ramp_s || (is_hidden && row.stress_mpa >= peak.stress_mpa / 2.0);
     rows.iter().position(counts).unwrap_or(rows.len())
 }
@@ -483,6 +485,15 @@ impl Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_speed_of_a_test_stopped_while_its_ramp_rose_does_not_count() {
+        let row = |(time_s, stress_mpa)| Row { time_s, stress_mpa, ..Row::default() };
+        let rows = [(1.0, 1.0), (2.0, 3.0), (3.0, 2.0)].map(row);
+        assert_eq!([first_checked(&rows[..2], 9.0, true), first_checked(&rows[..2], 9.0, false)], [2, 1]);
+        assert_eq!(first_checked(&rows, 9.0, true), 1, "it broke before it was stopped");
+        assert_eq!(first_checked(&rows[..2], 1.5, true), 1, "the ramp was over");
+    }
 
     #[test]
     fn a_law_gave_energy_back_where_the_dissipated_energy_fell_by_a_twentieth() {

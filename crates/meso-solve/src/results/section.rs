@@ -3,6 +3,7 @@
 use super::png::Picture;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
+use meso_view::section::{ACROSS, sort_around};
 
 /// Pixels along the longer side.
 const PIXELS: f64 = 680.0;
@@ -16,9 +17,6 @@ const AGGREGATE_COLOUR: [u8; 3] = [150, 144, 134];
 const FIBRE_COLOUR: [u8; 3] = [58, 78, 110];
 /// Colours of damage 0, 1/4, ... 1: from mortar to a crack, ever darker, so that they differ without colour, too.
 pub(super) const RAMP: [[u8; 3]; 5] = [[236, 232, 223], [250, 204, 115], [232, 118, 50], [170, 35, 30], [60, 5, 20]];
-
-/// The axes to the right and upwards in a section across x, y, z.
-pub(super) const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 
 /// The section of `mesh` at the coordinate `place`, mm, along `axis`.
 pub(super) fn picture(mesh: &Mesh, damage: &[f32], axis: usize, place: f64) -> Picture {
@@ -81,10 +79,7 @@ fn cut(mesh: &Mesh, cell: &[u32], axis: usize, place: f64) -> Vec<[f64; 2]> {
     };
     let crossed = edges(mesh.kind).iter().filter(|&&(a, b)| is_above(a) != is_above(b));
     let mut corners: Vec<[f64; 2]> = crossed.map(crossing).collect();
-    let count = corners.len() as f64;
-    let [x, y] = corners.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
-    let angle = |c: &[f64; 2]| libm::atan2(c[1] - y, c[0] - x);
-    corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    sort_around(&mut corners);
     corners
 }
 

@@ -4,7 +4,8 @@
 //! SOLID187 (10) or SOLID185 (8), cohesive elements INTER205. Nodes of the sides are the components XMIN to ZMAX. Numbers
 //! are the mesh's indices plus 1.
 
-use super::columns::Columns;
+use super::columns::{part, places, present};
+use super::lines::Lines;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use meso_mesh::materials::{Elastic, Materials};
 use std::io::{self, Write};
@@ -21,7 +22,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     if mesh.points.len().max(elements) > 99_999_999 {
         return Err(io::Error::other("a .cdb numbers at most 99,999,999 nodes and elements; take larger elements"));
     }
-    let mut lines = Columns::new(out);
+    let mut lines = Lines::new(out);
     lines.line(format!("/COM,mesocrete {}; units mm, N, MPa, tonne, s", env!("CARGO_PKG_VERSION")))?;
     lines.line("/PREP7")?;
     lines.line("SHPP,OFF")?;
@@ -40,20 +41,6 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     lines.finish()
 }
 
-fn number(phase: Phase) -> u64 {
-    match phase {
-        Phase::Aggregate => 1,
-        Phase::Itz => 2,
-        Phase::Mortar => 3,
-        Phase::Fibre => 4,
-    }
-}
-
-fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
-    let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();
-    Phase::ALL.into_iter().filter(has)
-}
-
 /// Numbers of a phase's elements; cohesive ones are of the ITZ.
 fn of_phase(mesh: &Mesh, phase: Phase) -> impl Iterator<Item = u64> {
     let cells = (1..).zip(&mesh.phase).filter(move |(_, own)| **own == phase).map(|(number, _)| number);
@@ -62,7 +49,7 @@ fn of_phase(mesh: &Mesh, phase: Phase) -> impl Iterator<Item = u64> {
     cells.chain(first..first + joints)
 }
 
-fn types(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn types(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let solid = match mesh.kind {
         CellKind::Tetrahedron => 285,
         CellKind::QuadraticTetrahedron => 187,
@@ -70,11 +57,11 @@ fn types(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
     };
     present(mesh).try_for_each(|phase| {
         let is_joint = phase == Phase::Itz && !mesh.cohesive.is_empty();
-        lines.line(format!("ET,{},{}", number(phase), if is_joint { 205 } else { solid }))
+        lines.line(format!("ET,{},{}", part(phase), if is_joint { 205 } else { solid }))
     })
 }
 
-fn nodes(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let count = mesh.points.len();
     lines.line(format!("NBLOCK,6,SOLID,{count:>10},{count:>10}"))?;
     lines.line("(3i9,6e25.16e3)")?;
@@ -97,26 +84,21 @@ fn exponent(x: f64) -> String {
 }
 
 /// Material, type, constants, section, system, death, solid, shape, count of nodes, a zero, number, nodes.
-fn cells(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn cells(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let count = mesh.cell_count() + mesh.cohesive().len();
     lines.line(format!("EBLOCK,19,SOLID,{count:>10},{count:>10}"))?;
     lines.line("(19i9)")?;
     for ((element, cell), phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
-        one(lines, element, number(*phase), cell)?;
+        one(lines, element, part(*phase), cell)?;
     }
     let first = mesh.cell_count() as u64 + 1;
-    (first..).zip(mesh.cohesive()).try_for_each(|(element, nodes)| one(lines, element, number(Phase::Itz), nodes))?;
+    (first..).zip(mesh.cohesive()).try_for_each(|(element, nodes)| one(lines, element, part(Phase::Itz), nodes))?;
     lines.line("       -1")
 }
 
 /// Nodes beyond the eighth stand on a second line; a wedge of 6 nodes repeats the third node of either face.
-fn one(lines: &mut Columns<impl Write>, element: u64, group: u64, nodes: &[u32]) -> io::Result<()> {
-    let order: &[usize] = match nodes.len() {
-        4 => &[0, 1, 2, 3],
-        6 => &[0, 1, 2, 2, 3, 4, 5, 5],
-        8 => &[0, 1, 2, 3, 4, 5, 6, 7],
-        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
-    };
+fn one(lines: &mut Lines<impl Write>, element: u64, group: u64, nodes: &[u32]) -> io::Result<()> {
+    let order = places(nodes.len());
     let width = WIDTHS[0];
     for field in [group, group, 1, 1, 0, 0, 0, 0, order.len() as u64, 0, element] {
         lines.integer(width, field);
@@ -131,11 +113,11 @@ fn one(lines: &mut Columns<impl Write>, element: u64, group: u64, nodes: &[u32])
 }
 
 /// Elastic values; illustrative, as in decks.
-fn materials(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn materials(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let values = Materials::default().in_mesh(mesh);
     for phase in present(mesh) {
         let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = values.elastic(phase);
-        let number = number(phase);
+        let number = part(phase);
         lines.line(format!("MP,EX,{number},{youngs_modulus_mpa:?}"))?;
         lines.line(format!("MP,PRXY,{number},{poisson_ratio:?}"))?;
         lines.line(format!("MP,DENS,{number},{density_t_per_mm3:?}"))?;
@@ -145,7 +127,7 @@ fn materials(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
 
 /// A component; a range is its last number, negative, behind its first.
 fn component(
-    lines: &mut Columns<impl Write>,
+    lines: &mut Lines<impl Write>,
     name: &str,
     what: &str,
     numbers: impl Iterator<Item = u64>,

@@ -1,55 +1,34 @@
-//! Lines of fixed columns through one buffer, as LS-DYNA and ANSYS read them.
+//! Lines of fixed columns, as LS-DYNA and ANSYS read them.
 
-use std::io::{self, Write};
+use super::lines::Lines;
+use meso_mesh::cells::{Mesh, Phase};
+use std::io::Write;
 
-/// The buffer goes to `out` when it is this full.
-const FLUSH_AT: usize = 1 << 16;
-
-/// A buffered writer of columns.
-pub(super) struct Columns<W> {
-    out: W,
-    buffer: Vec<u8>,
+/// Number of a phase's part, section and material.
+pub(super) fn part(phase: Phase) -> u64 {
+    match phase {
+        Phase::Aggregate => 1,
+        Phase::Itz => 2,
+        Phase::Mortar => 3,
+        Phase::Fibre => 4,
+    }
 }
 
-impl<W: Write> Columns<W> {
-    pub(super) fn new(out: W) -> Self {
-        Self { out, buffer: Vec::with_capacity(FLUSH_AT + 1024) }
-    }
+/// Places of an element's nodes on a card; a wedge of 6 repeats the third node of either face.
+pub(super) fn places(nodes: usize) -> &'static [usize] {
+    if nodes == 6 { &[0, 1, 2, 2, 3, 4, 5, 5] } else { &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9][..nodes] }
+}
 
-    /// Writes the rest of the buffer.
-    pub(super) fn finish(mut self) -> io::Result<()> {
-        self.out.write_all(&self.buffer)?;
-        self.out.flush()
-    }
+/// Phases that a mesh has, cohesive elements as ITZ.
+pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
+    let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();
+    Phase::ALL.into_iter().filter(has)
+}
 
-    /// A whole line.
-    pub(super) fn line(&mut self, text: impl AsRef<str>) -> io::Result<()> {
-        self.buffer.extend_from_slice(text.as_ref().as_bytes());
-        self.end()
-    }
-
-    /// Ends a line of columns.
-    pub(super) fn end(&mut self) -> io::Result<()> {
-        self.buffer.push(b'\n');
-        if self.buffer.len() >= FLUSH_AT {
-            self.out.write_all(&self.buffer)?;
-            self.buffer.clear();
-        }
-        Ok(())
-    }
-
+impl<W: Write> Lines<W> {
     /// An integer at the right of so many columns; a longer one gets what it needs.
     pub(super) fn integer(&mut self, width: usize, value: u64) {
-        let (mut digits, mut at, mut rest) = ([b' '; 24], 24, value);
-        loop {
-            at -= 1;
-            digits[at] = b'0' + (rest % 10) as u8;
-            rest /= 10;
-            if rest == 0 {
-                break;
-            }
-        }
-        self.buffer.extend_from_slice(&digits[at.min(24 - width)..]);
+        self.text(width, itoa::Buffer::new().format(value));
     }
 
     /// A number of at most so many columns, in full where it fits, with at least one space before it.
@@ -125,7 +104,7 @@ mod tests {
             -1e-14,
             12_345.678_901_234,
         ] {
-            let mut columns = Columns::new(Vec::new());
+            let mut columns = Lines::new(Vec::new());
             columns.coordinate(x);
             let text = String::from_utf8(columns.buffer).unwrap();
             assert_eq!(text.len(), 16, "{text}");

@@ -3,7 +3,7 @@
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre) and `aggregate` (id, -1 in the mortar). Cohesive elements
 //! follow the cells, as wedges (hexahedra between voxels) of the ITZ.
 
-use super::columns::Columns;
+use super::lines::Lines;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use std::io::{self, Write};
 
@@ -24,7 +24,7 @@ const HEXAHEDRON: u64 = 9;
 /// # Errors
 /// Fails with the errors of `out`.
 pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
-    let mut lines = Columns::new(out);
+    let mut lines = Lines::new(out);
     let (points, cells) = (mesh.points.len(), mesh.cell_count() + mesh.cohesive_owner.len());
     lines.line("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\"><Domain><Grid Name=\"mesocrete\">")?;
     lines.line(format!("<Geometry GeometryType=\"XYZ\">{}", item(&format!("{points} 3"), "Float", 8)))?;
@@ -51,13 +51,13 @@ fn item(dimensions: &str, number: &str, precision: u8) -> String {
     format!("<DataItem Dimensions=\"{dimensions}\" NumberType=\"{number}\" Precision=\"{precision}\" Format=\"XML\">")
 }
 
-fn attribute(lines: &mut Columns<impl Write>, name: &str, cells: usize, number: (&str, u8)) -> io::Result<()> {
+fn attribute(lines: &mut Lines<impl Write>, name: &str, cells: usize, number: (&str, u8)) -> io::Result<()> {
     let data = item(&cells.to_string(), number.0, number.1);
     lines.line(format!("<Attribute Name=\"{name}\" AttributeType=\"Scalar\" Center=\"Cell\">{data}"))
 }
 
 /// Node numbers of the cells; among cells of two kinds, each after the number of its kind.
-fn cells_of(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn cells_of(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let (name, number) = topology(mesh.kind);
     let (cells, joints, nodes) = (mesh.cell_count(), mesh.cohesive_owner.len(), mesh.kind.nodes());
     let is_mixed = joints > 0 && mesh.kind != CellKind::Hexahedron;
@@ -73,7 +73,7 @@ fn cells_of(lines: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
     mesh.cohesive().try_for_each(|joint| row(lines, is_mixed.then_some(of_joint), joint))
 }
 
-fn row(lines: &mut Columns<impl Write>, kind: Option<u64>, nodes: &[u32]) -> io::Result<()> {
+fn row(lines: &mut Lines<impl Write>, kind: Option<u64>, nodes: &[u32]) -> io::Result<()> {
     if let Some(kind) = kind {
         lines.integer(1, kind);
         lines.text(1, " ");

@@ -5,6 +5,7 @@ use crate::export::appearance::CLASSES;
 use meso_concrete::thousands;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_pack::model::Model;
+use meso_view::section::sort_around;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -61,7 +62,7 @@ fn cut_cells(mesh: &Mesh, at: f64) -> Vec<(usize, Vec<[f64; 2]>)> {
         for face in mesh.kind.faces() {
             corners.extend(slice::rising_edges(face.len(), |k| point(face[k]), AXIS, at));
         }
-        slice::sort_around(&mut corners);
+        sort_around(&mut corners);
         Some((cell, corners.clone()))
     };
     mesh.cells().enumerate().filter_map(cut).collect()

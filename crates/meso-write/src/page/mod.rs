@@ -113,7 +113,10 @@ fn pictures(model: &Model, mesh: Option<&Mesh>, out: &mut impl Write) -> io::Res
 fn plots(model: &Model, statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Grading, walls, correlation</h2>\n<div class=\"row\">")?;
     grading(model).write(out)?;
-    walls(statistics).write(out)?;
+    let walls = walls(statistics);
+    if !walls.is_empty() {
+        walls.write(out)?;
+    }
     correlation(statistics).write(out)?;
     writeln!(out, "</div>")
 }
@@ -162,14 +165,14 @@ fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
 /// Layers with fewer samples scatter by more than 2 %, and are left out.
 const FEWEST_POINTS: u64 = 600;
 
+/// The fraction by depth; empty where periods leave no wall.
 fn walls(statistics: &Statistics) -> Plot<'static> {
     let wall = &statistics.wall_effect;
     let layers = wall.depth_mm.iter().zip(&wall.fraction).zip(&wall.points);
     let sampled =
         layers.filter(|&(_, &points)| points >= FEWEST_POINTS).map(|((&depth, &fraction), _)| (depth, fraction));
     let layers: Vec<(f64, f64)> = sampled.collect();
-    let deepest = layers.last().map_or(1.0, |layer| layer.0);
-    let mean = vec![(0.0, statistics.fraction), (deepest, statistics.fraction)];
+    let mean = layers.last().map_or_else(Vec::new, |layer| [0.0, layer.0].map(|d| (d, statistics.fraction)).to_vec());
     Plot {
         title: "Wall effect",
         x: "depth below the surface, mm",

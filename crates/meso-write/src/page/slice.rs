@@ -8,11 +8,10 @@ use meso_concrete::images::Images;
 use meso_concrete::specimen::Surface;
 use meso_mesh::cells::Phase;
 use meso_pack::model::Model;
+use meso_view::section::{ACROSS, sort_around};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// The axes along the width and the height of a section across an axis, and their names.
-const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 const NAMES: [&str; 3] = ["x", "y", "z"];
 /// Width of the widest picture, pixels.
 pub(super) const WIDTH: f64 = 340.0;
@@ -212,13 +211,6 @@ fn outlines(surface: &Surface, axis: usize, at: f64) -> Vec<Vec<[f64; 2]>> {
         outlines.push(outline);
     }
     outlines
-}
-
-pub(super) fn sort_around(corners: &mut [[f64; 2]]) {
-    let count = corners.len() as f64;
-    let [x, y] = corners.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
-    let angle = |c: &[f64; 2]| libm::atan2(c[1] - y, c[0] - x);
-    corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::thousands;
 use meso_mesh::figures::PhaseVolumes;
 use meso_pack::model::Model;
+use meso_pack::packing::StopReason;
 use meso_pack::spec::Spec;
 use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
 use meso_view::plot::escape;
@@ -12,7 +13,9 @@ use std::io::{self, Write};
 /// Target and result by class.
 pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let report = &model.report;
-    writeln!(out, "<p>Target {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;
+    let is_reached = report.stop_reason == StopReason::TargetReached;
+    let detail = report.shortfall().filter(|_| is_reached).unwrap_or_else(|| report.stop_detail.clone());
+    writeln!(out, "<p>Target {}: {}.</p>", report.target_fraction, escape(&detail))?;
     let row = "<tr><th>class, mm<th>asked<th>reached<th>deviation<th>aggregates";
     writeln!(out, "<table>{row}")?;
     for class in &report.classes {
@@ -34,12 +37,12 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
     }
     writeln!(out, "</table>")?;
-    let volume = report.specimen.volume_mm3;
     writeln!(
         out,
-        "<p class=\"note\">Fractions are exact volumes of the polyhedra, ITZ included, over the specimen ({}, {volume} mm\u{b3}). \
+        "<p class=\"note\">Fractions are exact volumes of the polyhedra, ITZ included, over the specimen ({}, {} mm\u{b3}). \
          Placed by {}; {} aggregates were left out.</p>",
         escape(&report.specimen.kind),
+        thousands(report.specimen.volume_mm3.round() as usize),
         escape(&report.strategy),
         thousands(report.discarded)
     )?;

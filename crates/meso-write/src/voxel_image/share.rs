@@ -15,6 +15,7 @@ use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::parallel;
 use meso_concrete::stop;
 use meso_mesh::location::{Facets, PointGrid};
+use meso_view::section::divide;
 use std::ops::Range;
 
 /// Bodies whose shares are added up, or subtracted.
@@ -151,8 +152,8 @@ impl Columns {
         let [mut above, mut layer, mut rest] = [const { Vec::new() }; 3];
         for face in surface.faces() {
             let polygon: Vec<Vec3> = face.iter().map(|corner| surface.vertices()[corner as usize]).collect();
-            divide(&polygon, 2, bottom, &mut rest, &mut above);
-            divide(&above, 2, top, &mut layer, &mut rest);
+            divide::<_, 3>(&polygon, 2, bottom, &mut rest, &mut above);
+            divide::<_, 3>(&above, 2, top, &mut layer, &mut rest);
             by_y.slice(grid, 1, across.clone(), &layer, |j, strip| {
                 if j == across.end {
                     return;
@@ -227,14 +228,14 @@ impl Knife {
         // Rounding may call the first one later than it is, not earlier than the body's first.
         let first =
             if met.is_empty() { voxels.end } else { met.start.saturating_sub(1).clamp(voxels.start, voxels.end) };
-        divide(polygon, axis, side(grid, axis, first), below, rest);
+        divide::<_, 3>(polygon, axis, side(grid, axis, first), below, rest);
         for voxel in first..voxels.end {
             let end = side(grid, axis, voxel + 1);
             if high <= end {
                 visit_solid(rest, |part| visit(voxel, part));
                 return;
             }
-            divide(rest, axis, end, below, above);
+            divide::<_, 3>(rest, axis, end, below, above);
             visit_solid(below, |part| visit(voxel, part));
             std::mem::swap(rest, above);
         }
@@ -246,29 +247,6 @@ impl Knife {
 fn visit_solid(polygon: &[Vec3], visit: impl FnOnce(&[Vec3])) {
     if polygon.len() > 2 {
         visit(polygon);
-    }
-}
-
-/// The parts of a polygon below `at` on `axis`, and from there on. Two polygons with a common edge cut it at the same
-/// point to the last bit, so that the parts cover the polygon exactly.
-fn divide(polygon: &[Vec3], axis: usize, at: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
-    below.clear();
-    above.clear();
-    let Some(mut from) = polygon.last() else { return };
-    for to in polygon {
-        if (from[axis] < at) != (to[axis] < at) {
-            let (low, high) = if from[axis] < at { (from, to) } else { (to, from) };
-            let mut cut = low + (high - low) * ((at - low[axis]) / (high[axis] - low[axis]));
-            cut[axis] = at;
-            below.push(cut);
-            above.push(cut);
-        }
-        if to[axis] < at {
-            below.push(*to);
-        } else {
-            above.push(*to);
-        }
-        from = to;
     }
 }
 

@@ -3,9 +3,9 @@
 use super::flags::Args;
 use super::settings::plan;
 use crate::failure::Failure;
+use crate::inputs;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
-use crate::{inputs, stderr};
 use meso_core::formats::SurfaceOptions;
 use meso_core::watch::Stage;
 
@@ -32,9 +32,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     unit.commit()?;
     if !args.writing.quiet {
-        plan.iter()
-            .filter_map(|(target, _)| target.file())
-            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        outputs::wrote(plan.iter().map(|(target, _)| target));
     }
     Ok(0)
 }

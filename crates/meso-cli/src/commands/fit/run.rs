@@ -234,9 +234,7 @@ impl Work<'_> {
         unit.commit()?;
         if !self.args.writing.quiet {
             lines.iter().for_each(stderr::line);
-            for path in [materials, report].iter().filter_map(|target| target.file()) {
-                stderr::line(format!("wrote {}", path.display()));
-            }
+            outputs::wrote([materials, report]);
         }
         Ok(0)
     }

@@ -42,8 +42,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         let shape: Vec<String> = image.shape().iter().map(usize::to_string).collect();
         let (what, shape) = (options.quantity.name(), shape.join(" x "));
         stderr::line(format!("{what} of {shape} voxels of {} mm", options.voxel_size_mm));
-        let files = plan.iter().filter_map(|(target, _)| target.file());
-        files.for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        outputs::wrote(plan.iter().map(|(target, _)| target));
     }
     Ok(0)
 }

@@ -38,9 +38,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     if let Some(labels) = model.report.labels.as_ref().filter(|_| !args.writing.quiet) {
         print(&model, labels);
-        plan.iter()
-            .filter_map(|(target, _)| target.file())
-            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        outputs::wrote(plan.iter().map(|(target, _)| target));
     }
     Ok(0)
 }

@@ -60,10 +60,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if let (Some(told), false) = (told, args.writing.quiet) {
         told.print();
         settings.hint.iter().for_each(stderr::line);
-        targets
-            .iter()
-            .filter_map(|target| target.file())
-            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        outputs::wrote(targets.iter().copied());
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, deck));
     }
     Ok(if args.strict { exit_code(off) } else { 0 })

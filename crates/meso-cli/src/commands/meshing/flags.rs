@@ -2,7 +2,7 @@
 
 use super::errors::wrong_mesh;
 use crate::commands::names::{self, FileOr};
-use crate::commands::{solve, values};
+use crate::commands::{test_file, values};
 use crate::failure::Failure;
 use clap::builder::TypedValueParser;
 use meso_core::export::abaqus::{Analysis, Loading};
@@ -248,7 +248,7 @@ impl DeckFlags {
             AnalysisText::Test(kind) => Test { kind: *kind, ..Test::default() },
             AnalysisText::File(path, read) => match read.get() {
                 Some(test) => test.clone(),
-                None => solve::deck_of_file(path).map(|test| read.get_or_init(|| test).clone())?,
+                None => test_file::of_deck(path).map(|test| read.get_or_init(|| test).clone())?,
             },
         };
         Ok(Some(Test {

@@ -112,16 +112,9 @@ fn row(name: &str, asked: f64, reached: f64, bodies: usize) {
 
 /// Exit code of a run that wrote its files; prints why it stopped short.
 fn exit_code(report: &Report, strict: bool) -> u8 {
-    if report.stop_reason == StopReason::TargetReached {
-        return 0;
-    }
-    let why = match report.stop_reason {
-        StopReason::Interrupted => " (interrupted)",
-        StopReason::TimeLimit => " (the time limit came first)",
-        StopReason::TargetReached | StopReason::AttemptsExhausted | StopReason::Jammed => "",
-    };
-    stderr::line(format!("warning: short of the target{why}: {}", report.stop_detail));
+    report.shortfall().iter().for_each(|short| stderr::line(format!("warning: {short}")));
     match report.stop_reason {
+        StopReason::TargetReached => 0,
         StopReason::Interrupted => INTERRUPTED,
         _ if strict => SHORT,
         _ => 0,

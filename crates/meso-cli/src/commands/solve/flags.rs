@@ -7,7 +7,7 @@ use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;
 use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -104,9 +104,4 @@ pub(super) enum TestText {
 /// Parser of a test.
 fn test_parser() -> impl TypedValueParser<Value = TestText> {
     FileOr { file: TestText::File, name: names::parser::<TestKind>().map(TestText::Named) }
-}
-
-/// Whether a file is described by its ending: a spec, or a test.
-pub(crate) fn is_toml(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }

@@ -6,6 +6,5 @@ mod run;
 mod settings;
 mod watch;
 
-pub(crate) use flags::{Args, is_toml};
+pub(crate) use flags::Args;
 pub(crate) use run::run;
-pub(crate) use settings::{deck_of_file, tables, take_tables};

@@ -86,6 +86,7 @@ impl Args {
         watch.finish();
         seconds.pack = watch.elapsed() - begun;
         let model = model.map_err(|error| Failure::Usage(error.to_string()))?;
+        model.report.shortfall().iter().for_each(|short| stderr::line(format!("warning: {short}")));
         Ok((!interrupt::asked()).then_some((model, options)))
     }
 

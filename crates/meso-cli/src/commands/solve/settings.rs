@@ -1,18 +1,17 @@
 //! The test, the mesh and the spec that the flags of `mesocrete solve` ask for.
 
-use super::flags::{Args, TestText, is_toml};
+use super::flags::{Args, TestText};
 use super::folder::CHECKPOINT;
 use crate::commands::meshing::{MeshSettings, wrong_option};
-use crate::commands::names;
+use crate::commands::{names, test_file};
 use crate::failure::Failure;
 use crate::gpu::{self, Choice, Device};
 use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
-use meso_core::spec::{options_from_toml, options_from_value};
+use meso_core::spec::options_from_value;
 use meso_core::{Spec, SpecError};
-use meso_files::Beside;
 use meso_solve::results::{Moment, ResultFile};
 use meso_solve::{Geometry, Smoothing, SolveError, Test, TestKind};
 use meso_study::{NameError, Names};
@@ -27,7 +26,7 @@ impl Args {
     pub(super) fn test(&self) -> Result<Test, Failure> {
         let test = match &self.test {
             TestText::Named(kind) => Test { kind: *kind, ..Test::default() },
-            TestText::File(path) => of_file(path)?,
+            TestText::File(path) => test_file::read(path)?,
             TestText::Tree(test) => (**test).clone(),
         };
         if self.brush && matches!(test.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion) {
@@ -152,7 +151,7 @@ impl Args {
 
     /// Whether there is no saved model yet.
     pub(super) fn packs(&self) -> bool {
-        self.model.as_deref().is_none_or(is_toml)
+        self.model.as_deref().is_none_or(test_file::is_toml)
     }
 
     /// Use of the mesh: a user who names no specimen makes a first test.
@@ -204,54 +203,6 @@ impl Args {
         };
         Failure::Usage(format!("{flag} {}", error.message))
     }
-}
-
-/// The test of a TEST.toml.
-fn of_file(path: &Path) -> Result<Test, Failure> {
-    with_tables(inputs::toml(path, options_from_toml)?, path)
-}
-
-/// The test of the file at `path`, with its tables, which lie beside it.
-fn with_tables(mut test: Test, path: &Path) -> Result<Test, Failure> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let taken = test.take_tables(|name| Beside(folder).text(name));
-    taken.map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
-    Ok(test)
-}
-
-/// The test of a TEST.toml for a deck, whose plates keep their speed.
-pub(crate) fn deck_of_file(path: &Path) -> Result<Test, Failure> {
-    let read = |text: &str| Ok((options_from_toml::<Value>(text)?, options_from_toml::<Test>(text)?));
-    let (tree, test) = inputs::toml(path, read)?;
-    if tree.get("control").is_some_and(|control| control == "servo") {
-        let why = "a deck's plates keep their speed; take \"steady\", or leave it out";
-        return Err(Failure::Usage(format!("{}: test.control is servo; {why}", path.display())));
-    }
-    with_tables(test, path)
-}
-
-/// Replaces the names of tables in the tree of the TEST.toml at `path` by their turns and courses.
-pub(crate) fn take_tables(tree: &mut Value, path: &Path) -> Result<(), Failure> {
-    let test: Test = inputs::toml(path, options_from_toml)?;
-    if test.tables().is_empty() {
-        return Ok(());
-    }
-    let Test { turns, expansion, .. } = with_tables(test, path)?;
-    let value = |taken: serde_json::Result<Value>| taken.map_err(|error| Failure::Run(error.to_string()));
-    if let Value::Object(keys) = tree {
-        if keys.remove("history").is_some() {
-            keys.insert("turns".to_owned(), value(serde_json::to_value(turns))?);
-        }
-        if let Some(own) = keys.get_mut("expansion") {
-            *own = value(serde_json::to_value(expansion))?;
-        }
-    }
-    Ok(())
-}
-
-/// Tables that the TEST.toml at `path` names; they lie beside it.
-pub(crate) fn tables(path: &Path) -> Result<Vec<String>, Failure> {
-    Ok(inputs::toml::<Test>(path, options_from_toml)?.tables())
 }
 
 /// Keys of a TEST.toml that have no flag.

@@ -2,7 +2,7 @@
 
 use super::steps::{Given, Steps};
 use super::{beside, flag_files};
-use crate::commands::solve;
+use crate::commands::test_file;
 use crate::failure::Failure;
 use crate::inputs;
 use meso_core::SpecError;
@@ -190,7 +190,7 @@ fn test_tree(test: Value, path: &Path) -> Result<Value, Failure> {
         Value::String(name) => {
             let file = beside(path, &name);
             let mut tree: Value = inputs::toml(&file, options_from_toml)?;
-            solve::take_tables(&mut tree, &file)?;
+            test_file::take_tables(&mut tree, &file)?;
             Ok(tree)
         }
         Value::Object(_) => Ok(test),

@@ -1,6 +1,6 @@
 //! Files that the flags of a study's steps name: each lies beside the study, and its content is part of the case.
 
-use crate::commands::solve;
+use crate::commands::test_file;
 use serde_json::Value;
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub(super) fn of<'a>(flag: &'a str, value: &'a Value) -> impl Iterator<Item = &'
 /// Whether the value of a flag is a file; a test or an analysis has a name or a file.
 pub(super) fn is_file(flag: &str, value: &str) -> bool {
     match flag {
-        "test" | "analysis" => solve::is_toml(Path::new(value)),
+        "test" | "analysis" => test_file::is_toml(Path::new(value)),
         _ => FLAGS.contains(&flag),
     }
 }
@@ -26,7 +26,7 @@ pub(super) fn is_file(flag: &str, value: &str) -> bool {
 /// The tables that a TEST.toml names beside itself; a file that cannot be read has none here, and fails later.
 pub(super) fn tables(flag: &str, file: &Path) -> Vec<String> {
     let is_test = matches!(flag, "test" | "analysis");
-    if is_test { solve::tables(file).unwrap_or_default() } else { Vec::new() }
+    if is_test { test_file::tables(file).unwrap_or_default() } else { Vec::new() }
 }
 
 /// The key of a task with the hash of a flag's file.

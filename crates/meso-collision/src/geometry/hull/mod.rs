@@ -60,6 +60,16 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
     with_builder(points.len(), |builder| builder.build(points))
 }
 
+impl Polyhedron {
+    /// The convex hull of its vertices.
+    ///
+    /// # Errors
+    /// Where they span no volume.
+    pub fn hull(&self) -> Result<Self, HullError> {
+        if self.is_convex() { Ok(self.clone()) } else { convex_hull(self.vertices()) }
+    }
+}
+
 /// Runs with the memory of the thread's last hull, where this one is of few points.
 fn with_builder<R>(points: usize, run: impl FnOnce(&mut HullBuilder) -> R) -> R {
     thread_local! {

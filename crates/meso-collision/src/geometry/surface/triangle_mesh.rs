@@ -1,7 +1,7 @@
 //! Any closed surface of triangles, convex or not.
 
 use crate::geometry::measure::integrals;
-use crate::geometry::{HullError, Polyhedron, convex_hull};
+use crate::geometry::{HullError, Polyhedron, Triangles, convex_hull};
 use crate::math::Vec3;
 use std::collections::{BTreeMap, HashMap};
 
@@ -45,6 +45,17 @@ pub enum SurfaceError {
     },
 }
 
+impl Polyhedron {
+    /// The body inside a closed surface that need not be convex.
+    ///
+    /// Its triangles get the order of a tree of boxes, which every copy of the body keeps: see [`Triangles::in_order`].
+    pub fn of_surface(mesh: &TriangleMesh) -> Self {
+        let tree = mesh.facets();
+        let ordered = tree.order().iter().map(|&t| mesh.triangles[t as usize]);
+        Self::from_parts(mesh.vertices.clone(), ordered).with_dents()
+    }
+}
+
 impl TriangleMesh {
     /// The mesh of `corners`, three a triangle; corners at the same position become one vertex, and triangles that lose a
     /// corner by that are left out.
@@ -66,6 +77,11 @@ impl TriangleMesh {
             }
         }
         Self { vertices, triangles }
+    }
+
+    /// Its triangles by their corners, to be asked which points they hold and whether they are apart from others.
+    pub fn facets(&self) -> Triangles {
+        Triangles::new(self.triangles.iter().map(|t| t.map(|i| self.vertices[i as usize])).collect())
     }
 
     /// Volume inside, mm3; negative where the triangles are clockwise.

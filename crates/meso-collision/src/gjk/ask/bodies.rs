@@ -75,16 +75,34 @@ impl Bodies {
     }
 
     /// Number of bodies.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// assert_eq!(Bodies::new([&[Vec3::x()][..], &[Vec3::y()]])?.len(), 2);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
     /// True without bodies.
+    ///
+    /// ```
+    /// use meso_collision::gjk::Bodies;
+    /// assert!(Bodies::new([])?.is_empty());
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// The points of a body, as given; of a solid its corners alone.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// assert_eq!(Bodies::new([&[Vec3::x(), Vec3::y()][..]])?.points(0), [Vec3::x(), Vec3::y()]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn points(&self, body: usize) -> &[Vec3] {
         &self.0[body].points
     }

@@ -76,6 +76,14 @@ impl Body {
 
 impl Algorithm {
     /// [`Body::overlaps`] by this search from the first step, without the spheres and ellipsoids: for comparisons.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::{Algorithm, Body}, math::Vec3};
+    /// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+    /// for method in Algorithm::ALL {
+    ///     assert!(method.overlap(&octahedron, &octahedron, &Vec3::new(2.0, 0.0, 0.0)));
+    /// }
+    /// ```
     pub fn overlap(self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         let query = Query { a, b, x: *b_from_a, gap: 0.0 };
         let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
@@ -89,6 +97,17 @@ impl Algorithm {
 
 /// True when the bodies are more than `gap` (mm, at least 0) apart, as [`Body::separating_axis`], where B is laid out,
 /// in the memory of `made`, only if neither its bounds nor the faces of A tell; counts the stages.
+///
+/// ```
+/// use meso_collision::{geometry::convex_hull, gjk::{apart_from, Body, Counters, Solid}, math::Vec3};
+/// let hull = convex_hull(&[Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()])?;
+/// let solid = Solid::new(hull.vertices(), &hull.facets());
+/// let (bounds, shape) = (solid.body().bounds(), hull.into());
+/// let (mut made, mut counters) = (Body::new(&[Vec3::zeros()]), Counters::default());
+/// let mut apart = |x| apart_from(&solid, (&bounds, &shape), &mut made, (&Vec3::new(x, 0.0, 0.0), 0.0), &mut counters);
+/// assert!(!apart(1.0) && apart(1.0 + f64::EPSILON));
+/// # Ok::<(), meso_collision::geometry::HullError>(())
+/// ```
 #[inline]
 pub fn apart_from(
     a: &Solid,
@@ -146,18 +165,39 @@ pub(crate) enum Stage {
 
 impl Counters {
     /// The answer of [`Body::overlaps`]; counts its stages.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::{Body, Counters}, math::Vec3};
+    /// let (point, mut counters) = (Body::new(&[Vec3::zeros()]), Counters::default());
+    /// assert!(!counters.overlap(&point, &point, &Vec3::x()));
+    /// assert_eq!((counters.pairs, counters.after_spheres), (1, 0));
+    /// ```
     #[inline]
     pub fn overlap(&mut self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(self)
     }
 
     /// The answer of [`Body::separating_axis`]; counts its stages.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::{Body, Counters}, math::Vec3};
+    /// let (point, mut counters) = (Body::new(&[Vec3::zeros()]), Counters::default());
+    /// assert_eq!(counters.apart(&point, &point, &Vec3::x(), 0.5, None), Some(Vec3::x()));
+    /// assert_eq!(counters.pairs, 1);
+    /// ```
     #[inline]
     pub fn apart(&mut self, a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
         Query { a, b, x: *b_from_a, gap }.axis(start, self).map(|v| v.normalize())
     }
 
     /// Adds the counts of others.
+    ///
+    /// ```
+    /// use meso_collision::gjk::Counters;
+    /// let mut all = Counters { pairs: 2, ..Counters::default() };
+    /// all.add(&Counters { pairs: 3, ..Counters::default() });
+    /// assert_eq!(all.pairs, 5);
+    /// ```
     pub fn add(&mut self, other: &Self) {
         self.pairs += other.pairs;
         self.after_spheres += other.after_spheres;

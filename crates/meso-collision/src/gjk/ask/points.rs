@@ -30,6 +30,12 @@ pub enum Verdict {
 
 impl Verdict {
     /// True for [`Verdict::Intersecting`].
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Algorithm, math::Vec3};
+    /// assert!(!Algorithm::Exact.verdict(&[Vec3::x()], &[Vec3::y()])?.intersects());
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn intersects(&self) -> bool {
         matches!(self, Self::Intersecting { .. })
     }

@@ -5,6 +5,7 @@
 //! step leads on, the bodies are as near as rounding can show, and exact arithmetic says at which later time they meet.
 
 use crate::gjk::error::{GjkError, Operand, check, check_finite};
+use crate::gjk::measure::top;
 use crate::gjk::pair::{Found, Originals, Pair};
 use crate::gjk::prove::certificate::highest;
 use crate::gjk::prove::exact::{Decision, ExactPair};
@@ -170,11 +171,6 @@ impl<'a> Flight<'a> {
         let Originals { a, b, .. } = self.scaled.originals;
         is_overlap(ExactPair::at_time(a, b, self.motion, time).decide(&[]))
     }
-}
-
-/// An upper bound of the height of a body's points.
-fn top(body: &impl Support, v: &Vec3) -> f64 {
-    (0..body.len()).map(|i| highest(&body.point(i), v)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The largest magnitude of a coordinate.

@@ -7,11 +7,10 @@
 
 use crate::geometry::convex_hull;
 use crate::gjk::error::{GjkError, Operand, check};
+use crate::gjk::measure::top;
 use crate::gjk::pair::{Pair, View};
-use crate::gjk::prove::certificate::highest;
 use crate::gjk::scaled::{Scaled, power_to_one, times_power};
 use crate::gjk::search::simplex::Vertex;
-use crate::gjk::support::Support;
 use crate::math::{Aabb, Vec3};
 use crate::simd::{Simd, Vectorized, dispatch};
 
@@ -155,7 +154,7 @@ impl<'a> Search<'a> {
         let (Vertex { w, of }, separation) = dispatch(Along { pair: self.pair, v: *v });
         let norm = v.norm();
         if -separation < (self.depth + 1e-12) * norm {
-            let extent = self.top(self.pair.a, v) + self.top(self.pair.b, &-v);
+            let extent = top(self.pair.a, v) + top(self.pair.b, &-v);
             let depth = extent.max(0.0) / norm * (1.0 + 8.0 * U);
             if depth < self.depth {
                 (self.depth, self.direction) = (depth, v / norm);
@@ -167,11 +166,6 @@ impl<'a> Search<'a> {
             self.points.push(w.map(|x| if x.abs() < NEGLIGIBLE { 0.0 } else { x }));
         }
         fresh
-    }
-
-    /// An upper bound of the height of a body's points.
-    fn top(&self, body: &impl Support, v: &Vec3) -> f64 {
-        (0..body.len()).map(|i| highest(&body.point(i), v)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 

@@ -71,12 +71,24 @@ impl Solid {
     ///
     /// # Panics
     /// Without vertices.
+    ///
+    /// ```
+    /// use meso_collision::{geometry::convex_hull, gjk::Solid, math::Vec3};
+    /// let hull = convex_hull(&[Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()])?;
+    /// let solid = Solid::new(hull.vertices(), &hull.facets());
+    /// # Ok::<(), meso_collision::geometry::HullError>(())
+    /// ```
     pub fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
         let body = Body::new(vertices).with_facets(facets.iter().copied());
         Self { gauge: Gauge::new(facets, body.circumradius()), body }
     }
 
     /// In the form that pairs are asked about in.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Solid, math::Vec3};
+    /// assert!(Solid::new(&[Vec3::x()], &[]).body().circumradius() >= 1.0);
+    /// ```
     #[inline]
     pub fn body(&self) -> &Body {
         &self.body

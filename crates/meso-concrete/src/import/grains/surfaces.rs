@@ -186,7 +186,7 @@ impl<'a> GrainSurfaces<'a> {
     }
 
     fn farthest_of(&self, grain: usize, mesh: &TriangleMesh) -> f64 {
-        let facets = facets(mesh);
+        let facets = mesh.facets();
         let faces = self.faces(grain);
         let every = faces.len().div_ceil(MEASURED).max(1);
         let distance = |face: &Vec3| facets.nearest(face).map_or(0.0, |near| near.1);
@@ -263,7 +263,7 @@ struct Solid {
 
 impl Solid {
     fn new(mesh: TriangleMesh) -> Self {
-        Self { facets: facets(&mesh), mesh }
+        Self { facets: mesh.facets(), mesh }
     }
 
     fn crosses_itself(&self) -> bool {
@@ -285,10 +285,6 @@ fn meeting_pairs(found: &[Option<Solid>]) -> Vec<(usize, usize)> {
             |other: &&(Aabb, usize, &Solid)| own.intersects(&other.0) && !solid.facets.is_apart(&other.2.facets, 0.0);
         later.filter(meets).map(|other| (*number, other.1)).collect::<Vec<_>>()
     })
-}
-
-fn facets(mesh: &TriangleMesh) -> Triangles {
-    Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect())
 }
 
 fn area(mesh: &TriangleMesh) -> f64 {

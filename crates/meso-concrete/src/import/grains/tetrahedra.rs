@@ -146,7 +146,7 @@ mod tests {
             let values: Vec<f32> = (0..210).map(&mut value).collect();
             let mesh = Nodes { counts, values: &values }.surface();
             mesh.check_closed().unwrap();
-            let facets = Triangles::new(mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect());
+            let facets = mesh.facets();
             assert_eq!((SelfCrossing { mesh: &mesh, facets: &facets }).find(), None);
             let inside = values.iter().filter(|value| **value > 0.0).count() as f64;
             assert!(mesh.volume() > 0.2 * inside && mesh.volume() < 2.0 * inside);

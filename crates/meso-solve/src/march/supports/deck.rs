@@ -5,13 +5,12 @@ use crate::error::{SolveError, TEST};
 use crate::sample::Sample;
 use crate::test::load::{Rule, SupportSpec, Turn, TurnOf};
 use crate::test::named::Plan;
-use crate::test::{Control, Test};
+use crate::test::{Control, Test, word};
 use meso_collision::math::Aabb;
 use meso_concrete::specimen::Specimen;
 use meso_element::LawName;
 use meso_mesh::cells::Sides;
 use meso_mesh::loads::{Hold, Loads, Pressure, RigidSupport};
-use serde::Serialize;
 
 /// Distance of a node from the plane of its side, over the specimen's size, beyond which the side is round.
 const ROUND: f64 = 1e-6;
@@ -134,11 +133,6 @@ impl Test {
             is_beside: !is_glued && support.strip.is_some_and(|strip| strip.at_mm != 0.0),
         })
     }
-}
-
-/// The word that a file has for a value of an enum.
-fn word(value: &impl Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 fn pressure(sample: &Sample, sides: &Sides, support: &SupportSpec) -> Result<Pressure, SolveError> {

@@ -1,5 +1,6 @@
 //! The nodes of a mesh under a support.
 
+use crate::assemble::area;
 use crate::error::{SolveError, TEST};
 use crate::march::supports::contact::{Contact, Load};
 use crate::sample::Sample;
@@ -134,12 +135,4 @@ fn faces(mesh: &Mesh, sides: &Sides, side: Side) -> Vec<(u32, usize)> {
         on >> 4 != 0
     };
     mesh.outer_faces().into_iter().filter(|face| !is_end(face)).collect()
-}
-
-/// Area of a face along its outward normal, mm2.
-pub(crate) fn area(mesh: &Mesh, nodes: &[u32]) -> Vec3 {
-    let p = |i: usize| mesh.points[nodes[i] as usize];
-    let twice =
-        if nodes.len() == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
-    0.5 * twice
 }

@@ -1,7 +1,7 @@
 //! One self-contained page about a test: the curve beside the cracks to turn, with a slider over its moments; sections of damage,
 //! figures, energies and gauges.
 
-use super::section::{ACROSS, RAMP};
+use super::section::RAMP;
 use super::shots::{Body, Shot};
 use super::snapshot::Moment;
 use super::{Outcome, ResultFile};
@@ -12,6 +12,7 @@ use meso_concrete::thousands;
 use meso_mesh::Mesh;
 use meso_view::embedded::{TURNTABLE, base64};
 use meso_view::plot::{Plot, Series, escape};
+use meso_view::section::ACROSS;
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("style.css");

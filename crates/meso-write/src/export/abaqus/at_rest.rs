@@ -3,9 +3,10 @@
 //! A plate without friction holds its nodes along its axis, one with friction in all directions. There is no contact: a strip
 //! beside the middle holds its row nearest to the centre, so that the specimen turns on it.
 
-use super::lines::{Lines, real};
+use super::lines::real;
 use super::supports::{along, grow, is_pressed, model, names, reference};
 use super::{DeckOptions, elastic};
+use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::Mesh;
 use meso_mesh::loads::{Hold, Loads, RigidSupport};

@@ -5,8 +5,8 @@
 //! periodic box is compressed in the mean instead, by its reference nodes.
 
 use super::geometry::present;
-use super::lines::Lines;
 use super::periodic::REFERENCES;
+use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};

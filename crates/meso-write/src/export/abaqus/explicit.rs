@@ -5,8 +5,9 @@
 
 use super::geometry::present;
 use super::limits::DECK;
-use super::lines::{Lines, real};
+use super::lines::real;
 use super::{Analysis, DeckOptions};
+use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::Sides;

@@ -1,7 +1,7 @@
 //! The geometry part of a deck: nodes, elements by phase, node sets and surfaces of the bounding planes.
 
 use super::DeckOptions;
-use super::lines::Lines;
+use crate::export::lines::Lines;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::cells::{SIDES, Sides};
 use std::io::{self, Write};

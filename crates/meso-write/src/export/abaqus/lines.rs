@@ -1,11 +1,10 @@
-//! Lines of a deck through one buffer: keywords, and data of at most 16 entries a line.
+//! Lines of a deck: data of at most 16 entries a line.
 
+use crate::export::lines::Lines;
 use std::io::{self, Write};
 
 /// Entries on a data line that lists set members.
 const ENTRIES: usize = 16;
-/// The buffer goes to `out` when it is this full.
-const FLUSH_AT: usize = 1 << 16;
 
 /// A number as a deck can hold it: Abaqus reads at most 20 characters of one, so 13 digits where all of them are longer.
 pub(super) fn real(x: f64) -> String {
@@ -13,55 +12,32 @@ pub(super) fn real(x: f64) -> String {
     if shortest.len() <= 20 { shortest } else { format!("{x:.12e}") }
 }
 
-/// A buffered writer of decks.
-pub(super) struct Lines<W> {
-    out: W,
-    buffer: Vec<u8>,
-}
-
 impl<W: Write> Lines<W> {
-    pub(super) fn new(out: W) -> Self {
-        Self { out, buffer: Vec::with_capacity(FLUSH_AT + 1024) }
-    }
-
-    /// Writes the rest of the buffer.
-    pub(super) fn finish(mut self) -> io::Result<()> {
-        self.out.write_all(&self.buffer)?;
-        self.out.flush()
-    }
-
-    /// A whole line, e.g. a keyword with its parameters.
-    pub(super) fn line(&mut self, text: impl AsRef<str>) -> io::Result<()> {
-        debug_assert!(!text.as_ref().starts_with('*') || text.as_ref().len() < 80, "{}", text.as_ref());
-        self.buffer.extend_from_slice(text.as_ref().as_bytes());
-        self.end()
-    }
-
     /// A node: number and coordinates in mm.
     pub(super) fn node(&mut self, number: u64, position: [f64; 3]) -> io::Result<()> {
-        self.integer(number);
+        self.number(number);
         for x in position {
             self.buffer.extend_from_slice(b", ");
-            self.coordinate(x);
+            self.decimal(x);
         }
         self.end()
     }
 
     /// An element: number and node numbers, counted from the indices.
     pub(super) fn element(&mut self, number: u64, nodes: &[u32]) -> io::Result<()> {
-        self.integer(number);
+        self.number(number);
         for &node in nodes {
             self.buffer.extend_from_slice(b", ");
-            self.integer(u64::from(node) + 1);
+            self.number(u64::from(node) + 1);
         }
         self.end()
     }
 
     /// One member of an element surface: element number and face, S1 to S6.
     pub(super) fn face(&mut self, number: u64, face: usize) -> io::Result<()> {
-        self.integer(number);
+        self.number(number);
         self.buffer.extend_from_slice(b", S");
-        self.integer(face as u64 + 1);
+        self.number(face as u64 + 1);
         self.end()
     }
 
@@ -76,28 +52,19 @@ impl<W: Write> Lines<W> {
             if entries > 0 {
                 self.buffer.extend_from_slice(b", ");
             }
-            self.integer(number);
+            self.number(number);
             entries += 1;
         }
         if entries > 0 { self.end() } else { Ok(()) }
     }
 
-    fn end(&mut self) -> io::Result<()> {
-        self.buffer.push(b'\n');
-        if self.buffer.len() >= FLUSH_AT {
-            self.out.write_all(&self.buffer)?;
-            self.buffer.clear();
-        }
-        Ok(())
-    }
-
-    fn integer(&mut self, value: u64) {
+    fn number(&mut self, value: u64) {
         self.buffer.extend_from_slice(itoa::Buffer::new().format(value).as_bytes());
     }
 
     /// A coordinate to 1e-10 mm; Abaqus reads at most 20 characters a number, less than the 24 of a shortest
     /// round-trip f64. Where ten decimals would not do (tiny or huge models), 13 significant digits.
-    fn coordinate(&mut self, x: f64) {
+    fn decimal(&mut self, x: f64) {
         let magnitude = x.abs();
         if magnitude != 0.0 && !(1e-2..1e7).contains(&magnitude) {
             let _ = write!(self.buffer, "{x:.12e}");
@@ -107,7 +74,7 @@ impl<W: Write> Lines<W> {
         if x < 0.0 && scaled > 0 {
             self.buffer.push(b'-');
         }
-        self.integer(scaled / 10_000_000_000);
+        self.number(scaled / 10_000_000_000);
         self.buffer.push(b'.');
         self.decimals(scaled % 10_000_000_000);
     }
@@ -133,7 +100,7 @@ mod tests {
 
     fn coordinate(x: f64) -> String {
         let mut lines = Lines::new(Vec::new());
-        lines.coordinate(x);
+        lines.decimal(x);
         String::from_utf8(lines.buffer).unwrap()
     }
 

@@ -9,7 +9,7 @@
 //! elements.
 
 use super::limits::DECK;
-use super::lines::Lines;
+use crate::export::lines::Lines;
 use meso_collision::geometry::BoxTree;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::OutOfRange;

@@ -4,8 +4,9 @@
 //! them as nodes of its rigid body. Loads grow in a first step; the path follows in a second one.
 
 use super::geometry::node_set;
-use super::lines::{Lines, real};
+use super::lines::real;
 use super::{DeckOptions, explicit, limits::DECK};
+use crate::export::lines::Lines;
 use meso_collision::math::Aabb;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh};

@@ -2,7 +2,7 @@
 
 use super::{FIELD, Field, PLATES, card, element, node};
 use crate::export::abaqus::{Analysis, DeckOptions};
-use crate::export::columns::Columns;
+use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::Mesh;
 use std::io::{self, Write};
@@ -21,7 +21,7 @@ const SCALE: f64 = 0.9;
 const ENDS: [u64; 2] = [5, 6];
 
 /// Control cards, loading and output of the analysis; nothing without one.
-pub(super) fn write(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn write(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let aabb = Aabb::around(&mesh.points);
     let travel = options.final_strain() * aabb.size().z;
     match options.analysis {
@@ -51,7 +51,7 @@ pub(super) fn write(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &Deck
 }
 
 /// A rigid block under the specimen and one over it, of one hexahedron each.
-fn blocks(cards: &mut Columns<impl Write>, mesh: &Mesh, aabb: &Aabb, upper: f64) -> io::Result<()> {
+fn blocks(cards: &mut Lines<impl Write>, mesh: &Mesh, aabb: &Aabb, upper: f64) -> io::Result<()> {
     let size = aabb.size();
     let margin = Vec3::new(size.x, size.y, 0.0) * OVERHANG;
     let (low, high, width) = (aabb.min - margin, aabb.max + margin, size.x.max(size.y));
@@ -74,7 +74,7 @@ fn blocks(cards: &mut Columns<impl Write>, mesh: &Mesh, aabb: &Aabb, upper: f64)
 }
 
 /// The nodes of ZMIN and ZMAX against the plates: SURFA SURFB SURFATYP SURFBTYP, FS FD, scales, SOFT.
-fn contacts(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result<()> {
+fn contacts(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
     let friction = Field::Real(options.loading.friction);
     for ((number, nodes), plate) in (1_u64..).zip(ENDS).zip(PLATES) {
         cards.line("*CONTACT_AUTOMATIC_NODES_TO_SURFACE_ID")?;
@@ -94,19 +94,19 @@ fn contacts(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Resul
 }
 
 /// A speed along z by curve 1: DOF 3, VAD 0.
-fn moved(cards: &mut Columns<impl Write>, keyword: &str, what: u64, mean: f64) -> io::Result<()> {
+fn moved(cards: &mut Lines<impl Write>, keyword: &str, what: u64, mean: f64) -> io::Result<()> {
     cards.line(keyword)?;
     card(cards, &[what.into(), Field::Integer(3), Field::Integer(0), Field::Integer(1), mean.into()])
 }
 
-fn held(cards: &mut Columns<impl Write>, set: u64, directions: [i64; 3]) -> io::Result<()> {
+fn held(cards: &mut Lines<impl Write>, set: u64, directions: [i64; 3]) -> io::Result<()> {
     cards.line("*BOUNDARY_SPC_SET")?;
     let [x, y, z] = directions.map(Field::Integer);
     card(cards, &[set.into(), Field::Integer(0), x, y, z, Field::Integer(0), Field::Integer(0), Field::Integer(0)])
 }
 
 /// Curve 1: speed over its mean, the slope of the smooth step x^3 (10 - 15 x + 6 x^2).
-fn speed(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result<()> {
+fn speed(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
     cards.line("*DEFINE_CURVE")?;
     cards.integer(FIELD, 1);
     cards.end()?;
@@ -121,7 +121,7 @@ fn speed(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result<(
 }
 
 /// End, time step and energies; an impact keeps the mass of its specimen.
-fn control(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result<()> {
+fn control(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
     let loading = &options.loading;
     cards.line("*CONTROL_TERMINATION")?;
     card(cards, &[loading.duration_s.into()])?;
@@ -134,7 +134,7 @@ fn control(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result
 }
 
 /// Energies, forces of contacts or held nodes, and frames.
-fn output(cards: &mut Columns<impl Write>, options: &DeckOptions) -> io::Result<()> {
+fn output(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
     let forces: &[&str] = match options.analysis {
         Analysis::Tension => &["*DATABASE_SPCFORC", "*DATABASE_BNDOUT"],
         _ => &["*DATABASE_RCFORC", "*DATABASE_RBDOUT"],

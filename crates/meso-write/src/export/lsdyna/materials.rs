@@ -1,8 +1,8 @@
 //! Parts, sections and materials of a `.k`.
 
-use super::{Field, LsdynaLaw, PLATES, card, formulation, part, parts};
+use super::{Field, LsdynaLaw, PLATES, card, formulation, part, present};
 use crate::export::abaqus::{Analysis, DECK, DeckOptions};
-use crate::export::columns::Columns;
+use crate::export::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
@@ -44,10 +44,10 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
 }
 
 /// Part, section and material of every phase, and of the plates.
-pub(super) fn write(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn write(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let materials = options.materials.in_mesh(mesh);
     let is_solid = |phase: Phase| phase != Phase::Itz || mesh.cohesive.is_empty();
-    for phase in parts(mesh) {
+    for phase in present(mesh) {
         one_part(cards, phase.name(), part(phase))?;
         let own = if is_solid(phase) { formulation(mesh.kind, options.reduced_integration) } else { joint(mesh.kind) };
         section(cards, part(phase), own)?;
@@ -64,13 +64,13 @@ pub(super) fn write(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &Deck
     }
 }
 
-fn one_part(cards: &mut Columns<impl Write>, name: &str, number: u64) -> io::Result<()> {
+fn one_part(cards: &mut Lines<impl Write>, name: &str, number: u64) -> io::Result<()> {
     cards.line("*PART")?;
     cards.line(name)?;
     card(cards, &[number.into(), number.into(), number.into()])
 }
 
-fn section(cards: &mut Columns<impl Write>, number: u64, elform: i64) -> io::Result<()> {
+fn section(cards: &mut Lines<impl Write>, number: u64, elform: i64) -> io::Result<()> {
     cards.line("*SECTION_SOLID")?;
     card(cards, &[number.into(), Field::Integer(elform)])
 }
@@ -80,14 +80,14 @@ fn joint(kind: CellKind) -> i64 {
     if kind == CellKind::Hexahedron { 19 } else { 21 }
 }
 
-fn elastic(cards: &mut Columns<impl Write>, number: u64, values: &Elastic) -> io::Result<()> {
+fn elastic(cards: &mut Lines<impl Write>, number: u64, values: &Elastic) -> io::Result<()> {
     let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = *values;
     cards.line("*MAT_ELASTIC")?;
     card(cards, &[number.into(), density_t_per_mm3.into(), youngs_modulus_mpa.into(), poisson_ratio.into()])
 }
 
 fn strong(
-    cards: &mut Columns<impl Write>,
+    cards: &mut Lines<impl Write>,
     phase: Phase,
     materials: &Materials,
     strength: &Strength,
@@ -157,7 +157,7 @@ impl Cdpm {
 }
 
 /// MID RO E PR ECC QH0 FT FC, HP AH BH CH DH AS DF FC0, TYPE BS WF WF1 FT1 STRFLG FAILFLG EFC.
-fn cdpm(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, law: &Cdpm) -> io::Result<()> {
+fn cdpm(cards: &mut Lines<impl Write>, number: u64, values: &Elastic, law: &Cdpm) -> io::Result<()> {
     let [qh0, hp, ah, bh, ch, dh, ductility, df] = CDPM;
     let Elastic { youngs_modulus_mpa: e, poisson_ratio: nu, density_t_per_mm3: rho } = *values;
     cards.line("*MAT_CDPM")?;
@@ -169,7 +169,7 @@ fn cdpm(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, law: &Cd
 }
 
 /// The cards of `*MAT_072R3`, of which the negative A0 asks for generated parameters; the others stay blank.
-fn rel3(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, strength: &Strength) -> io::Result<()> {
+fn rel3(cards: &mut Lines<impl Write>, number: u64, values: &Elastic, strength: &Strength) -> io::Result<()> {
     let [rsize, ucf] = REL3_UNITS;
     cards.line("*MAT_CONCRETE_DAMAGE_REL3")?;
     card(cards, &[number.into(), values.density_t_per_mm3.into(), values.poisson_ratio.into()])?;
@@ -180,7 +180,7 @@ fn rel3(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, strength
 }
 
 /// The cards of `*MAT_159` with generated parameters: units of MPa, mm, s, tonne, N have the number 2; no erosion.
-fn cscm(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, strength: &Strength) -> io::Result<()> {
+fn cscm(cards: &mut Lines<impl Write>, number: u64, values: &Elastic, strength: &Strength) -> io::Result<()> {
     cards.line("*MAT_CSCM_CONCRETE")?;
     let [plot, rates] = [1, 0].map(Field::Integer);
     let [step, erode, recover] = [0.0, 0.0, 0.0].map(Field::Real);
@@ -196,7 +196,7 @@ fn cscm(cards: &mut Columns<impl Write>, number: u64, values: &Elastic, strength
 ///
 /// The density is per area (ROFLG 1), as elements have no volume; no element is deleted (INTFAIL 0), so that debonded faces
 /// carry compression. A negative XMU takes the law of Benzeggagh and Kenane. Without strength the interface stays elastic.
-fn cohesive(cards: &mut Columns<impl Write>, materials: &Materials, is_strong: bool) -> io::Result<()> {
+fn cohesive(cards: &mut Lines<impl Write>, materials: &Materials, is_strong: bool) -> io::Result<()> {
     let stiffness = materials.separation_stiffness();
     let density = materials.itz.density_t_per_mm3 * materials.cohesive_thickness_mm;
     let head = [part(Phase::Itz).into(), Field::Real(density), Field::Integer(1), Field::Integer(0)];
@@ -215,7 +215,7 @@ fn cohesive(cards: &mut Columns<impl Write>, materials: &Materials, is_strong: b
 }
 
 /// The lower plate is held; the upper one moves along z, and turns about no axis.
-fn plates(cards: &mut Columns<impl Write>, options: &DeckOptions, names: &[&str; 2]) -> io::Result<()> {
+fn plates(cards: &mut Lines<impl Write>, options: &DeckOptions, names: &[&str; 2]) -> io::Result<()> {
     debug_assert!(!options.geometry_only);
     for (name, (number, held)) in names.iter().zip(PLATES.into_iter().zip([7, 4])) {
         one_part(cards, name, number)?;

@@ -10,7 +10,8 @@ mod materials;
 
 pub use super::abaqus::LsdynaLaw;
 use super::abaqus::{Analysis, DeckOptions};
-use super::columns::Columns;
+use super::columns::{part, places, present};
+use super::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use std::io::{self, Write};
@@ -22,16 +23,6 @@ const FIELD: usize = 10;
 
 /// Parts of plates; those of phases are below.
 const PLATES: [u64; 2] = [11, 12];
-
-/// Number of a phase's part, section and material.
-fn part(phase: Phase) -> u64 {
-    match phase {
-        Phase::Aggregate => 1,
-        Phase::Itz => 2,
-        Phase::Mortar => 3,
-        Phase::Fibre => 4,
-    }
-}
 
 /// Finds out whether a `.k` can have these options.
 ///
@@ -61,7 +52,7 @@ pub(crate) fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::
     if mesh.points.len().max(mesh.cell_count() + mesh.cohesive().len()) > MOST - 100 {
         return Err(io::Error::other("a .k numbers at most 99,999,999 nodes and elements; take larger elements"));
     }
-    let mut cards = Columns::new(out);
+    let mut cards = Lines::new(out);
     heading(&mut cards, mesh, options)?;
     let sides = Sides::of(mesh);
     nodes(&mut cards, mesh)?;
@@ -75,7 +66,7 @@ pub(crate) fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::
     cards.finish()
 }
 
-fn heading(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+fn heading(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     cards.line("*KEYWORD")?;
     let (version, nodes, cells) = (env!("CARGO_PKG_VERSION"), mesh.points.len(), mesh.cell_count());
     cards.line("$ units: tonne, mm, s, N, MPa; material values are illustrative unless they were given")?;
@@ -84,20 +75,20 @@ fn heading(cards: &mut Columns<impl Write>, mesh: &Mesh, options: &DeckOptions) 
     cards.line(format!("mesocrete {version}: {nodes} nodes, {cells} elements"))
 }
 
-fn nodes(cards: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn nodes(cards: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     cards.line("*NODE")?;
     (1..).zip(&mesh.points).try_for_each(|(number, p)| node(cards, number, [p.x, p.y, p.z]))
 }
 
 /// A node: its number in 8 columns, coordinates in 16 each.
-fn node(cards: &mut Columns<impl Write>, number: u64, position: [f64; 3]) -> io::Result<()> {
+fn node(cards: &mut Lines<impl Write>, number: u64, position: [f64; 3]) -> io::Result<()> {
     cards.integer(8, number);
     position.into_iter().for_each(|x| cards.coordinate(x));
     cards.end()
 }
 
 /// All elements by their numbers, each with the part of its phase.
-fn elements(cards: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn elements(cards: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     cards.line("*ELEMENT_SOLID")?;
     for ((number, cell), phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
         element(cards, number, part(*phase), cell)?;
@@ -113,13 +104,8 @@ fn elements(cards: &mut Columns<impl Write>, mesh: &Mesh) -> io::Result<()> {
 /// A solid of 4, 6 or 8 nodes on one card of 8 columns a field; of 10 nodes on two.
 ///
 /// A tetrahedron repeats its last node. A cohesive wedge repeats the third node of either face.
-fn element(cards: &mut Columns<impl Write>, number: u64, part: u64, nodes: &[u32]) -> io::Result<()> {
-    let order: &[usize] = match nodes.len() {
-        4 => &[0, 1, 2, 3, 3, 3, 3, 3],
-        6 => &[0, 1, 2, 2, 3, 4, 5, 5],
-        8 => &[0, 1, 2, 3, 4, 5, 6, 7],
-        _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
-    };
+fn element(cards: &mut Lines<impl Write>, number: u64, part: u64, nodes: &[u32]) -> io::Result<()> {
+    let order = if nodes.len() == 4 { &[0, 1, 2, 3, 3, 3, 3, 3] } else { places(nodes.len()) };
     cards.integer(8, number);
     cards.integer(8, part);
     if order.len() > 8 {
@@ -130,7 +116,7 @@ fn element(cards: &mut Columns<impl Write>, number: u64, part: u64, nodes: &[u32
 }
 
 /// Node and segment sets of the sides, and the parts of the specimen.
-fn sets(cards: &mut Columns<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
+fn sets(cards: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
     for (bit, (_, _, name)) in SIDES.iter().enumerate() {
         set(cards, "*SET_NODE_LIST_TITLE", name, bit as u64 + 1)?;
         list(cards, sides.members(bit).map(|node| u64::from(node) + 1))?;
@@ -150,16 +136,10 @@ fn sets(cards: &mut Columns<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Resu
         }
     }
     set(cards, "*SET_PART_LIST_TITLE", "SPECIMEN", 1)?;
-    list(cards, parts(mesh).into_iter().map(part))
+    list(cards, present(mesh).map(part))
 }
 
-/// Phases that have a part, that of cohesive elements with them.
-fn parts(mesh: &Mesh) -> Vec<Phase> {
-    let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();
-    Phase::ALL.into_iter().filter(has).collect()
-}
-
-fn set(cards: &mut Columns<impl Write>, keyword: &str, name: &str, number: u64) -> io::Result<()> {
+fn set(cards: &mut Lines<impl Write>, keyword: &str, name: &str, number: u64) -> io::Result<()> {
     cards.line(keyword)?;
     cards.line(name)?;
     cards.integer(FIELD, number);
@@ -167,7 +147,7 @@ fn set(cards: &mut Columns<impl Write>, keyword: &str, name: &str, number: u64) 
 }
 
 /// Numbers, eight to a line.
-fn list(cards: &mut Columns<impl Write>, numbers: impl Iterator<Item = u64>) -> io::Result<()> {
+fn list(cards: &mut Lines<impl Write>, numbers: impl Iterator<Item = u64>) -> io::Result<()> {
     let mut on_line = 0;
     for number in numbers {
         if on_line == 8 {
@@ -181,7 +161,7 @@ fn list(cards: &mut Columns<impl Write>, numbers: impl Iterator<Item = u64>) -> 
 }
 
 /// A card of fields of ten columns; integers are written without a point.
-fn card(cards: &mut Columns<impl Write>, fields: &[Field]) -> io::Result<()> {
+fn card(cards: &mut Lines<impl Write>, fields: &[Field]) -> io::Result<()> {
     for field in fields {
         match *field {
             Field::Blank => cards.text(FIELD, ""),
