@@ -127,6 +127,7 @@ fn shares_of_cores_and_shells_of_stones_are_those_of_finer_voxels() {
 
 /// Measured: 1.9 % of the thickness on the scanned stone, 2.0 % on polyhedra, 0.3 % on spheres, 0.9 % on ellipsoids; with layers
 /// of 1 mm 2.3 % on the stone, 3.8 % on polyhedra. On the random stone it is 3.8 %, since chords leave less area to its layer.
+/// Layers as thick as an element have 1.7 % on the scanned stone and 3.5 % on the random one; they had 23 and 31 %.
 #[test]
 fn a_layer_in_a_fitted_lattice_is_as_thick_as_it_should_be() {
     let of = |shape: &str, thickness: f64| {
@@ -137,19 +138,23 @@ fn a_layer_in_a_fitted_lattice_is_as_thick_as_it_should_be() {
         pack(&Spec::from_toml(&text).unwrap(), &Silent).unwrap()
     };
     let [scanned, random] = both(0.3);
-    for (model, most) in [
-        (scanned, 0.02),
-        (random, 0.039),
-        (packed(SCANNED, 1.0), 0.025),
-        (of("polyhedron", 0.3), 0.022),
-        (of("polyhedron", 1.0), 0.04),
-        (of("sphere", 0.3), 0.005),
-        (of("ellipsoid", 0.3), 0.012),
+    let [thick, thick_random] = both(1.0);
+    for (model, element_size_mm, most) in [
+        (&scanned, 2.0, 0.02),
+        (&random, 2.0, 0.039),
+        (&thick, 2.0, 0.025),
+        (&thick, 1.0, 0.02),
+        (&thick_random, 1.0, 0.037),
+        (&of("polyhedron", 0.3), 2.0, 0.022),
+        (&of("polyhedron", 1.0), 2.0, 0.04),
+        (&of("polyhedron", 1.0), 1.5, 0.022),
+        (&of("sphere", 0.3), 2.0, 0.005),
+        (&of("ellipsoid", 0.3), 2.0, 0.012),
     ] {
-        let options = MeshOptions { method: Method::FITTED, element_size_mm: 2.0, ..Default::default() };
-        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+        let options = MeshOptions { method: Method::FITTED, element_size_mm, ..Default::default() };
+        let mesh = mesh::build(model, &options, &Tools::default()).unwrap();
         assert_eq!(figures::CellQuality::below(&figures::CellQuality::of_cells(&mesh), 0.0), [0; 0]);
-        let error = thickness_error(&mesh, &model);
+        let error = thickness_error(&mesh, model);
         assert!(error < most, "{:?}: {error}", model.spec.shape.kind);
         let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
         let itz = PhaseVolumes::of_mesh(&mesh).itz / exact.itz - 1.0;

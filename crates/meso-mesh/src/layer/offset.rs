@@ -106,7 +106,8 @@ impl RadialOffset {
                 (from_surface.try_normalize(ON * self.thickness).unwrap_or_default() * depth.signum(), depth)
             }
             None => {
-                let depths = self.planes.iter().map(|(normal, depth)| (-normal, depth - normal.dot(&(x - self.centre))));
+                let depths =
+                    self.planes.iter().map(|(normal, depth)| (-normal, depth - normal.dot(&(x - self.centre))));
                 depths.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
             }
         };
@@ -142,8 +143,13 @@ impl RadialOffsets {
         wanted.dedup();
         let offset = |&(body, flat): &(u32, Flat)| {
             stop::point();
-            let offset =
-                RadialOffset::new(bodies.get(body), [thickness(body), thick], flat, constraint.faces.walls(), periodic)?;
+            let offset = RadialOffset::new(
+                bodies.get(body),
+                [thickness(body), thick],
+                flat,
+                constraint.faces.walls(),
+                periodic,
+            )?;
             Some(((body, flat), offset))
         };
         let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());
