@@ -1,5 +1,7 @@
 """Effective properties of a packing."""
 
+import copy
+import pickle
 import re
 
 import numpy as np
@@ -25,6 +27,10 @@ def test_a_tensor_lies_between_its_bounds(cube):
     for axis in range(3):
         assert 0.4 < found["tensor"][axis][axis] < found["bounds"]["hashin_shtrikman_upper"]
     assert found["boundary"] == ["periodic"] * 3
+    assert (found.tensor, found.error, found.bounds) == (found["tensor"], found["error"], found["bounds"])
+    with pytest.raises(AttributeError, match="has no 'tensors'; it has what, tensor"):
+        found.tensors  # noqa: B018
+    assert pickle.loads(pickle.dumps(found)) == copy.deepcopy(found) == found
 
 
 def test_stiffness_lies_between_its_bounds_and_shrinks(cube):

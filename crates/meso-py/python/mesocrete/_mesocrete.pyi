@@ -14,6 +14,7 @@ from pyvista import Plotter, PolyData, UnstructuredGrid  # type: ignore[import-n
 from typing_extensions import Unpack
 
 from . import _results, _types
+from ._effective import Effective
 from ._types import DeckOptions, MeshOptions, SolveOptions, SpecOptions, StatisticsOptions
 
 __version__: str
@@ -381,7 +382,7 @@ class Packing:
         boundary: Literal["fixed", "uniform-gradient", "uniform-flux"] = "fixed",
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
-    ) -> _results.Effective:
+    ) -> Effective:
         """Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
 
         Parameters
@@ -442,7 +443,7 @@ class Packing:
         boundary: Literal["fixed"] = "fixed",
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
-    ) -> _results.Stiffness: ...
+    ) -> Effective: ...
 
     @overload
     def voxelize(
@@ -1136,7 +1137,7 @@ def effective(
     tolerance: float | None = None,
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
-) -> _results.Effective:
+) -> Effective:
     """Effective diffusivity, conductivity or stiffness of a label volume, with its error.
 
     Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
@@ -1190,7 +1191,7 @@ def effective(
     tolerance: float | None = None,
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
-) -> _results.Stiffness: ...
+) -> Effective: ...
 
 def from_labels(
     labels: ArrayLike | _Path,

@@ -222,7 +222,7 @@ pub(super) fn compute<'py>(
 ///
 /// Returns
 /// -------
-/// dict
+/// Effective
 ///     See `Packing.effective`; names of phases are their labels.
 ///
 /// Raises
@@ -339,7 +339,8 @@ fn solve<'py, T: Serialize + Send + 'static>(
         watch.stops_soon();
         work(watch)
     })?;
-    plain(py, &found.map_err(|error| raised(&error))?)
+    let found = plain(py, &found.map_err(|error| raised(&error))?)?;
+    py.import("mesocrete._effective")?.call_method1("Effective", (found,))
 }
 
 fn raised(error: &EffectiveError) -> PyErr {

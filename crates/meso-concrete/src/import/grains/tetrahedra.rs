@@ -131,7 +131,6 @@ mod tests {
     use super::*;
     use crate::aggregate::random::{Draw, Stream};
     use meso_collision::dents::SelfCrossing;
-    use meso_collision::geometry::Triangles;
 
     #[test]
     fn any_values_give_a_closed_surface_that_never_crosses_itself() {

@@ -86,12 +86,13 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
 /// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
 fn crack_band(mesh: &Mesh) -> Band {
     let volumes = PhaseVolumes::of_mesh(mesh);
-    let is_mortar = |phase: &Phase| *phase == Phase::Mortar || *phase == Phase::Itz && mesh.has_smeared_itz();
+    let smeared = mesh.has_smeared_itz();
+    let is_mortar = |phase: &Phase| *phase == Phase::Mortar || *phase == Phase::Itz && smeared;
     let mortar = mesh.phase.iter().filter(|phase| is_mortar(phase)).count();
     // A mesh of ITZ and aggregates alone has its own cells' width.
     let (volume, cells) = match mortar {
         0 => (volumes.total(), mesh.cell_count()),
-        cells if mesh.has_smeared_itz() => (volumes.mortar + volumes.itz, cells),
+        cells if smeared => (volumes.mortar + volumes.itz, cells),
         cells => (volumes.mortar, cells),
     };
     let mean = volume / cells as f64;
