@@ -2,10 +2,11 @@
 
 use crate::command::Folder;
 
-/// Labels of 24 x 24 x 24 voxels as numpy saves them: two balls that touch, and one that a face of the volume cuts.
-fn balls(folder: &Folder, name: &str) {
-    let count = 24;
-    let balls = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 6.2), ([24.0, 5.0, 17.0], 5.0)];
+/// Two balls that touch, and one that a face of the volume cuts.
+const THREE: [([f64; 3], f64); 3] = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 6.2), ([24.0, 5.0, 17.0], 5.0)];
+
+/// Labels of `count` voxels along each axis as numpy saves them.
+fn balls(folder: &Folder, name: &str, count: usize, balls: &[([f64; 3], f64)]) {
     let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({count}, {count}, {count}), }}");
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     bytes.extend(format!("{header:117}\n").as_bytes());
@@ -20,7 +21,7 @@ fn balls(folder: &Folder, name: &str) {
 #[test]
 fn a_label_volume_is_imported_checked_meshed_and_crushed() {
     let folder = Folder::new();
-    balls(&folder, "scan.npy");
+    balls(&folder, "scan.npy", 24, &THREE);
     let run = folder.run(&["import", "scan.npy", "--voxel-size-mm", "0.5", "-o", "model.json", "--threads", "1"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("3 grains of") && run.stderr.ends_with("wrote model.json\n"), "{}", run.stderr);
@@ -40,9 +41,30 @@ fn a_label_volume_is_imported_checked_meshed_and_crushed() {
 }
 
 #[test]
+fn balls_that_one_two_and_three_faces_of_a_label_volume_cut_keep_their_volume_in_a_fitted_lattice() {
+    let folder = Folder::new();
+    for middle in [[1.2, 24.0, 24.0], [1.2, 46.4, 24.0], [0.0, 0.0, 0.0], [2.6, 1.4, 47.2]] {
+        balls(&folder, "scan.npy", 48, &[(middle, 13.0)]);
+        let run = folder.run(&["import", "scan.npy", "--voxel-size-mm", "0.5", "-qfo", "model.json"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        for (size, volumes, most) in [("2", "fitted", 0.01), ("2", "exact", 1e-3), ("1", "fitted", 0.01)] {
+            let mesh = ["mesh", "model.json", "-fo", "x.vtu", "--summary-json", "x.json", "--method", "lattice"];
+            let flags = ["--itz", "none", "--strict", "--element-size-mm", size, "--volumes", volumes];
+            let run = folder.run(&[&mesh[..], &flags].concat());
+            assert_eq!(run.code, 0, "{middle:?} {size}: {}", run.stderr);
+            let figures: serde_json::Value = serde_json::from_slice(&folder.read("x.json")).unwrap();
+            let of = |which: &str| figures["quality"][which]["aggregate"].as_f64().unwrap();
+            let lost = 1.0 - of("volumes_mm3") / of("exact_volumes_mm3");
+            assert!(lost.abs() < most, "{middle:?} {size} {volumes}: {lost}");
+            assert!(figures["quality"]["min_dihedral_deg"][0].as_f64().unwrap() > 8.0);
+        }
+    }
+}
+
+#[test]
 fn volumes_without_grains_and_wrong_flags_are_refused() {
     let folder = Folder::new();
-    balls(&folder, "scan.npy");
+    balls(&folder, "scan.npy", 24, &THREE);
     let model = || folder.run(&["import", "scan.npy", "-o", "x.json", "--quiet"]);
     assert_eq!(model().stderr, "warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets it\n");
     for (flags, code, said) in [

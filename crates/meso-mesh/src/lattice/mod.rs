@@ -11,6 +11,7 @@
 
 mod bcc;
 mod boundary;
+mod caps;
 mod nodes;
 mod repair;
 mod reprojection;
@@ -66,8 +67,13 @@ pub(super) fn fitted(
     repeats: [bool; 3],
     element_size: f64,
 ) -> (TetMesh, Notes) {
-    let facets = Facets::all(bodies, |_| 0.0);
     let surface = BoundarySurface::new(container);
+    let volumes = parallel::map_each(bodies, |body| body.body.volume());
+    let ends = repeats.map(|repeats| !repeats && surface.is_none());
+    // Cells reach at most one element beyond a node that is pulled onto a surface.
+    let continued = caps::continued(bodies, &container.aabb(), ends, 2.0 * element_size);
+    let bodies = continued.as_deref().unwrap_or(bodies);
+    let facets = Facets::all(bodies, |_| 0.0);
     let open = surface.as_ref().map_or_else(Default::default, |surface| surface.open);
     let bcc = Bcc::new(container.aabb(), element_size).reaching_beyond(open);
     let locator = Locator::new(&facets, bcc.domain());
@@ -76,7 +82,7 @@ pub(super) fn fitted(
     let mut mesh = stencils::Cutter::new(&field, &locator).cells();
     let surface = surface.as_ref().map(|surface| (surface, stencils::trim(&mut mesh)));
     let boundary = Boundary { surface, repeats };
-    let surfaces: Vec<Surface> = parallel::map_each(bodies, |body| Surface::new(&body.body));
+    let surfaces: Vec<Surface> = parallel::map(bodies.len(), |i| Surface::new(&bodies[i].body, volumes[i]));
     let off = sweeps::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &boundary);
     let off_surface_nodes = off + nodes::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })

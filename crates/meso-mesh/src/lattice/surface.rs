@@ -21,7 +21,7 @@ pub(super) struct Surface {
     corners: Vec<Vec3>,
     /// The corners again by eights: x, y and z; the last one is filled up with a corner that it has already.
     eight_corners: Vec<[[f64; LANES]; 3]>,
-    /// mm3.
+    /// What its cells are to take, mm3.
     pub(super) volume: f64,
     /// Points this far from a plane count as on it, mm.
     slack: f64,
@@ -204,8 +204,9 @@ impl Wide for Close<'_> {
 }
 
 impl Surface {
-    pub(super) fn new(body: &Polyhedron) -> Self {
-        let (volume, slack) = (body.volume(), SLACK * body.aabb().size().max());
+    /// The surface of `body`, whose cells are to take `volume` mm3.
+    pub(super) fn new(body: &Polyhedron, volume: f64) -> Self {
+        let slack = SLACK * body.aabb().size().max();
         if let Some(round) = body.round() {
             let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Edges::default(), Vec::new());
             let (eights, eight_corners, round) = (Vec::new(), Vec::new(), Some(round));
@@ -392,7 +393,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(48);
         let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
         let body = convex_hull(&(0..25).map(|_| point() * 10.0).collect::<Vec<_>>()).unwrap();
-        let surface = Surface::new(&body);
+        let surface = Surface::new(&body, body.volume());
         let (mut on, mut near) = (0, 0);
         for _ in 0..2000 {
             // A foot on one of the planes: on the body or beside it.
