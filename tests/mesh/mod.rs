@@ -3,7 +3,7 @@
 mod conforming_retries;
 mod distance;
 mod itz;
-mod lattice;
+pub(crate) mod lattice;
 mod periodic;
 mod report;
 pub(crate) mod specimens;

@@ -9,7 +9,7 @@
 //!
 //! Backtracking: all nodes start with their whole displacement. The nodes of a bad tetrahedron keep [`STEP_BACK`] of it, and
 //! after [`STEPS`] such steps none. The end is sure: with all nodes at their old positions the body's cells are the old ones,
-//! and a layer cell is left out with its rail.
+//! and a layer cell is left out with its rail. So are the cells of rails that had no length from the start.
 
 use super::by_node;
 use super::periodic::PeriodicConstraint;
@@ -224,16 +224,16 @@ impl StepsBack {
 }
 
 /// Shares of the displacements from `mesh`'s points to `targets` such that all its cells and `layer`'s keep a positive
-/// volume; tied nodes have the same share.
+/// volume; tied nodes have the same share. A node without a displacement counts as stepped back all the way.
 pub(super) fn step_back(
     mesh: &TetMesh,
     targets: &[Vec3],
     layer: &[LayerCell],
     constraint: &PeriodicConstraint,
 ) -> StepsBack {
-    let start = |node: u32| if constraint.is_pinned(node) { STEPS } else { 0 };
-    let mut back = StepsBack((0..targets.len() as u32).map(start).collect());
-    let moving = |cell: &[u32; 4]| cell.iter().any(|&node| targets[node as usize] != mesh.points[node as usize]);
+    let moves = |node: u32| targets[node as usize] != mesh.points[node as usize] && !constraint.is_pinned(node);
+    let mut back = StepsBack((0..targets.len() as u32).map(|node| if moves(node) { 0 } else { STEPS }).collect());
+    let moving = |cell: &[u32; 4]| cell.iter().any(|&node| moves(node));
     loop {
         let position = |node: u32| back.position(node, &mesh.points[node as usize], &targets[node as usize]);
         let worse = |cell: &[u32; 4]| {
@@ -251,7 +251,7 @@ pub(super) fn step_back(
         bad.iter_mut().for_each(|node| *node = constraint.lead(*node));
         bad.par_sort_unstable();
         bad.dedup();
-        bad.retain(|&node| targets[node as usize] != mesh.points[node as usize] && !back.is_pinched(node));
+        bad.retain(|&node| !back.is_pinched(node));
         if bad.is_empty() {
             return back;
         }
