@@ -28,7 +28,7 @@ def test_a_tensor_lies_between_its_bounds(cube):
         assert 0.4 < found["tensor"][axis][axis] < found["bounds"]["hashin_shtrikman_upper"]
     assert found["boundary"] == ["periodic"] * 3
     assert (found.tensor, found.error, found.bounds) == (found["tensor"], found["error"], found["bounds"])
-    with pytest.raises(AttributeError, match="has no 'tensors'; it has what, tensor"):
+    with pytest.raises(AttributeError, match="has no 'tensors'; it has boundary, bounds"):
         found.tensors  # noqa: B018
     assert pickle.loads(pickle.dumps(found)) == copy.deepcopy(found) == found
 

@@ -414,10 +414,11 @@ class Packing:
 
         Returns
         -------
-        dict
-            The content of `effective.json` but `seconds`: `tensor`, `error`, `fine`, `coarse` (rows of mean flux, columns of
-            gradients, None where not asked for), `bounds`, `phases`, `boundary`, `voxels` and `voxel_size_mm` or `elements` and
-            `element_size_mm`, `iterations`, `solver_error`, `warnings`. Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz,
+        Effective
+            A dict whose keys are attributes, too: the content of `effective.json` but `seconds`. It has `tensor`, `error`,
+            `fine`, `coarse` (rows of mean flux, columns of gradients, None where not asked for), `bounds`, `phases`, `boundary`,
+            `voxels` and `voxel_size_mm` or `elements` and `element_size_mm`, `iterations`, `solver_error`, `warnings`.
+            Stiffness has 6 x 6 entries in MPa in the order xx, yy, zz,
             yz, zx, xy, and `isotropic`, `isotropic_error`, `expansion`, `expansion_error`.
 
         Raises
@@ -1168,7 +1169,7 @@ def effective(
 
     Returns
     -------
-    dict
+    Effective
         See `Packing.effective`; names of phases are their labels.
 
     Raises

@@ -406,7 +406,7 @@ class CheckResult(TypedDict):
 
 
 class PropertyBounds(TypedDict):
-    """Bounds of Voigt, Reuss, and Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125).  Those of Hashin and Shtrikman hold for an isotropic mixture; one direction of a small specimen may cross them."""
+    """Bounds of Voigt, Reuss, and Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125).  Bounds of Hashin and Shtrikman hold for an isotropic mixture; one direction of a small specimen may cross them."""
 
     reuss: float
     """Phases in series."""
