@@ -86,12 +86,14 @@ fn files_that_hold_no_labels_are_refused_with_a_reason() {
     assert_eq!(refused("a.vti", &huge), VolumeError::Cut("values"));
 }
 
-/// A mask of 10 x 2 pixels, one bit each: rows begin with a byte of their own.
-fn mask(photometric: u16) -> Vec<u8> {
+/// A mask of 10 x 2 pixels, one bit each: rows begin with a byte of their own. With eight bits it has 2 x 2 pixels.
+fn mask(photometric: u16, bits: u16) -> Vec<u8> {
     let mut bytes = b"II*\0\x08\0\0\0\x08\0".to_vec();
     let end = 10 + 8 * 12 + 4;
+    let width = if bits == 1 { 10 } else { 2 };
     for (tag, value) in
-        [(256, 10), (257, 2), (258, 1), (259, 1), (262, photometric), (273, end), (278, 2), (279, 4)] as [(u16, u16); 8]
+        [(256, width), (257, 2), (258, bits), (259, 1), (262, photometric), (273, end), (278, 2), (279, 4)]
+            as [(u16, u16); 8]
     {
         bytes.extend([tag.to_le_bytes(), 3_u16.to_le_bytes(), [1, 0], [0, 0], value.to_le_bytes(), [0, 0]].concat());
     }
@@ -102,9 +104,13 @@ fn mask(photometric: u16) -> Vec<u8> {
 /// Masks of one bit, as tifffile and Pillow write arrays of booleans, were pages with too few values.
 #[test]
 fn a_mask_of_one_bit_has_two_labels() {
-    let volume: Volume = read("mask.tif", &mask(1)).unwrap();
+    let volume: Volume = read("mask.tif", &mask(1, 1)).unwrap();
     assert_eq!((volume.counts, &volume.labels[..]), ([10, 2, 1], &[0, 1][..]));
     assert_eq!(volume.of, [1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
-    let refused = read::<u8>("mask.tif", &mask(0)).unwrap_err().to_string();
-    assert!(refused.starts_with("a mask whose zeros are white is not read"), "{refused}");
+    let grey: Volume = read("grey.tif", &mask(1, 8)).unwrap();
+    assert_eq!((grey.counts, &grey.labels[..]), ([2, 2, 1], &[0, 64, 128, 129][..]));
+    for bits in [1, 8] {
+        let refused = read::<u8>("mask.tif", &mask(0, bits)).unwrap_err().to_string();
+        assert!(refused.starts_with("a page whose zeros are white is not read"), "{refused}");
+    }
 }

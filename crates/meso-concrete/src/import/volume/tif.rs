@@ -13,8 +13,8 @@ use tiff::tags::Tag;
 
 const FIX: &str = "save one grey page for every layer, without compression";
 
-/// Photometric interpretation where 0 is black.
-const BLACK_IS_ZERO: u32 = 1;
+/// Photometric interpretation where 0 is white: programs differ in whether they turn such values round.
+const WHITE_IS_ZERO: u32 = 0;
 
 pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(fault)?;
@@ -47,11 +47,11 @@ fn page<N: LabelNumber>(
 ) -> Result<(), VolumeError> {
     let (before, pixels) = (values.of.len(), width * height);
     let kind = decoder.colortype().map_err(fault)?;
+    if decoder.get_tag_u32(Tag::PhotometricInterpretation).map_err(fault)? == WHITE_IS_ZERO {
+        return Err(unread("a page whose zeros are white".to_owned()));
+    }
     match decoder.read_image().map_err(fault)? {
         DecodingResult::U8(page) if kind == ColorType::Gray(1) => {
-            if decoder.get_tag_u32(Tag::PhotometricInterpretation).map_err(fault)? != BLACK_IS_ZERO {
-                return Err(unread("a mask whose zeros are white".to_owned()));
-            }
             // Each row begins with a byte of its own, and its first pixel is the highest bit.
             let bits = |row: &[u8]| (0..width).map(|x| row[x / 8] >> (7 - x % 8) & 1).collect::<Vec<_>>();
             page.chunks_exact(width.div_ceil(8)).flat_map(bits).try_for_each(|bit| values.add(bit.into()))
