@@ -189,7 +189,7 @@ pub struct Work {
 
 /// A class counts as reached within this share of its target, or within one of its own grains.
 const REACHED: f64 = 0.002;
-/// Distance of the fraction from its target, over that, from which it is said though no class lacks a whole grain.
+/// Distance of the fraction from its target, over that, from which it is said though every class is within one of its grains.
 const COARSE: f64 = 0.02;
 
 /// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
@@ -278,7 +278,7 @@ impl Report {
         Some(format!("short of the target{why}: {}", self.stop_detail))
     }
 
-    /// Says that grains are so large for their specimen that the fraction is off, though no class lacks a whole one.
+    /// Says that grains are so large for their specimen that the fraction is off, though every class is within one of them.
     fn coarse_grains(&self) -> Option<String> {
         let asked: f64 = self.classes.iter().map(|class| class.target_fraction).sum();
         let off = self.fraction / asked - 1.0;

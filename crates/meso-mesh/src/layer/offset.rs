@@ -52,7 +52,8 @@ impl RadialOffset {
     /// `None` where the aggregate hardly reaches `flat`: no direction is inward.
     fn new(
         aggregate: &Aggregate,
-        [thickness, thick]: [f64; 2],
+        thickness: f64,
+        thick: f64,
         flat: Flat,
         walls: &Aabb,
         periodic: [bool; 3],
@@ -101,9 +102,10 @@ impl RadialOffset {
     pub(super) fn step_to_depth(&self, x: &Vec3) -> Vec3 {
         let (inward, depth) = match &self.surface {
             Some(surface) => {
-                let depth = surface.depth(x);
-                let from_surface = surface.nearest(x).map_or(Vec3::zeros(), |(nearest, _)| x - nearest);
-                (from_surface.try_normalize(ON * self.thickness).unwrap_or_default() * depth.signum(), depth)
+                let (nearest, distance) = surface.nearest(x).unwrap_or_default();
+                let sign = if surface.contains(x) { 1.0 } else { -1.0 };
+                let from_surface = (x - nearest).try_normalize(ON * self.thickness).unwrap_or_default();
+                (from_surface * sign, distance * sign)
             }
             None => {
                 let depths =
@@ -143,13 +145,8 @@ impl RadialOffsets {
         wanted.dedup();
         let offset = |&(body, flat): &(u32, Flat)| {
             stop::point();
-            let offset = RadialOffset::new(
-                bodies.get(body),
-                [thickness(body), thick],
-                flat,
-                constraint.faces.walls(),
-                periodic,
-            )?;
+            let offset =
+                RadialOffset::new(bodies.get(body), thickness(body), thick, flat, constraint.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
         let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());

@@ -113,19 +113,12 @@ pub(super) fn settle(
     let offset_of = |body: u32, copy: u32| offsets.get(body, constraint.flat(copy)).filter(|offset| offset.settles);
     let leads = copies.iter().filter(|(.., copy)| constraint.leads(*copy) && !constraint.is_pinned(*copy));
     let settling: Vec<_> = leads.filter_map(|(body, _, copy)| Some((copy, offset_of(body, copy)?))).collect();
+    let of_copies = |face: &InterfaceFace| [0, 1, 2].map(|i| copies.of(mesh.owner[face.cell as usize], face.nodes[i]));
     for _ in 0..(ROUNDS * reach * reach).ceil() as usize {
-        let mut sums = vec![(Vec3::zeros(), 0.0); copies.iter().len()];
-        for face in faces {
-            let nodes = [0, 1, 2].map(|i| copies.of(mesh.owner[face.cell as usize], face.nodes[i]));
-            let sum: Vec3 = nodes.iter().map(|&node| targets[node as usize] - mesh.position(node)).sum();
-            for node in nodes {
-                let around = &mut sums[(constraint.lead(node) - copies.first()) as usize];
-                *around = (around.0 + sum, around.1 + 3.0);
-            }
-        }
+        let sums = sums_around(mesh, faces.iter().map(of_copies), |_| true, constraint, targets);
         let settled = |&(copy, offset): &(u32, &RadialOffset)| {
             stop::point();
-            let ((sum, count), flat) = (sums[(copy - copies.first()) as usize], constraint.flat(copy));
+            let ((sum, count), flat) = (sums[copy as usize], constraint.flat(copy));
             let mean = mesh.position(copy) + flat.along(&(sum / count));
             (0..DEPTH_STEPS).fold(mean, |x, _| x + flat.along(&offset.step_to_depth(&x)))
         };
@@ -133,6 +126,26 @@ pub(super) fn settle(
         settling.iter().zip(moved).for_each(|((copy, _), x)| targets[*copy as usize] = x);
         constraint.spread(targets);
     }
+}
+
+/// For every node that leads, the displacements of the corners of the `cells` around it and its images, summed up, and their
+/// number; nodes that do not `count` take no part. Nothing without cells.
+fn sums_around<const N: usize>(
+    mesh: &TetMesh,
+    cells: impl ExactSizeIterator<Item = [u32; N]>,
+    count: impl Fn(u32) -> bool,
+    constraint: &PeriodicConstraint,
+    targets: &[Vec3],
+) -> Vec<(Vec3, f64)> {
+    let mut sums = vec![(Vec3::zeros(), 0.0); if cells.len() > 0 { targets.len() } else { 0 }];
+    for cell in cells {
+        let sum: Vec3 = cell.iter().map(|&node| targets[node as usize] - mesh.position(node)).sum();
+        for &node in cell.iter().filter(|node| count(**node)) {
+            let around = &mut sums[constraint.lead(node) as usize];
+            *around = (around.0 + sum, around.1 + N as f64);
+        }
+    }
+    sums
 }
 
 /// The largest change of a displacement for the sake of the volume.
@@ -173,14 +186,7 @@ pub(super) fn relax(
     let is_free = |node: u32| follows.get(node as usize) == Some(&true);
     let cells = parallel::pick(&mesh.cells, |cell| cell.iter().any(|&node| is_free(node)));
     for _ in 0..(DEEP_SWEEPS * reach * reach).max(SWEEPS).ceil() as usize {
-        let mut sums = vec![(Vec3::zeros(), 0.0); if cells.is_empty() { 0 } else { first as usize }];
-        for cell in &cells {
-            let sum: Vec3 = cell.iter().map(|&node| targets[node as usize] - mesh.points[node as usize]).sum();
-            for &node in cell.iter().filter(|node| is_free(**node)) {
-                let around = &mut sums[constraint.lead(node) as usize];
-                *around = (around.0 + sum, around.1 + 4.0);
-            }
-        }
+        let sums = sums_around(mesh, cells.iter().copied(), is_free, constraint, targets);
         for (node, (sum, count)) in (0..).zip(sums).filter(|(_, (_, count))| *count > 0.0) {
             targets[node as usize] = mesh.position(node) + constraint.flat(node).along(&(sum / count));
         }

@@ -68,11 +68,6 @@ pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
     })
 }
 
-/// The inelastic strain at which `mesh`'s mortar has softened to half its compressive strength.
-pub(super) fn half_strength_strain(mesh: &Mesh, materials: &Materials) -> f64 {
-    damage::half_strength_strain(&materials.mortar, &materials.mortar_strength, crack_band(mesh).width_mm)
-}
-
 fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {
     lines.line(format!("*MATERIAL, NAME={name}"))?;
     lines.line("*DENSITY")?;
@@ -84,7 +79,7 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
 /// Crack band of the mortar's mean element: one curve serves all elements.
 ///
 /// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
-fn crack_band(mesh: &Mesh) -> Band {
+pub(super) fn crack_band(mesh: &Mesh) -> Band {
     let volumes = PhaseVolumes::of_mesh(mesh);
     let smeared = mesh.has_smeared_itz();
     let is_mortar = |phase: &Phase| *phase == Phase::Mortar || *phase == Phase::Itz && smeared;

@@ -26,7 +26,7 @@ use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::loads::Loads;
-use meso_mesh::materials::Materials;
+use meso_mesh::materials::{Materials, Strength};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
@@ -201,7 +201,9 @@ impl DeckOptions {
 
     /// The inelastic strain at which the deck's curve of mortar has come to half its strength; `None` where it has no curve.
     pub fn half_strength_strain(&self, mesh: &Mesh) -> Option<f64> {
-        self.has_curves().then(|| materials::half_strength_strain(mesh, &self.materials))
+        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let width_mm = || materials::crack_band(mesh).width_mm;
+        self.has_curves().then(|| damage::half_strength_strain(mortar, mortar_strength, width_mm()))
     }
 
     /// Doubts about this deck of `mesh`, a sentence each. The deck can be written and run all the same.
@@ -217,21 +219,21 @@ impl DeckOptions {
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
-        if matches!(self.analysis, Analysis::Impact | Analysis::Test) {
+        if !self.has_curves() || matches!(self.analysis, Analysis::Impact | Analysis::Test) {
             return None;
         }
-        let (strain, half) = (self.final_strain(), self.half_strength_strain(mesh)?);
+        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let (strain, width_mm) = (self.final_strain(), materials::crack_band(mesh).width_mm);
+        let mut halved = (0..=HALVINGS).map(|n| {
+            let energy = mortar_strength.crushing_energy_n_per_mm / f64::from(1 << n);
+            let strength = Strength { crushing_energy_n_per_mm: energy, ..*mortar_strength };
+            (energy, damage::half_strength_strain(mortar, &strength, width_mm))
+        });
+        let half = halved.next()?.1;
         if half <= SOFTENS_WITHIN * strain {
             return None;
         }
-        let with = |energy: f64| {
-            let mut materials = self.materials.clone();
-            materials.mortar_strength.crushing_energy_n_per_mm = energy;
-            (energy, materials::half_strength_strain(mesh, &materials))
-        };
-        let energies =
-            (1..=HALVINGS).map(|n| self.materials.mortar_strength.crushing_energy_n_per_mm / f64::from(1 << n));
-        let remedy = energies.map(with).find(|(_, half)| *half <= SOFTENS_WITHIN * strain);
+        let remedy = halved.find(|(_, half)| *half <= SOFTENS_WITHIN * strain);
         let remedy = remedy.map_or_else(String::new, |(energy, half)| format!(" ({energy} gives {half:.4})"));
         Some(format!(
             "mortar is at half its strength at an inelastic strain of {half:.4} only, and the step ends at {strain}: the specimen \
