@@ -152,13 +152,16 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
     };
     let mut phase: Vec<Phase> = mesh.owner.iter().map(inside).collect();
     if options.itz == ItzForm::Solid {
+        let periodic = parts.specimen.periodic().0;
+        let is_lattice = options.method.name() == MethodName::Lattice;
+        if is_lattice {
+            layer::unfold(&mut mesh, &mut phase, periodic, bodies);
+        }
         if restores_volumes(options) {
             mesh.points = with_exact_volumes(&mesh, &phase, images, options.element_size_mm);
         }
-        let is_lattice = options.method.name() == MethodName::Lattice;
         let onto = if is_lattice { layer::Onto::Triangles(options.element_size_mm) } else { layer::Onto::Faces };
         let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
-        let periodic = parts.specimen.periodic().0;
         let exact_mm3 = exact.map(|exact| exact.itz);
         notes.cores_mm3 = exact.map(|exact| exact.aggregate);
         let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto, exact_mm3);

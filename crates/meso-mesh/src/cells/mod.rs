@@ -14,6 +14,7 @@ mod sides;
 
 pub(crate) use copies::{Copies, copies};
 pub use images::{NodeImages, Spots, upper};
+pub(crate) use interface::by_nodes;
 pub use interface::{InterfaceFace, faces};
 pub(crate) use joins::complete;
 pub use joins::owners;

@@ -8,6 +8,8 @@
 //! angles are enlarged, by smoothing and by rails that collapse, and the layer's volume made right again
 //! ([`improve`](mod@improve)).
 //!
+//! In lattices, cells that stand across a layer's way belong to the mortar first ([`unfold`](mod@unfold)).
+//!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of each other move by the same displacement ([`periodic`]).
 
@@ -16,6 +18,7 @@ mod offset;
 mod periodic;
 mod prisms;
 mod triangles;
+mod unfold;
 
 use crate::cells::{NO_BODY, Owners, Phase, copies, faces};
 use crate::tet::TetMesh;
@@ -26,6 +29,7 @@ use meso_concrete::parallel;
 use offset::RadialOffsets;
 use periodic::{Bodies, PeriodicConstraint};
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
+pub(super) use unfold::unfold;
 
 /// The surfaces whose offsets are the inner side of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +91,10 @@ pub(super) fn add(
             triangles::relax(mesh, &owner, copies.first(), &offsets, &constraint, reach, &mut targets);
         }
     }
-    untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
+    let stuck = untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
+    if offsets.back_onto_rays(&stuck, &mesh.points, &owner, &constraint, &mut targets) {
+        untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
+    }
     let backtracking = step_back(mesh, &targets, &layer, &constraint);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) =

@@ -178,15 +178,40 @@ impl RadialOffsets {
 
     /// The targets of all nodes along their rays.
     pub(super) fn targets(&self, points: &[Vec3], owner: &[u32], constraint: &PeriodicConstraint) -> Vec<Vec3> {
-        let target = |node: u32, x: &Vec3| match self.get(owner[node as usize], constraint.flat(node)) {
+        let target = |node: usize| self.target(node as u32, &points[node], owner[node], constraint);
+        let mut targets = parallel::map_short(points.len(), target);
+        constraint.spread(&mut targets);
+        targets
+    }
+
+    /// The target of a node at `x` of a body along its ray.
+    fn target(&self, node: u32, x: &Vec3, body: u32, constraint: &PeriodicConstraint) -> Vec3 {
+        match self.get(body, constraint.flat(node)) {
             Some(radial) if !constraint.is_pinned(node) => {
                 radial.across.hold_off(x, &radial.apply(x), constraint.faces.walls())
             }
             _ => *x,
-        };
-        let mut targets = parallel::map_short(points.len(), |node| target(node as u32, &points[node]));
-        constraint.spread(&mut targets);
-        targets
+        }
+    }
+
+    /// Puts all targets of the convex bodies whose layers settle, and have one of the nodes `stuck`, back onto their rays;
+    /// whether there are any.
+    pub(super) fn back_onto_rays(
+        &self,
+        stuck: &[u32],
+        points: &[Vec3],
+        owner: &[u32],
+        constraint: &PeriodicConstraint,
+        targets: &mut [Vec3],
+    ) -> bool {
+        let has_rays =
+            |body: &u32| self.get(*body, Flat::SPACE).is_some_and(|radial| radial.settles && !radial.has_dents);
+        let bodies: BTreeSet<u32> = stuck.iter().map(|&node| owner[node as usize]).filter(has_rays).collect();
+        for (node, body) in (0..).zip(owner).filter(|(_, body)| bodies.contains(body)) {
+            targets[node as usize] = self.target(node, &points[node as usize], *body, constraint);
+        }
+        constraint.spread(targets);
+        !bodies.is_empty()
     }
 }
 

@@ -110,22 +110,25 @@ const AIM: f64 = 1.6;
 /// A node moves at most this share of the distance to its old position in one round.
 const FARTHEST: f64 = 0.2;
 
-/// Moves `targets` until no cell is bad, or until the tries are over; `on_rays` are those along the nodes' rays.
+/// Moves `targets` until no cell is bad, or until the tries are over; `on_rays` are those along the nodes' rays. Returns the
+/// nodes of cells that still were bad in the last try.
 pub(super) fn untangle(
     mesh: &TetMesh,
     layer: &[LayerCell],
     constraint: &PeriodicConstraint,
     on_rays: &[Vec3],
     targets: &mut [Vec3],
-) {
+) -> Vec<u32> {
+    let mut stuck = Vec::new();
     for _ in 0..TRIES {
-        let stuck = untangled(mesh, layer, constraint, targets);
+        stuck = untangled(mesh, layer, constraint, targets);
         if stuck.is_empty() {
-            return;
+            break;
         }
-        stuck.into_iter().for_each(|node| targets[node as usize] = on_rays[node as usize]);
+        stuck.iter().for_each(|&node| targets[node as usize] = on_rays[node as usize]);
         constraint.spread(targets);
     }
+    stuck
 }
 
 /// Moves `targets` until no cell is bad, or until the rounds are over; the nodes of cells that still are.
