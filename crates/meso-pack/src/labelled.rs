@@ -199,6 +199,7 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
     let meshes = surfaces.all(watch)?;
     let vanished = meshes.iter().filter(|mesh| mesh.is_none()).count();
     let kept = || parts.grains.iter().zip(&meshes).filter_map(|(part, mesh)| Some((part, mesh.as_ref()?)));
+    let [filled, hollow_voxels] = parts.hollows();
     let report = LabelReport {
         voxels: volume.counts,
         voxel_size_mm: spacing,
@@ -208,6 +209,8 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         separated_pairs: parts.touching_pairs(),
         dropped: parts.dropped[0] + vanished,
         dropped_fraction: parts.dropped[1] as f64 / voxels,
+        filled,
+        filled_fraction: hollow_voxels as f64 / voxels,
     };
     let bodies: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
     Ok(assembled(&bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
@@ -381,6 +384,27 @@ mod tests {
         let alone = bytes(1);
         assert!(alone == bytes(3));
         assert!(saved::read(&alone).unwrap() == model);
+    }
+
+    #[test]
+    fn hollows_are_filled_and_counted() {
+        let ball = |p: &Vec3, x: f64| (p - Vec3::new(x, 16.0, 16.0)).norm();
+        let volume = volume(32, |p| match (ball(p, 9.0), ball(p, 23.0)) {
+            (r, _) if r < 7.0 => i64::from(r > 3.0),
+            (_, r) if r < 6.0 => 2,
+            _ => 0,
+        });
+        let model = imported(&volume, &LabelOptions::default());
+        let labels = model.report.labels.as_ref().unwrap();
+        let hollow = (0..volume.of.len()).filter(|&i| {
+            let at = Vec3::from([i % 32, i / 32 % 32, i / 1024].map(|x| x as f64 + 0.5));
+            ball(&at, 9.0) <= 3.0
+        });
+        let share = hollow.count() as f64 / 32_768.0;
+        assert_eq!((labels.filled, labels.filled_fraction), (1, share));
+        // The whole ball, its hollow included.
+        let volume = model.aggregates[0].body.volume();
+        assert!((volume / (4.0 / 3.0 * std::f64::consts::PI * 343.0) - 1.0).abs() < 0.03, "{volume}");
     }
 
     #[test]

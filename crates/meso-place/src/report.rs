@@ -72,6 +72,12 @@ pub struct LabelReport {
     pub dropped: usize,
     /// Share of the voxels that they had.
     pub dropped_fraction: f64,
+    /// Grains with hollows, mortar that one grain encloses, which their surfaces fill.
+    #[serde(default)]
+    pub filled: usize,
+    /// Share of the voxels that the hollows had.
+    #[serde(default)]
+    pub filled_fraction: f64,
     /// Label of every aggregate, by id.
     pub labels: Vec<i64>,
 }

@@ -126,6 +126,10 @@ class LabelReport(TypedDict):
     """Grains dropped as too small."""
     dropped_fraction: float
     """Share of the voxels that they had."""
+    filled: int
+    """Grains with hollows, mortar that one grain encloses, which their surfaces fill."""
+    filled_fraction: float
+    """Share of the voxels that the hollows had."""
     labels: list[int]
     """Label of every aggregate, by id."""
 
