@@ -78,9 +78,9 @@ impl LabelledGrains {
         pairs.len()
     }
 
-    /// The number of grains with hollows, and the voxels of these together: mortar that one grain encloses, in parts whose
-    /// voxels share faces.
-    pub fn hollows(&self) -> [usize; 2] {
+    /// Gives every grain its hollows, mortar that it encloses alone, in parts whose voxels share faces: the number of grains
+    /// that had some, and the voxels of these together.
+    pub fn fill_hollows(&mut self) -> [usize; 2] {
         let roots = roots(self.counts, |voxel| u32::from(self.of[voxel] == 0));
         let mortar = || (0..).zip(&roots).filter(|(_, root)| **root != NONE);
         let mut is_open = vec![false; roots.len()];
@@ -88,16 +88,23 @@ impl LabelledGrains {
             let at = self.at(voxel);
             is_open[*root as usize] |= (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == self.counts[axis]);
         }
-        let mut enclosed: BTreeMap<u32, (usize, BTreeSet<u32>)> = BTreeMap::new();
+        let mut enclosed: BTreeMap<u32, (Vec<usize>, BTreeSet<u32>)> = BTreeMap::new();
         for (voxel, root) in mortar().filter(|(_, root)| !is_open[**root as usize]) {
             let (voxels, around) = enclosed.entry(*root).or_default();
-            *voxels += 1;
+            voxels.push(voxel);
             let next = self.steps().into_iter().flat_map(|step| [voxel - step, voxel + step]);
             around.extend(next.map(|next| self.of[next]).filter(|grain| *grain > 0));
         }
-        let hollows: Vec<_> = enclosed.into_values().filter(|(_, around)| around.len() == 1).collect();
-        let grains: BTreeSet<u32> = hollows.iter().flat_map(|(_, around)| around).copied().collect();
-        [grains.len(), hollows.iter().map(|(voxels, _)| voxels).sum()]
+        let (mut filled, mut count) = (BTreeSet::new(), 0);
+        for (voxels, around) in enclosed.into_values().filter(|(_, around)| around.len() == 1) {
+            for grain in around {
+                voxels.iter().for_each(|voxel| self.of[*voxel] = grain);
+                self.grains[grain as usize - 1].voxels += voxels.len();
+                filled.insert(grain);
+            }
+            count += voxels.len();
+        }
+        [filled.len(), count]
     }
 
     /// Distances of a voxel's next ones along x, y, z.
@@ -223,7 +230,7 @@ mod tests {
             let [x, y, z] = [voxel % 25, voxel / 25 % 5, voxel / 125];
             let is_inner = |t: usize| (1..4).contains(&t);
             match (x / 5, is_inner(x % 5) && is_inner(y) && is_inner(z)) {
-                // The second one is open at a face, the fourth one has two grains, the last one has two hollows.
+                // The second one is open at a face, the fourth one is two grains, the last one has a wall within.
                 (1, true) => 0,
                 (1, false) if z == 4 && y == 2 => 0,
                 (3, false) if z < 2 => 9,
@@ -233,8 +240,12 @@ mod tests {
             }
         };
         let volume = Volume::new([25, 5, 5], None, (0..625).map(label)).unwrap();
-        let grains = LabelledGrains::of(&volume, &Roles { mortar: vec![0], aggregate: Vec::new() }, 1);
-        assert_eq!((grains.grains.len(), grains.hollows()), (6, [3, 27 + 27 + 18]));
-        assert_eq!(cut(&[5, 0, 7, 7, 0, 5, 7, 0, 0, 5, 9, 0, 0, 0, 9, 0], 1).hollows(), [0, 0]);
+        let mut grains = LabelledGrains::of(&volume, &Roles { mortar: vec![0], aggregate: Vec::new() }, 1);
+        let before = grains.of.iter().filter(|grain| **grain == 0).count();
+        assert_eq!((grains.grains.len(), grains.fill_hollows()), (6, [3, 27 + 27 + 18]));
+        let voxels: Vec<usize> = grains.grains.iter().map(|grain| grain.voxels).collect();
+        assert_eq!([voxels[0], voxels[2], voxels[4]], [125; 3]);
+        assert_eq!(before - grains.of.iter().filter(|grain| **grain == 0).count(), 27 + 27 + 18);
+        assert_eq!(cut(&[5, 0, 7, 7, 0, 5, 7, 0, 0, 5, 9, 0, 0, 0, 9, 0], 1).fill_hollows(), [0, 0]);
     }
 }
