@@ -82,14 +82,17 @@ impl LabelledGrains {
     /// that had some, and the voxels of these together.
     pub fn fill_hollows(&mut self) -> [usize; 2] {
         let roots = roots(self.counts, |voxel| u32::from(self.of[voxel] == 0));
-        let mortar = || (0..).zip(&roots).filter(|(_, root)| **root != NONE);
+        let [nx, ny, nz] = self.counts;
         let mut is_open = vec![false; roots.len()];
-        for (voxel, root) in mortar() {
-            let at = self.at(voxel);
-            is_open[*root as usize] |= (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == self.counts[axis]);
+        for (row, voxels) in roots.chunks_exact(nx).enumerate() {
+            let (y, z) = (row % ny, row / ny);
+            let is_on_a_face = y == 0 || y + 1 == ny || z == 0 || z + 1 == nz;
+            let open = voxels.iter().step_by(if is_on_a_face { 1 } else { (nx - 1).max(1) });
+            open.filter(|root| **root != NONE).for_each(|root| is_open[*root as usize] = true);
         }
+        let mortar = (0..).zip(&roots).filter(|(_, root)| **root != NONE && !is_open[**root as usize]);
         let mut enclosed: BTreeMap<u32, (Vec<usize>, BTreeSet<u32>)> = BTreeMap::new();
-        for (voxel, root) in mortar().filter(|(_, root)| !is_open[**root as usize]) {
+        for (voxel, root) in mortar {
             let (voxels, around) = enclosed.entry(*root).or_default();
             voxels.push(voxel);
             let next = self.steps().into_iter().flat_map(|step| [voxel - step, voxel + step]);
