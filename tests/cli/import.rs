@@ -5,15 +5,21 @@ use crate::command::Folder;
 /// Two balls that touch, and one that a face of the volume cuts.
 const THREE: [([f64; 3], f64); 3] = [([8.0, 8.0, 9.0], 6.0), ([16.0, 15.0, 14.0], 6.2), ([24.0, 5.0, 17.0], 5.0)];
 
-/// Labels of `count` voxels along each axis as numpy saves them.
+/// Labels of `count` voxels along each axis as numpy saves them; that of the k-th ball is k + 1.
 fn balls(folder: &Folder, name: &str, count: usize, balls: &[([f64; 3], f64)]) {
+    let labels: Vec<u8> = (1..).take(balls.len()).collect();
+    labelled(folder, name, count, balls, &labels);
+}
+
+/// Balls with a label for each; the first ball that holds a voxel counts.
+fn labelled(folder: &Folder, name: &str, count: usize, balls: &[([f64; 3], f64)], labels: &[u8]) {
     let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({count}, {count}, {count}), }}");
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     bytes.extend(format!("{header:117}\n").as_bytes());
     for voxel in 0..count * count * count {
         let at = [voxel % count, voxel / count % count, voxel / (count * count)].map(|x| x as f64 + 0.5);
         let away = |middle: [f64; 3]| (0..3).map(|axis| (at[axis] - middle[axis]).powi(2)).sum::<f64>().sqrt();
-        bytes.push(balls.iter().position(|(middle, radius)| away(*middle) < *radius).map_or(0, |k| k as u8 + 1));
+        bytes.push(balls.iter().position(|(middle, radius)| away(*middle) < *radius).map_or(0, |k| labels[k]));
     }
     folder.write(name, bytes);
 }
@@ -81,4 +87,21 @@ fn volumes_without_grains_and_wrong_flags_are_refused() {
         assert_eq!(run.code, code, "{flags:?}: {}", run.stderr);
         assert!(run.stderr.contains(said), "{flags:?}: {}", run.stderr);
     }
+}
+
+#[test]
+fn hollows_and_separate_parts_of_a_label_are_reported() {
+    let folder = Folder::new();
+    // A ball of label 1 around a hollow, and label 2 in two places.
+    let hollow = [([8.0, 8.0, 9.0], 3.0), ([8.0, 8.0, 9.0], 7.0), ([19.0, 18.0, 6.0], 4.0), ([19.0, 18.0, 18.0], 4.0)];
+    labelled(&folder, "scan.npy", 24, &hollow, &[0, 1, 2, 2]);
+    let run = folder.run(&["import", "scan.npy", "--voxel-size-mm", "0.5", "-o", "model.json", "--threads", "1"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    // Voxels whose middle is within 3 voxels of a grid point: 136 of 24^3.
+    assert!(run.stderr.contains("hollows in 1 grain(s), 0.984 % of the voxels, were filled"), "{}", run.stderr);
+    assert!(run.stderr.contains("1 label(s) have separate parts; each of these 2 parts is a grain"), "{}", run.stderr);
+    let model: serde_json::Value = serde_json::from_slice(&folder.read("model.json")).unwrap();
+    let labels = &model["report"]["labels"];
+    assert_eq!((labels["filled"].as_u64(), labels["labels"].as_array().map(Vec::len)), (Some(1), Some(3)));
+    assert_eq!(folder.run(&["check", "model.json"]).code, 0);
 }

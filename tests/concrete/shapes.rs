@@ -178,6 +178,21 @@ fn a_grain_with_dents_is_taken_as_it_is_and_its_hull_on_request() {
     assert!(!Spec::from_toml_with(&text, &mut Folder(&files)).unwrap().shape.has_dents());
 }
 
+/// A vertex that no face names counted as a second part of the surface.
+#[test]
+fn vertices_without_faces_are_left_out() {
+    let with = |more: &str| {
+        let text = format!(
+            "[{{\"vertices\": [[0,0,0],[3,0,0],[0,3,0],[0,0,3],[0.5,0.5,0.5]{more}], \"faces\": [[0,2,1],[0,1,3],[0,3,2],\
+             [1,2,4],[2,3,4],[3,1,4]]}}]"
+        );
+        library(&[("a.json", text.as_bytes())], "a.json")
+    };
+    assert!(with("").unwrap().shape.has_dents());
+    assert_eq!(with(",[99,0,0]"), with(""));
+    assert_eq!(with(",[0.2,0.2,0.2]"), with(""));
+}
+
 #[test]
 fn surfaces_that_cross_themselves_are_rejected_with_the_place() {
     let two = "[{\"vertices\": [[0,0,0],[3,0,0],[0,3,0],[0,0,3],[1,1,1],[-3,1,1],[1,-3,1],[1,1,-3]], \"faces\": \

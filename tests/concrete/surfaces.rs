@@ -1,5 +1,6 @@
 //! Surface files as other programs write them: STL, PLY, OBJ and OFF, as specimens and as grains.
 
+use meso_core::geometry::convex_hull;
 use meso_core::math::Vec3;
 use meso_core::spec::{Files, Spec};
 use meso_core::specimen::Specimen;
@@ -198,6 +199,45 @@ fn facets_written_twice_count_once_and_opposite_ones_not_at_all() {
     }
 }
 
+/// A closed band of `count` quadrilaterals about the z axis that turns over once, or not at all: a pipe.
+fn band(count: usize, turns: bool) -> Vec<Facet> {
+    let at = |k: usize, side: f64| {
+        let angle = std::f64::consts::TAU * k as f64 / count as f64;
+        let tilt = if turns { angle / 2.0 } else { std::f64::consts::FRAC_PI_2 };
+        let radius = 20.0 + 5.0 * side * tilt.cos();
+        [radius * angle.cos(), radius * angle.sin(), 5.0 * side * tilt.sin()]
+    };
+    let pair = |k: usize| {
+        let [a, b] = [at(k, -1.0), at(k, 1.0)];
+        let (c, d) = match (k + 1 == count, turns) {
+            (false, _) => (at(k + 1, -1.0), at(k + 1, 1.0)),
+            (true, false) => (at(0, -1.0), at(0, 1.0)),
+            (true, true) => (at(0, 1.0), at(0, -1.0)),
+        };
+        [[a, b, d], [a, d, c]]
+    };
+    (0..count).flat_map(pair).collect()
+}
+
+#[test]
+fn triangles_that_face_the_other_way_than_their_neighbours_are_turned() {
+    let round = cylinder(24, 30.0, 60.0);
+    let volume = prism_volume(24, 30.0, 60.0);
+    for wrong in [&[5][..], &[0, 1, 2, 40], &(0..60).collect::<Vec<_>>()] {
+        let mut facets = round.clone();
+        wrong.iter().for_each(|&t| facets[t].swap(1, 2));
+        let count = wrong.len().min(round.len() - wrong.len());
+        let remark = format!("{count} triangle(s) that faced the other way than their neighbours were turned");
+        assert_volume(specimen("a.stl", stl_text(&facets, b"")), volume, 1e-9, &remark, &remark);
+        assert_eq!(grains("a.stl", "", stl_text(&facets, b"")), Ok(1), "{remark}");
+    }
+    // A band has ends, whether it has one side or two.
+    for (turns, said) in [(false, "its surface is open"), (true, "two of opposite sides, meet in the edge")] {
+        let error = grains("a.stl", "", stl_text(&band(30, turns), b"")).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
 /// The case latin1.stl, and other encodings.
 #[test]
 fn names_of_solids_may_be_in_any_encoding() {
@@ -302,6 +342,187 @@ fn several_bodies_in_a_file_are_several_grains() {
     assert_eq!(grains("a.obj", "", obj(&all)), Ok(3));
 }
 
+fn moved(facets: Vec<Facet>, [x, y, z]: [f64; 3]) -> Vec<Facet> {
+    facets.iter().map(|facet| facet.map(|corner| [corner[0] + x, corner[1] + y, corner[2] + z])).collect()
+}
+
+fn turned(facets: &[Facet]) -> Vec<Facet> {
+    facets.iter().map(|&[a, b, c]| [a, c, b]).collect()
+}
+
+#[test]
+fn bodies_that_touch_in_a_corner_an_edge_or_a_face_are_several_grains() {
+    let read_all = |facets: &[Facet]| {
+        [
+            grains("a.stl", "", stl_text(facets, b"")),
+            grains("a.stl", "hull = true\n", stl_binary(facets, b"")),
+            grains("a.ply", "", ply(facets, "binary_big_endian")),
+            grains("a.obj", "", obj(facets)),
+            grains("a.off", "", off(facets)),
+        ]
+    };
+    for by in [[5.0, 5.0, 5.0], [5.0, -5.0, 0.0], [0.0, 5.0, 0.0]] {
+        let two = [cube(0.0, 5.0), moved(cube(0.0, 5.0), by)].concat();
+        assert_eq!(read_all(&two), [const { Ok(2) }; 5], "{by:?}");
+        assert_eq!(read_all(&turned(&two)), [const { Ok(2) }; 5], "{by:?}");
+    }
+    // One body whose own parts meet in an edge, which no grain may: cubes at two corners of an arch.
+    let parts = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+    let all: Vec<Facet> = parts.iter().flat_map(|at| moved(cube(0.0, 1.0), *at)).collect();
+    let same = |p: &Facet, q: &Facet| p.iter().all(|corner| q.contains(corner));
+    let is_inner = |p: &Facet| all.iter().filter(|q| same(p, q)).count() > 1;
+    // Faces between two cubes have the same diagonals, since opposite sides of a cube have.
+    let arch: Vec<Facet> = all.iter().filter(|facet| !is_inner(facet)).copied().collect();
+    let error = grains("a.stl", "", stl_text(&arch, b"")).unwrap_err();
+    assert!(error.contains("meet in the edge from [1.0, 1.0, ") && arch.len() == 44, "{} {error}", arch.len());
+}
+
+#[test]
+fn a_hollow_is_filled_with_a_remark_and_a_body_within_it_is_a_grain() {
+    let library = |facets: &[Facet], options: &str| {
+        let text = format!("{GRADING}[shape]\nlibrary = 'a.stl'\n{options}");
+        read(&text, stl_text(facets, b"")).map(|(spec, remarks)| (spec.shape.grains.len(), remarks))
+    };
+    let hollow = [turned(&cube(2.0, 4.0)), cube(0.0, 10.0)].concat();
+    for options in ["", "hull = true\n"] {
+        let (count, remarks) = library(&hollow, options).unwrap();
+        assert_eq!((count, remarks.as_str()), (1, "1 hollow(s), 6.40 % of the volume, were filled"), "{options}");
+    }
+    let (count, remarks) = library(&turned(&hollow), "").unwrap();
+    assert!(count == 1 && remarks.contains("were turned; 1 hollow(s)"), "{remarks}");
+    let three = [hollow.clone(), cube(3.0, 1.0), turned(&cube(20.0, 1.0))].concat();
+    assert_eq!(library(&three[..three.len() - 12], "").unwrap().0, 2);
+    let error = library(&three, "").unwrap_err();
+    assert!(error.contains("body 2 of 3, counted from 0: it encloses -1 mm3; its triangles must be"), "{error}");
+}
+
+/// An upright prism over an L, its sides and ends polygons, by their corners.
+fn angle() -> (Vec<[f64; 3]>, Vec<Vec<usize>>) {
+    let outline = [[0.0, 0.0], [60.0, 0.0], [60.0, 20.0], [20.0, 20.0], [20.0, 60.0], [0.0, 60.0]];
+    let vertices = [0.0, 30.0].iter().flat_map(|z| outline.map(|[x, y]| [x, y, *z])).collect();
+    let sides = (0..6).map(|k| vec![k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6]);
+    (vertices, sides.chain([(0..6).rev().collect(), (6..12).collect()]).collect())
+}
+
+#[test]
+fn concave_polygons_are_divided_within_their_outline_wherever_they_begin() {
+    let (vertices, mut faces) = angle();
+    let rows: String = vertices.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    for _ in 0..6 {
+        faces.iter_mut().for_each(|face| face.rotate_left(1));
+        let listed = |from: usize, begin: &dyn Fn(usize) -> String| -> String {
+            let row = |face: &Vec<usize>| {
+                let corners: Vec<String> = face.iter().map(|corner| (corner + from).to_string()).collect();
+                format!("{}{}\n", begin(face.len()), corners.join(" "))
+            };
+            faces.iter().map(row).collect()
+        };
+        let counted = listed(0, &|count| format!("{count} "));
+        let obj =
+            format!("{}{}", rows.lines().map(|l| format!("v {l}\n")).collect::<String>(), listed(1, &|_| "f ".into()));
+        let head = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
+                    element face 8\nproperty list uchar int vertex_indices\nend_header\n";
+        for (name, text) in [
+            ("a.obj", obj),
+            ("a.off", format!("OFF\n12 8 0\n{rows}{counted}")),
+            ("a.ply", format!("{head}{rows}{counted}")),
+            ("a.json", format!("[{{\"vertices\": {vertices:?}, \"faces\": {faces:?}}}]")),
+        ] {
+            let text_of_spec = format!("{GRADING}[shape]\nlibrary = '{name}'\n");
+            let (spec, remarks) =
+                read(&text_of_spec, text.clone().into_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let stone = &spec.shape.grains[0];
+            // Between corners 60, 60 and 30 mm apart; the hull of an L has a cut corner.
+            let expected = 60_000.0 / (3600.0_f64 + 3600.0 + 900.0).powf(1.5);
+            assert!(stone.dents().is_some() && (stone.relative_volume() / expected - 1.0).abs() < 1e-9, "{name}");
+            assert_eq!(remarks, "", "{name}");
+            if name != "a.json" {
+                assert_volume(specimen(name, text.into_bytes()), 60_000.0, 1e-9, "", name);
+            }
+        }
+    }
+    let bent = "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nv 0.5 0.5 2\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    let (_, remarks) = read(&format!("{GRADING}[shape]\nlibrary = 'a.obj'\n"), bent.into()).unwrap();
+    assert!(remarks.contains("1 polygon(s) are not plane, by up to 4.9 %"), "{remarks}");
+}
+
+/// An egg of some 24,000 triangles with a dent, which its hull has not.
+fn egg() -> Vec<Facet> {
+    let (rows, columns) = (100, 120);
+    let corner = |row: usize, column: usize| {
+        let (polar, around) = (
+            std::f64::consts::PI * row as f64 / rows as f64,
+            std::f64::consts::TAU * (column % columns) as f64 / columns as f64,
+        );
+        let u = [polar.sin() * around.cos(), polar.sin() * around.sin(), polar.cos()];
+        let dent = 1.0 - 0.3 * (-12.0 * (1.0 - u[0])).exp();
+        if row.is_multiple_of(rows) {
+            [0.0, 0.0, 10.0 * u[2]]
+        } else {
+            [7.0 * u[0] * dent, 6.0 * u[1] * dent, 10.0 * u[2] * dent]
+        }
+    };
+    let square = |(row, column): (usize, usize)| {
+        let [a, b, c, d] =
+            [corner(row, column), corner(row + 1, column), corner(row + 1, column + 1), corner(row, column + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let all = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))).flat_map(square);
+    all.filter(|[a, b, c]| a != b && b != c && c != a).collect()
+}
+
+#[test]
+fn the_hull_of_a_scan_has_few_corners_and_small_hulls_keep_theirs() {
+    let scan = egg();
+    assert!(scan.len() > 20_000);
+    let stone = |options: &str| {
+        let text = format!("{GRADING}[shape]\nlibrary = 'a.stl'\nhull = true\n{options}");
+        let (mut spec, remarks) = read(&text, stl_binary(&scan, b"")).unwrap();
+        (spec.shape.grains.remove(0), remarks)
+    };
+    let (whole, said) = stone("tolerance = 0\n");
+    assert_eq!(said, "");
+    let (usual, said) = stone("");
+    assert!(
+        said.contains(" corners of its hull became ") && said.contains("nowhere more than 0.100 mm away (0.5 % of"),
+        "{said}"
+    );
+    assert!(whole.vertices().len() > 9000 && usual.vertices().len() < 700, "{}", usual.vertices().len());
+    let [before, after] = [&whole, &usual].map(|stone| convex_hull(stone.vertices()).unwrap().volume());
+    let lost = 1.0 - after / before;
+    assert!(said.contains(&format!("its volume changed by {:+.2} %", -100.0 * lost)) && lost < 0.025, "{lost} {said}");
+    assert!(usual.vertices().iter().all(|corner| whole.vertices().contains(corner)));
+    let (rough, _) = stone("tolerance = 0.05\n");
+    assert!(rough.vertices().len() < 100 && rough.relative_volume() < usual.relative_volume());
+    // A list of vertices is a hull, too.
+    let (vertices, _) = indexed(&scan);
+    let corners = |options: &str| {
+        let text = format!("{GRADING}[shape]\nlibrary = 'a.json'\n{options}");
+        read(&text, format!("[{vertices:?}]").into_bytes()).unwrap().0.shape.grains[0].vertices().len()
+    };
+    assert!(corners("tolerance = 0.05\n") < 100 && corners("tolerance = 0\n") > 9000);
+    let round = cylinder(24, 30.0, 60.0);
+    let text = format!("{GRADING}[shape]\nlibrary = 'a.stl'\nhull = true\n");
+    let (spec, said) = read(&text, stl_text(&round, b"")).unwrap();
+    assert_eq!((spec.shape.grains[0].vertices().len(), said.as_str()), (48, ""));
+}
+
+#[test]
+fn a_nearly_flat_stone_is_refused_by_its_name_and_thickness() {
+    let slab = |thickness: f64| -> Vec<Facet> {
+        cube(0.0, 10.0).iter().map(|facet| facet.map(|[x, y, z]| [x, y, z * thickness / 10.0])).collect()
+    };
+    let two = |thickness: f64| [cube(20.0, 4.0), slab(thickness)].concat();
+    let error = grains("a.stl", "", stl_text(&two(0.001), b"")).unwrap_err();
+    let part = "body 1 of 2, counted from 0: it is nearly flat, 7.1e-5 of its length thick, and a grain needs 0.001";
+    assert!(error.contains(part), "{error}");
+    assert_eq!(grains("a.stl", "", stl_text(&two(0.02), b"")), Ok(2));
+    // Thin ones make for many grains.
+    let text = "fraction = 0.1\n[specimen]\nkind = 'cube'\nside_mm = 2000\n[grading]\nd_min_mm = 4\nd_max_mm = 8\n[shape]\nlibrary = 'a.stl'\n";
+    let error = read(text, stl_text(&slab(0.02), b"")).unwrap_err();
+    assert!(error.contains("; grain 0 of the library, counted from 0, is 1.4e-3 of its length thick"), "{error}");
+}
+
 #[test]
 fn grains_that_are_not_convex_count_as_their_hulls_on_request() {
     let mut dented = cube(0.0, 10.0);
@@ -324,9 +545,6 @@ fn grains_that_are_not_convex_count_as_their_hulls_on_request() {
     let inward: Vec<Facet> = two.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let (spec, remarks) = read(&format!("{GRADING}[shape]\nlibrary = 'a.stl'\n"), stl_text(&inward, b"")).unwrap();
     assert!(spec.shape.grains.len() == 2 && remarks.contains("clockwise seen from outside; they were turned"));
-    // A body within another one, turned inwards, is a hollow.
-    let hollow: Vec<Facet> = cube(2.0, 4.0).iter().map(|&[a, b, c]| [a, c, b]).chain(cube(0.0, 10.0)).collect();
-    assert!(grains("a.stl", "", stl_text(&hollow, b"")).unwrap_err().contains("must be counter-clockwise"));
     let open = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,2,1]]}]";
     assert_eq!(grains("a.json", "hull = true\n", open.to_vec()), Ok(1));
     let error = grains("a.stl", "hull = 1\n", stl_text(&two, b"")).unwrap_err();

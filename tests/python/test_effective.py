@@ -116,6 +116,7 @@ def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
         ([[0]], {"voxel_size": 0}, ValueError, "voxel_size is 0; it must be a positive number"),
         ([[0]], {"voxel_size": [1, 2]}, TypeError, "it must be a number or three"),
         ([[0]], {"periodic": "w"}, ValueError, "periodic is"),
+        ([[0]], {"what": "stiffness", "eigenstrain": 3}, TypeError, "eigenstrain is 3; it must be a dict of numbers by phase"),
         (np.arange(300).reshape(1, 300), {}, ValueError, "more than 256 labels"),
     ],
 )

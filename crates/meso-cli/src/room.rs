@@ -18,18 +18,25 @@ pub(crate) fn accept_image(work: &str, bytes: f64) -> Result<(), Failure> {
 
 fn in_memory(work: &str, bytes: f64, fix: impl Fn(f64) -> String) -> Result<(), Failure> {
     let Some(free) = free::memory().map(|free| free as f64).filter(|free| bytes > *free) else { return Ok(()) };
-    let (needed, free_gb, fix) = (bytes / 1e9, free / 1e9, fix(free));
-    Err(Failure::Run(format!("{work} takes about {needed:.1} GB of memory, and {free_gb:.1} GB are free; {fix}")))
+    let ([needed, left], fix) = (sizes([bytes, free]), fix(free));
+    Err(Failure::Run(format!("{work} takes about {needed} of memory, and {left} are free; {fix}")))
 }
 
 /// Refuses a file of so many bytes that its disk has no space for.
 pub(crate) fn accept_on_disk(shown: &Path, path: &Path, bytes: u64) -> Result<(), Failure> {
     let Some(free) = free::disk(whole::folder(path)).filter(|free| *free < bytes) else { return Ok(()) };
-    let (needed, free) = (bytes as f64 / 1e9, free as f64 / 1e9);
+    let [needed, free] = sizes([bytes as f64, free as f64]);
     let shown = shown.display();
     Err(Failure::Run(format!(
-        "{shown} takes {needed:.1} GB, and {free:.1} GB are free on its disk; take larger voxels, a --box, or another disk"
+        "{shown} takes {needed}, and {free} are free on its disk; take larger voxels, a --box, or another disk"
     )))
+}
+
+/// Two numbers of bytes in the largest unit that shows their difference.
+fn sizes(bytes: [f64; 2]) -> [String; 2] {
+    let in_unit = |(unit, size): (&str, f64)| bytes.map(|bytes| format!("{:.1} {unit}", bytes / size));
+    let units = [("GB", 1e9), ("MB", 1e6), ("kB", 1e3)].map(in_unit);
+    units.into_iter().find(|[a, b]| a != b).unwrap_or_else(|| bytes.map(|bytes| format!("{bytes} bytes")))
 }
 
 /// Two digits that are no less.
@@ -52,6 +59,16 @@ mod tests {
             return assert_eq!(free::memory(), None);
         };
         assert!(said.starts_with("the mesh takes about 1000000000.0 GB of memory, and "), "{said}");
+    }
+
+    #[test]
+    fn bytes_are_named_in_a_unit_that_shows_their_difference() {
+        let text = |needed: f64, free: f64| sizes([needed, free]).join(", ");
+        assert_eq!(text(4.24e9, 1.0e9), "4.2 GB, 1.0 GB");
+        assert_eq!(text(0.04e9, 0.02e9), "40.0 MB, 20.0 MB");
+        assert_eq!(text(3.001e9, 3.0e9), "3001.0 MB, 3000.0 MB");
+        assert_eq!(text(1500.0, 0.0), "1.5 kB, 0.0 kB");
+        assert_eq!(text(1030.0, 1029.0), "1030 bytes, 1029 bytes");
     }
 
     #[test]

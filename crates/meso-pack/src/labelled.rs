@@ -180,7 +180,8 @@ fn listed(labels: &[i64]) -> String {
 pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch) -> Result<Model, LabelsError> {
     options.accept(volume)?;
     watch.stage(Stage::Take, 0.0);
-    let parts = LabelledGrains::of(volume, &options.roles, options.least_voxels);
+    let mut parts = LabelledGrains::of(volume, &options.roles, options.least_voxels);
+    let [filled, hollow_voxels] = parts.fill_hollows();
     let voxels = volume.of.len() as f64;
     let largest = parts.grains.iter().max_by_key(|part| part.voxels);
     let Some(largest) = largest else {
@@ -208,6 +209,8 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         separated_pairs: parts.touching_pairs(),
         dropped: parts.dropped[0] + vanished,
         dropped_fraction: parts.dropped[1] as f64 / voxels,
+        filled,
+        filled_fraction: hollow_voxels as f64 / voxels,
     };
     let bodies: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
     Ok(assembled(&bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
@@ -381,6 +384,25 @@ mod tests {
         let alone = bytes(1);
         assert!(alone == bytes(3));
         assert!(saved::read(&alone).unwrap() == model);
+    }
+
+    #[test]
+    fn hollows_are_filled_and_counted() {
+        let ball = |p: &Vec3, x: f64| (p - Vec3::new(x, 16.0, 16.0)).norm();
+        let volume = volume(32, |p| match (ball(p, 9.0), ball(p, 25.0)) {
+            (r, _) if r < 7.0 => i64::from(r > 3.0),
+            (_, r) if r < 5.0 => 2,
+            _ => 0,
+        });
+        let model = imported(&volume, &LabelOptions::default());
+        let labels = model.report.labels.as_ref().unwrap();
+        let middle = |i: usize| Vec3::from([i % 32, i / 32 % 32, i / 1024].map(|x| x as f64 + 0.5));
+        let within = |radius: f64| (0..32_768).filter(|&i| ball(&middle(i), 9.0) <= radius).count() as f64;
+        assert_eq!((labels.filled, labels.filled_fraction), (1, within(3.0) / 32_768.0));
+        // The surface is that of the whole ball; faces of the hollow would be 4 voxels from it.
+        let body = model.aggregates[0].body.volume();
+        assert!((body / within(7.0) - 1.0).abs() < 0.005 && labels.farthest_mm < 1.0, "{body} {}", labels.farthest_mm);
+        assert!((model.report.fraction / labels.fraction - 1.0).abs() < 0.005);
     }
 
     #[test]

@@ -62,7 +62,7 @@ pub struct LabelReport {
     pub voxels: [usize; 3],
     /// Edges of a voxel along x, y, z, mm.
     pub voxel_size_mm: [f64; 3],
-    /// Share of the voxels that the aggregates had, to compare with their fraction.
+    /// Share of the voxels that the aggregates had, hollows included, to compare with their fraction.
     pub fraction: f64,
     /// Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured.
     pub farthest_mm: f64,
@@ -72,6 +72,12 @@ pub struct LabelReport {
     pub dropped: usize,
     /// Share of the voxels that they had.
     pub dropped_fraction: f64,
+    /// Grains with hollows, mortar that one grain encloses, which were filled.
+    #[serde(default)]
+    pub filled: usize,
+    /// Share of the voxels that the hollows had.
+    #[serde(default)]
+    pub filled_fraction: f64,
     /// Label of every aggregate, by id.
     pub labels: Vec<i64>,
 }

@@ -5,11 +5,12 @@ use super::files::Files;
 use super::messages::found;
 use super::tree::{Node, Value};
 use crate::distinct;
-use meso_collision::geometry::{TriangleMesh, convex_hull};
+use meso_collision::geometry::{Polyhedron, TriangleMesh, Triangles, convex_hull};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Template;
 use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
+use meso_concrete::import::polygon::Polygons;
 use serde::Deserialize;
 
 const KEY: &str = "shape.library";
@@ -22,6 +23,8 @@ const SCAN: usize = 20_000;
 const MOST_TOLERANCE: f64 = 0.1;
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
+/// Thickness of the flattest stone that is taken, as a share of its length.
+const LEAST_THICKNESS: f64 = 1e-3;
 const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
                        ...], \"faces\": [[0, 1, 2], ...]}";
 const ROUND: &str = "it is a ball or an ellipsoid, saved as the ends of its axes, and a library takes polyhedra; convert the model to \
@@ -216,42 +219,74 @@ impl Reader<'_> {
             return self.stone(name, &bytes, degree, triangles).map(|stone| vec![stone]);
         }
         if import::ending(name).as_deref() == Some("json") {
-            return self.json_grains(&bytes);
+            return self.json_grains(name, &bytes);
         }
         let (mut bodies, notes) = import::read_bodies(name, &bytes).map_err(|error| error.to_string())?;
         notes.iter().for_each(|note| self.files.remark(name, note));
-        if bodies.iter().all(|body| body.volume() < 0.0) {
+        let is_closed = bodies.iter().all(|body| body.check_edges().is_ok());
+        if is_closed && bodies.iter().map(TriangleMesh::volume).sum::<f64>() < 0.0 {
             bodies.iter_mut().flat_map(|body| &mut body.triangles).for_each(|triangle| triangle.swap(1, 2));
             self.files.remark(name, "its triangles are clockwise seen from outside; they were turned");
         }
+        let bodies = self.without_hollows(name, bodies);
         let count = bodies.len();
-        let bodies = bodies.into_iter().map(|body| self.reduced(name, body)).collect::<Result<Vec<_>, _>>()?;
         let named = |(i, body): (usize, TriangleMesh)| {
             let within = if count == 1 { String::new() } else { format!("body {i} of {count}, counted from 0: ") };
-            self.grain(body).map_err(|reason| format!("{within}{reason}"))
+            self.grain(name, body).map_err(|reason| format!("{within}{reason}"))
         };
         bodies.into_iter().enumerate().map(named).collect()
     }
 
-    /// A scan in fewer triangles, with a remark about what that changed; other surfaces as they are.
-    fn reduced(&mut self, name: &str, surface: TriangleMesh) -> Result<TriangleMesh, String> {
-        let is_scan = surface.triangles.len() > SCAN;
-        let share = self.tolerance.unwrap_or(if is_scan { USUAL_TOLERANCE } else { 0.0 });
-        if share == 0.0 || self.takes_hull {
-            return Ok(surface);
+    /// The bodies without those that are the surface of a hollow in another one, with a remark about these.
+    fn without_hollows(&mut self, name: &str, bodies: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
+        let (solid, turned): (Vec<_>, Vec<_>) = (0..bodies.len()).partition(|&i| bodies[i].volume() > 0.0);
+        let surfaces: Vec<Triangles> =
+            if turned.is_empty() { Vec::new() } else { solid.iter().map(|&i| bodies[i].facets()).collect() };
+        let is_hollow = |i: &usize| surfaces.iter().any(|surface| surface.contains(&bodies[*i].vertices[0]));
+        let hollows: Vec<usize> = turned.into_iter().filter(is_hollow).collect();
+        if !hollows.is_empty() {
+            let volume = |which: &[usize]| which.iter().map(|&i| bodies[i].volume().abs()).sum::<f64>();
+            let percent = 100.0 * volume(&hollows) / volume(&solid);
+            self.files.remark(name, &format!("{} hollow(s), {percent:.2} % of the volume, were filled", hollows.len()));
         }
-        surface.check_closed().map_err(|error| error.to_string())?;
-        let distance = share * Aabb::around(&surface.vertices).size().max();
-        let reduced = surface.reduced(distance).map_err(|error| error.to_string())?;
-        let [before, after] = [&surface, &reduced].map(|surface| surface.triangles.len());
-        let percent = 100.0 * (reduced.volume() / surface.volume() - 1.0);
+        bodies.into_iter().enumerate().filter(|(i, _)| !hollows.contains(i)).map(|(_, body)| body).collect()
+    }
+
+    /// The distance within which a surface of so many triangles is reduced, as a share of its length and in mm; `None` where
+    /// it is left as it is.
+    fn distance(&self, vertices: &[Vec3], triangles: usize) -> Option<[f64; 2]> {
+        let share = self.tolerance.unwrap_or(if triangles > SCAN { USUAL_TOLERANCE } else { 0.0 });
+        (share > 0.0).then(|| [share, share * Aabb::around(vertices).size().max()])
+    }
+
+    /// Remarks on what a reduction to a distance left, and on the volumes before and after it.
+    fn told(&mut self, name: &str, left: &str, [share, distance]: [f64; 2], [before, after]: [f64; 2]) {
+        let (share, percent) = (100.0 * share, 100.0 * (after / before - 1.0));
         let remark = format!(
-            "{before} triangles became {after}, nowhere more than {distance:.3} mm away ({} % of its length); its volume changed by \
-             {percent:+.2} %",
-            100.0 * share
+            "{left}, nowhere more than {distance:.3} mm away ({share} % of its length); its volume changed by {percent:+.2} %"
         );
         self.files.remark(name, &remark);
+    }
+
+    /// A surface in fewer triangles, with a remark about what that changed; others as they are.
+    fn reduced(&mut self, name: &str, surface: TriangleMesh) -> Result<TriangleMesh, String> {
+        let Some(distance) = self.distance(&surface.vertices, surface.triangles.len()) else { return Ok(surface) };
+        let reduced = surface.reduced(distance[1]).map_err(|error| error.to_string())?;
+        let left = format!("{} triangles became {}", surface.triangles.len(), reduced.triangles.len());
+        self.told(name, &left, distance, [surface.volume(), reduced.volume()]);
         Ok(reduced)
+    }
+
+    /// The vertices of the hull of so many triangles, or some of them, with a remark, where there are many.
+    fn hull(&mut self, name: &str, hull: &Polyhedron, triangles: usize) -> Result<Inlined, String> {
+        let triangles = triangles.max(hull.triangles().count());
+        let Some(distance) = self.distance(hull.vertices(), triangles) else { return convex(hull) };
+        let reduced = hull.reduced_hull(distance[1]).map_err(|error| error.to_string())?;
+        if reduced.vertices().len() < hull.vertices().len() {
+            let left = format!("{} corners of its hull became {}", hull.vertices().len(), reduced.vertices().len());
+            self.told(name, &left, distance, [hull.volume(), reduced.volume()]);
+        }
+        convex(&reduced)
     }
 
     /// The stone of a file of coefficients, and a remark about the volume that its triangles hold.
@@ -261,47 +296,86 @@ impl Reader<'_> {
         let percent = 100.0 * surface.volume() / stone.volume();
         let (degree, triangles) = (stone.degree(), surface.triangles.len());
         self.files.remark(name, &format!("{triangles} triangles hold {percent:.1} % of the volume of degree {degree}"));
-        self.grain(surface)
+        self.grain(name, surface)
     }
 
-    fn json_grains(&self, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
+    fn json_grains(&mut self, file: &str, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         let named = |(i, grain): (usize, Grain)| {
             let (name, vertices, faces, round) = match grain {
                 Grain::Vertices(vertices) => (None, vertices, None, false),
                 Grain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
             };
             let name = name.unwrap_or_else(|| format!("grain {i}"));
-            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(vertices, faces) };
+            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(file, vertices, faces) };
             grain.map_err(|reason| format!("{name}: {reason}"))
         };
         listed(bytes)?.into_iter().enumerate().map(named).collect()
     }
 
-    fn json_grain(&self, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>>) -> Result<Inlined, String> {
+    fn json_grain(
+        &mut self,
+        file: &str,
+        vertices: Vec<[f64; 3]>,
+        faces: Option<Vec<Vec<u32>>>,
+    ) -> Result<Inlined, String> {
         let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
         let Some(faces) = faces else {
             let hull = convex_hull(&vertices).map_err(|error| error.to_string())?;
-            return Ok(Inlined::Convex(hull.vertices().to_vec()));
+            return self.hull(file, &hull, 0);
         };
         if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
             return Err(format!("a face names vertex {corner} of {}", vertices.len()));
         }
-        let fans = faces.iter().flat_map(|face| face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]));
-        self.grain(TriangleMesh { triangles: fans.collect(), vertices })
+        let (mut polygons, mut triangles) = (Polygons::default(), Vec::new());
+        for face in &faces {
+            let corners: Vec<Vec3> = face.iter().map(|&corner| vertices[corner as usize]).collect();
+            triangles.extend(polygons.triangles(&corners).iter().map(|t| t.map(|corner| face[corner])));
+        }
+        polygons.notes().for_each(|note| self.files.remark(file, &note));
+        let surface = TriangleMesh { triangles, vertices };
+        if self.takes_hull {
+            return self.grain(file, surface);
+        }
+        let mut bodies = self.without_hollows(file, import::bodies(&surface));
+        self.grain(file, if bodies.len() == 1 { bodies.remove(0) } else { surface })
     }
 
-    /// The hull's vertices of a closed convex surface, or of any surface where hulls are taken; else the surface.
-    fn grain(&self, surface: TriangleMesh) -> Result<Inlined, String> {
+    /// A closed surface, in fewer triangles where it has many; the hull of a convex one, or of any where hulls are taken.
+    fn grain(&mut self, name: &str, surface: TriangleMesh) -> Result<Inlined, String> {
         let hull = surface.hull().map_err(|error| error.to_string())?;
-        if !self.takes_hull {
-            surface.check_closed().map_err(|error| error.to_string())?;
-            if surface.volume() / hull.volume() < CONVEX {
-                let proved = Template::of_surface(surface.clone()).map_err(|error| error.to_string());
-                return proved.map(|_| Inlined::Dents(surface));
-            }
+        if self.takes_hull {
+            return self.hull(name, &hull, surface.triangles.len());
         }
-        Ok(Inlined::Convex(hull.vertices().to_vec()))
+        surface.check_closed().map_err(|error| error.to_string())?;
+        if surface.volume() / hull.volume() >= CONVEX {
+            return self.hull(name, &hull, surface.triangles.len());
+        }
+        let surface = self.reduced(name, surface)?;
+        let hull = surface.hull().map_err(|error| error.to_string())?;
+        if surface.volume() / hull.volume() >= CONVEX {
+            return convex(&hull);
+        }
+        let proved = Template::of_surface(surface.clone()).map_err(|error| error.to_string())?;
+        thick_enough(&proved).map(|()| Inlined::Dents(surface))
     }
+}
+
+/// The vertices of a convex grain.
+fn convex(hull: &Polyhedron) -> Result<Inlined, String> {
+    let vertices = hull.vertices().to_vec();
+    thick_enough(&Template::new(vertices.clone()).map_err(|error| error.to_string())?)?;
+    Ok(Inlined::Convex(vertices))
+}
+
+/// Refuses stones that are nearly flat: they have next to no volume, and are thinner than all that is made of them.
+fn thick_enough(stone: &Template) -> Result<(), String> {
+    let thickness = stone.thickness();
+    if thickness >= LEAST_THICKNESS {
+        return Ok(());
+    }
+    Err(format!(
+        "it is nearly flat, {thickness:.1e} of its length thick, and a grain needs {LEAST_THICKNESS}; leave it out"
+    ))
 }
 
 /// A list of grains, bare or under `grains` or (a saved model) `aggregates`.

@@ -6,6 +6,7 @@ mod closed;
 mod height_grid;
 mod inset;
 mod reduced;
+mod reduced_hull;
 mod self_crossing;
 
 pub use height_grid::{Height, HeightGrid};

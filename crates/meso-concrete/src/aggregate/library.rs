@@ -4,7 +4,7 @@ use meso_collision::dents::SelfCrossing;
 use meso_collision::geometry::{
     HullError, MassProperties, Polyhedron, SurfaceError, TriangleMesh, convex_hull, principal_axes,
 };
-use meso_collision::math::{Mat3, Vec3, longest_distance};
+use meso_collision::math::{Aabb, Mat3, Vec3, longest_distance};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -121,6 +121,11 @@ impl Template {
             Some(dents) => dents.body.volume(),
             None => convex_hull(&self.unit).map_or(0.0, |body| body.volume()),
         }
+    }
+
+    /// Extent along the shortest principal axis, for a longest distance of 1.
+    pub fn thickness(&self) -> f64 {
+        Aabb::around(&self.unit).size().min()
     }
 
     /// Volume, surface and mean width over all directions, of the hull, for a longest distance of 1.

@@ -1,4 +1,5 @@
-//! Mends surfaces as other programs write them: corners that should be equal, facets written twice, triangles without area.
+//! Mends surfaces as other programs write them: corners that should be equal, facets written twice or turned over, triangles
+//! without area.
 //!
 //! A surface whose edges all lie between two triangles is left alone, so that its packing keeps its bytes. Nothing is
 //! closed that has a real hole: only ends of open edges are joined, and only within [`SHARE`] of the size.
@@ -22,6 +23,7 @@ pub(super) fn mended(mesh: TriangleMesh) -> Imported {
     let mut tried = mesh.clone();
     let joined = join_corners(&mut tried);
     let dropped = drop_twins(&mut tried);
+    let turned = turn_to_neighbours(&mut tried);
     let outcome = tried.check_edges();
     let is_worse =
         matches!((&edges, &outcome), (Err(SurfaceError::Open { .. }), Err(SurfaceError::NotManifold { .. })));
@@ -35,7 +37,9 @@ pub(super) fn mended(mesh: TriangleMesh) -> Imported {
         )
     });
     let twins = (dropped > 0).then(|| format!("{dropped} triangle(s) that stood there twice were dropped"));
-    Imported { mesh: tried, edges: outcome, notes: corners.into_iter().chain(twins).collect() }
+    let turned = (turned > 0)
+        .then(|| format!("{turned} triangle(s) that faced the other way than their neighbours were turned"));
+    Imported { mesh: tried, edges: outcome, notes: corners.into_iter().chain(twins).chain(turned).collect() }
 }
 
 /// Distance within which corners are one, mm.
@@ -135,6 +139,57 @@ fn drop_twins(mesh: &mut TriangleMesh) -> usize {
     let dropped = mesh.triangles.len() - kept.len();
     *mesh = compact(&mesh.vertices, &kept);
     dropped
+}
+
+/// Turns triangles so that both of every edge pass it in opposite directions; how many. None are turned where an edge has
+/// other than two triangles, or the surface has one side alone, as a Moebius band has.
+fn turn_to_neighbours(mesh: &mut TriangleMesh) -> usize {
+    let Some(beside) = neighbours(mesh) else { return 0 };
+    let mut is_turned: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
+    for first in 0..beside.len() {
+        if is_turned[first].is_some() {
+            continue;
+        }
+        is_turned[first] = Some(false);
+        let (mut part, mut known) = (vec![(first, false)], 0);
+        while let Some(&(t, turned)) = part.get(known) {
+            known += 1;
+            for &(next, is_against) in &beside[t] {
+                let wanted = turned ^ is_against;
+                match is_turned[next] {
+                    Some(found) if found != wanted => return 0,
+                    Some(_) => {}
+                    None => {
+                        is_turned[next] = Some(wanted);
+                        part.push((next, wanted));
+                    }
+                }
+            }
+        }
+        // The side of the most triangles counts.
+        if 2 * part.iter().filter(|(_, turned)| *turned).count() > part.len() {
+            part.iter().for_each(|&(t, turned)| is_turned[t] = Some(!turned));
+        }
+    }
+    let wrong = mesh.triangles.iter_mut().zip(is_turned).filter(|(_, turned)| *turned == Some(true));
+    wrong.map(|(triangle, _)| triangle.swap(1, 2)).count()
+}
+
+/// For every triangle those beyond its edges, and whether they pass the edge in the same direction; `None` where an edge has
+/// other than two triangles.
+fn neighbours(mesh: &TriangleMesh) -> Option<Vec<Vec<(usize, bool)>>> {
+    let mut sides: Vec<(u32, u32, usize, bool)> = Vec::with_capacity(3 * mesh.triangles.len());
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        sides.extend(edges_of(triangle).map(|(from, to)| (from.min(to), from.max(to), t, from < to)));
+    }
+    sides.sort_unstable();
+    let mut beside = vec![Vec::with_capacity(3); mesh.triangles.len()];
+    for side in sides.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)) {
+        let [p, q] = side else { return None };
+        beside[p.2].push((q.2, p.3 == q.3));
+        beside[q.2].push((p.2, p.3 == q.3));
+    }
+    Some(beside)
 }
 
 /// The mesh without triangles that are flat within the tolerance, and how many there were; `None` where there are none,

@@ -11,6 +11,7 @@ mod mend;
 mod obj;
 mod off;
 mod ply;
+pub mod polygon;
 pub mod sieve_table;
 mod stl;
 pub mod volume;
@@ -21,6 +22,7 @@ pub use mend::without_flat_triangles;
 
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
 use meso_collision::math::Vec3;
+use polygon::Polygons;
 
 /// Why bytes are no surface.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -106,6 +108,7 @@ struct Facets {
     starts: Vec<usize>,
     /// Remarks about a file that was read although it has a fault.
     notes: Vec<String>,
+    polygons: Polygons,
 }
 
 impl Facets {
@@ -114,16 +117,15 @@ impl Facets {
         self.starts.push(self.corners.len() / 3);
     }
 
-    /// Adds a polygon as a fan of triangles. Face number `face` names `vertices` from 0.
+    /// Adds a polygon as triangles. Face number `face` names `vertices` from 0.
     fn polygon(&mut self, vertices: &[Vec3], face: usize, corners: &[i64]) -> Result<(), ImportError> {
         let of = |&vertex: &i64| {
             let found = usize::try_from(vertex).ok().and_then(|index| vertices.get(index)).copied();
             found.ok_or(ImportError::Corner { face, vertex, vertices: vertices.len() })
         };
         let points = corners.iter().map(of).collect::<Result<Vec<Vec3>, _>>()?;
-        for pair in points.windows(2).skip(1) {
-            self.corners.extend([points[0], pair[0], pair[1]]);
-        }
+        let triangles = self.polygons.triangles(&points);
+        self.corners.extend(triangles.into_iter().flatten().map(|corner| points[corner]));
         Ok(())
     }
 
@@ -146,45 +148,67 @@ pub struct Imported {
     pub notes: Vec<String>,
 }
 
-impl Imported {
-    fn new(corners: &[Vec3]) -> Self {
-        mend::mended(TriangleMesh::welded(corners))
-    }
-}
-
 /// Reads the surface in `bytes`; the ending of `name` decides the format.
 ///
 /// # Errors
 /// See [`ImportError`]. Open surfaces are no error here: see [`Imported::edges`].
 pub fn read(name: &str, bytes: &[u8]) -> Result<Imported, ImportError> {
     let mut facets = facets(name, bytes)?;
-    let mut surface = Imported::new(&facets.corners);
+    let mut surface = mend::mended(TriangleMesh::welded(&facets.corners));
     facets.notes.append(&mut surface.notes);
     Ok(Imported { notes: facets.notes, ..surface })
 }
 
-/// Reads the bodies in `bytes`: the connected components of each part, or of the whole where a part is not closed.
+/// Reads the bodies in `bytes`: the components of each part, or of the whole where a part is not closed, and remarks.
 ///
 /// # Errors
 /// See [`ImportError`].
 pub fn read_bodies(name: &str, bytes: &[u8]) -> Result<(Vec<TriangleMesh>, Vec<String>), ImportError> {
     let facets = facets(name, bytes)?;
-    let mut parts: Vec<Imported> = facets.parts().map(Imported::new).collect();
-    if parts.len() > 1 && parts.iter().any(|part| part.edges.is_err()) {
-        parts = vec![Imported::new(&facets.corners)];
+    let mut parts: Vec<Bodies> = facets.parts().map(Bodies::new).collect();
+    if parts.len() > 1 && parts.iter().any(|part| !part.are_closed) {
+        parts = vec![Bodies::new(&facets.corners)];
     }
     let notes = facets.notes.into_iter().chain(parts.iter().flat_map(|part| part.notes.clone())).collect();
-    Ok((parts.iter().flat_map(|part| part.mesh.components()).collect(), notes))
+    let bodies: Vec<TriangleMesh> = parts.into_iter().flat_map(|part| part.bodies).collect();
+    if bodies.is_empty() { Err(ImportError::Empty) } else { Ok((bodies, notes)) }
+}
+
+/// Bodies of a part of a file.
+struct Bodies {
+    bodies: Vec<TriangleMesh>,
+    /// Whether every edge of each lies between two triangles.
+    are_closed: bool,
+    notes: Vec<String>,
+}
+
+impl Bodies {
+    fn new(corners: &[Vec3]) -> Self {
+        let given = TriangleMesh::welded(corners);
+        let bodies = bodies(&given);
+        // Bodies that touch are sound, though more than two triangles meet in an edge of all.
+        if bodies.iter().all(|body| body.check_edges().is_ok()) {
+            return Self { bodies, are_closed: true, notes: Vec::new() };
+        }
+        let Imported { mesh, edges, notes } = mend::mended(given);
+        Self { bodies: self::bodies(&mesh), are_closed: edges.is_ok(), notes }
+    }
+}
+
+/// The components that have triangles, without vertices that no triangle has.
+pub fn bodies(mesh: &TriangleMesh) -> Vec<TriangleMesh> {
+    mesh.components().into_iter().filter(|body| !body.triangles.is_empty()).collect()
 }
 
 fn facets(name: &str, bytes: &[u8]) -> Result<Facets, ImportError> {
-    let facets = match ending(name).as_deref() {
+    let mut facets = match ending(name).as_deref() {
         Some("stl") => stl::read(bytes),
         Some("ply") => ply::read(bytes),
         Some("obj") => obj::read(bytes),
         Some("off") => off::read(bytes),
         _ => Err(ImportError::Ending),
     }?;
+    facets.notes.extend(facets.polygons.notes());
     let corners = &facets.corners;
     if corners.is_empty() {
         return Err(ImportError::Empty);

@@ -117,7 +117,7 @@ class LabelReport(TypedDict):
     voxel_size_mm: list[float]
     """Edges of a voxel along x, y, z, mm."""
     fraction: float
-    """Share of the voxels that the aggregates had, to compare with their fraction."""
+    """Share of the voxels that the aggregates had, hollows included, to compare with their fraction."""
     farthest_mm: float
     """Largest distance of a face between a grain's voxels and others to its surface, mm; some 500 faces a grain are measured."""
     separated_pairs: int
@@ -126,6 +126,10 @@ class LabelReport(TypedDict):
     """Grains dropped as too small."""
     dropped_fraction: float
     """Share of the voxels that they had."""
+    filled: int
+    """Grains with hollows, mortar that one grain encloses, which were filled."""
+    filled_fraction: float
+    """Share of the voxels that the hollows had."""
     labels: list[int]
     """Label of every aggregate, by id."""
 

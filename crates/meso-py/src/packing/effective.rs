@@ -103,7 +103,9 @@ impl Asked<'_> {
 
     /// Strains by the name of their phase.
     fn eigenstrains(&self) -> PyResult<BTreeMap<String, f64>> {
-        self.eigenstrain.map_or_else(|| Ok(BTreeMap::new()), |given| by_text(given)?.extract())
+        let Some(given) = self.eigenstrain else { return Ok(BTreeMap::new()) };
+        let wrong = |_| wrong_type(format!("eigenstrain is {given}; it must be a dict of numbers by phase"));
+        by_text(given)?.extract().map_err(wrong)
     }
 
     /// Values of this property by label.

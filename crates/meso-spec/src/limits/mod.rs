@@ -366,10 +366,27 @@ fn count(spec: &Spec) -> Checked {
     }
     let message = format!(
         "is {}, which makes about {count:.1e} aggregates in this specimen; at most {MAX_AGGREGATES:.0e} are accepted: \
-         raise it, or take a smaller specimen",
-        number(spec.grading.d_min_mm)
+         raise it, or take a smaller specimen{}",
+        number(spec.grading.d_min_mm),
+        flattest(&spec.shape)
     );
     Err(SpecError::value("grading.d_min_mm", message))
+}
+
+/// Grains thinner than this share of their length have less than a fifth of the volume of stout ones.
+const FLAT: f64 = 0.1;
+
+/// A clause about the flattest grain of a library, whose small volume makes for many grains.
+fn flattest(shape: &Shape) -> String {
+    let thicknesses = shape.grains.iter().map(Template::thickness).enumerate();
+    match thicknesses.min_by(|p, q| p.1.total_cmp(&q.1)).filter(|flattest| flattest.1 < FLAT) {
+        Some((grain, thickness)) => {
+            format!(
+                "; grain {grain} of the library, counted from 0, is {thickness:.1e} of its length thick: leave it out"
+            )
+        }
+        None => String::new(),
+    }
 }
 
 pub(super) fn length(key: &str, value: f64) -> Checked {

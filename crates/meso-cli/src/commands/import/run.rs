@@ -65,4 +65,16 @@ fn print(model: &Model, labels: &LabelReport) {
         let dropped = thousands(labels.dropped);
         stderr::line(format!("{dropped} grains are too small, {percent:.3} % of the voxels; they are mortar"));
     }
+    if labels.filled > 0 {
+        let (filled, percent) = (thousands(labels.filled), 100.0 * labels.filled_fraction);
+        stderr::line(format!("hollows in {filled} grain(s), {percent:.3} % of the voxels, were filled"));
+    }
+    // The labels are in order. One label alone is the phase of all grains.
+    let names = labels.labels.chunk_by(|a, b| a == b);
+    let (several, of_several) =
+        names.clone().filter(|parts| parts.len() > 1).fold((0, 0), |sum, parts| (sum.0 + 1, sum.1 + parts.len()));
+    if several > 0 && names.count() > 1 {
+        let (several, parts) = (thousands(several), thousands(of_several));
+        stderr::line(format!("{several} label(s) have separate parts; each of these {parts} parts is a grain"));
+    }
 }

@@ -3,6 +3,7 @@
 pub(crate) mod body_surface;
 pub(crate) mod box_tree;
 pub(crate) mod clip;
+mod components;
 pub(crate) mod nearest;
 pub(crate) mod triangle_mesh;
 pub(crate) mod triangles;

@@ -3,7 +3,7 @@
 use crate::geometry::measure::integrals;
 use crate::geometry::{HullError, Polyhedron, Triangles, convex_hull};
 use crate::math::Vec3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 /// Vertices (mm) and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,47 +95,6 @@ impl TriangleMesh {
     /// Where they have none.
     pub fn hull(&self) -> Result<Polyhedron, HullError> {
         convex_hull(&self.vertices)
-    }
-
-    /// The parts that share no vertex, each with its own vertices.
-    pub fn components(&self) -> Vec<Self> {
-        let component_of = self.component_of();
-        let mut numbers = BTreeMap::new();
-        let mut components: Vec<Self> = Vec::new();
-        let mut own = vec![0; self.vertices.len()];
-        for (vertex, root) in component_of.iter().enumerate() {
-            let number = *numbers.entry(*root).or_insert(components.len());
-            if number == components.len() {
-                components.push(Self { vertices: Vec::new(), triangles: Vec::new() });
-            }
-            own[vertex] = components[number].vertices.len() as u32;
-            components[number].vertices.push(self.vertices[vertex]);
-        }
-        for triangle in &self.triangles {
-            let number = numbers[&component_of[triangle[0] as usize]];
-            components[number].triangles.push(triangle.map(|vertex| own[vertex as usize]));
-        }
-        components
-    }
-
-    /// For every vertex the lowest that triangles connect it with.
-    pub fn component_of(&self) -> Vec<u32> {
-        let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
-        let root = |lower: &mut Vec<u32>, mut vertex: u32| {
-            while lower[vertex as usize] != vertex {
-                // Path halving, so that the next walk is shorter.
-                lower[vertex as usize] = lower[lower[vertex as usize] as usize];
-                vertex = lower[vertex as usize];
-            }
-            vertex
-        };
-        for &[a, b, c] in &self.triangles {
-            for (p, q) in [(a, b), (b, c)] {
-                let (p, q) = (root(&mut lower, p), root(&mut lower, q));
-                lower[p.max(q) as usize] = p.min(q);
-            }
-        }
-        (0..self.vertices.len() as u32).map(|vertex| root(&mut lower, vertex)).collect()
     }
 
     /// Nothing where the surface encloses a volume without a gap, every edge between two triangles.

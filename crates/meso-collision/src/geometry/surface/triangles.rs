@@ -75,7 +75,12 @@ impl Triangles {
 
     /// The point of all triangles that is nearest to `point`, and its distance, mm; `None` where there are none.
     pub fn nearest(&self, point: &Vec3) -> Option<(Vec3, f64)> {
-        let nearest = self.tree.nearest(point, |t| self.nearest_of(t, point).1);
+        let nearest = self.nearest_triangle(point);
         nearest.map(|(t, distance)| (self.nearest_of(t, point).0, distance))
+    }
+
+    /// The triangle that is nearest to `point`, and its distance, mm; `None` where there are none.
+    pub(crate) fn nearest_triangle(&self, point: &Vec3) -> Option<(u32, f64)> {
+        self.tree.nearest(point, |t| self.nearest_of(t, point).1)
     }
 }

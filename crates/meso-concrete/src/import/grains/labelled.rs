@@ -1,6 +1,7 @@
 //! Connected grains of a label volume: voxels of one label, or of one phase, that share faces.
 
 use crate::import::volume::Volume;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Which labels are grains.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,7 +56,7 @@ impl LabelledGrains {
     /// Cuts a volume into grains of `least` voxels or more.
     pub fn of(volume: &Volume<u16>, roles: &Roles, least: usize) -> Self {
         let values = roles.values(&volume.labels);
-        let roots = roots(volume, &values);
+        let roots = roots(volume.counts, |voxel| values[usize::from(volume.of[voxel])]);
         let mut parts = Self { counts: volume.counts, of: roots, grains: Vec::new(), dropped: [0; 2] };
         parts.number(volume, least);
         parts
@@ -77,6 +78,38 @@ impl LabelledGrains {
         pairs.len()
     }
 
+    /// Gives every grain its hollows, mortar that it encloses alone, in parts whose voxels share faces: the number of grains
+    /// that had some, and the voxels of these together.
+    pub fn fill_hollows(&mut self) -> [usize; 2] {
+        let roots = roots(self.counts, |voxel| u32::from(self.of[voxel] == 0));
+        let [nx, ny, nz] = self.counts;
+        let mut is_open = vec![false; roots.len()];
+        for (row, voxels) in roots.chunks_exact(nx).enumerate() {
+            let (y, z) = (row % ny, row / ny);
+            let is_on_a_face = y == 0 || y + 1 == ny || z == 0 || z + 1 == nz;
+            let open = voxels.iter().step_by(if is_on_a_face { 1 } else { (nx - 1).max(1) });
+            open.filter(|root| **root != NONE).for_each(|root| is_open[*root as usize] = true);
+        }
+        let mortar = (0..).zip(&roots).filter(|(_, root)| **root != NONE && !is_open[**root as usize]);
+        let mut enclosed: BTreeMap<u32, (Vec<usize>, BTreeSet<u32>)> = BTreeMap::new();
+        for (voxel, root) in mortar {
+            let (voxels, around) = enclosed.entry(*root).or_default();
+            voxels.push(voxel);
+            let next = self.steps().into_iter().flat_map(|step| [voxel - step, voxel + step]);
+            around.extend(next.map(|next| self.of[next]).filter(|grain| *grain > 0));
+        }
+        let (mut filled, mut count) = (BTreeSet::new(), 0);
+        for (voxels, around) in enclosed.into_values().filter(|(_, around)| around.len() == 1) {
+            for grain in around {
+                voxels.iter().for_each(|voxel| self.of[*voxel] = grain);
+                self.grains[grain as usize - 1].voxels += voxels.len();
+                filled.insert(grain);
+            }
+            count += voxels.len();
+        }
+        [filled.len(), count]
+    }
+
     /// Distances of a voxel's next ones along x, y, z.
     pub(super) fn steps(&self) -> [usize; 3] {
         [1, self.counts[0], self.counts[0] * self.counts[1]]
@@ -91,7 +124,7 @@ impl LabelledGrains {
     /// Replaces roots by the numbers of the grains.
     fn number(&mut self, volume: &Volume<u16>, least: usize) {
         let mut sizes = vec![0_u32; self.of.len()];
-        self.of.iter().filter(|root| **root != MORTAR).for_each(|root| sizes[*root as usize] += 1);
+        self.of.iter().filter(|root| **root != NONE).for_each(|root| sizes[*root as usize] += 1);
         let mut kept = Vec::new();
         for (root, size) in (0..).zip(&sizes).filter(|(_, size)| **size > 0) {
             if (*size as usize) < least {
@@ -109,7 +142,7 @@ impl LabelledGrains {
         let [nx, ny, _] = self.counts;
         for (row, voxels) in self.of.chunks_exact_mut(nx).enumerate() {
             for (x, voxel) in voxels.iter_mut().enumerate() {
-                *voxel = if *voxel == MORTAR { 0 } else { numbers[*voxel as usize] };
+                *voxel = if *voxel == NONE { 0 } else { numbers[*voxel as usize] };
                 if *voxel > 0 {
                     self.grains[*voxel as usize - 1].take([x, row % ny, row / ny]);
                 }
@@ -127,17 +160,16 @@ impl LabelledGrain {
     }
 }
 
-/// Root of a voxel that is no grain's.
-const MORTAR: u32 = u32::MAX;
+/// Root of a voxel of no part.
+const NONE: u32 = u32::MAX;
 
-/// For every voxel the first voxel of its grain.
-fn roots(volume: &Volume<u16>, values: &[u32]) -> Vec<u32> {
-    let [nx, ny, _] = volume.counts;
-    let value = |voxel: usize| values[usize::from(volume.of[voxel])];
-    let mut lower: Vec<u32> = Vec::with_capacity(volume.of.len());
-    for voxel in 0..volume.of.len() {
+/// For every voxel the first one of its part, whose voxels share faces and a value; those of the value 0 are in none.
+fn roots([nx, ny, nz]: [usize; 3], value: impl Fn(usize) -> u32) -> Vec<u32> {
+    let count = nx * ny * nz;
+    let mut lower: Vec<u32> = Vec::with_capacity(count);
+    for voxel in 0..count {
         let own = value(voxel);
-        lower.push(if own == 0 { MORTAR } else { voxel as u32 });
+        lower.push(if own == 0 { NONE } else { voxel as u32 });
         let (x, y) = (voxel % nx, voxel / nx % ny);
         let before = [(x > 0, 1), (y > 0, nx), (voxel >= nx * ny, nx * ny)];
         for (_, step) in before.into_iter().filter(|(is_there, _)| own > 0 && *is_there) {
@@ -148,7 +180,7 @@ fn roots(volume: &Volume<u16>, values: &[u32]) -> Vec<u32> {
     }
     // Roots come first, so one pass flattens the trees.
     for voxel in 0..lower.len() {
-        if lower[voxel] != MORTAR {
+        if lower[voxel] != NONE {
             lower[voxel] = lower[lower[voxel] as usize];
         }
     }
@@ -192,5 +224,31 @@ mod tests {
         assert_eq!((grains.grains[0].label, grains.grains[0].from, grains.grains[0].to), (7, [2, 0, 0], [4, 2, 1]));
         let all = cut(&[5, 0, 7, 7, 5, 0, 7, 0, 0, 0, 9, 0, 0, 0, 9, 0], 1);
         assert_eq!((all.grains.len(), all.touching_pairs()), (3, 1));
+    }
+
+    #[test]
+    fn mortar_that_one_grain_encloses_is_its_hollow() {
+        // Five cubes of 5 voxels in a row; each is one grain, or two, around its inner 3 x 3 x 3 voxels.
+        let label = |voxel: usize| {
+            let [x, y, z] = [voxel % 25, voxel / 25 % 5, voxel / 125];
+            let is_inner = |t: usize| (1..4).contains(&t);
+            match (x / 5, is_inner(x % 5) && is_inner(y) && is_inner(z)) {
+                // The second one is open at a face, the fourth one is two grains, the last one has a wall within.
+                (1, true) => 0,
+                (1, false) if z == 4 && y == 2 => 0,
+                (3, false) if z < 2 => 9,
+                (4, true) if x % 5 == 2 => 5,
+                (_, true) => 0,
+                (cube, false) => 1 + cube as i64,
+            }
+        };
+        let volume = Volume::new([25, 5, 5], None, (0..625).map(label)).unwrap();
+        let mut grains = LabelledGrains::of(&volume, &Roles { mortar: vec![0], aggregate: Vec::new() }, 1);
+        let before = grains.of.iter().filter(|grain| **grain == 0).count();
+        assert_eq!((grains.grains.len(), grains.fill_hollows()), (6, [3, 27 + 27 + 18]));
+        let voxels: Vec<usize> = grains.grains.iter().map(|grain| grain.voxels).collect();
+        assert_eq!([voxels[0], voxels[2], voxels[4]], [125; 3]);
+        assert_eq!(before - grains.of.iter().filter(|grain| **grain == 0).count(), 27 + 27 + 18);
+        assert_eq!(cut(&[5, 0, 7, 7, 0, 5, 7, 0, 0, 5, 9, 0, 0, 0, 9, 0], 1).fill_hollows(), [0, 0]);
     }
 }
