@@ -215,6 +215,7 @@ fn grains_too_large_for_their_specimen_give_a_warning_before_a_test_and_on_the_p
     let warning = "% off its target: each size class is within one of its grains";
     let run = folder.run(&["pack", "coarse.toml", "--quiet", "-o", "a.json", "-o", "a.html"]);
     assert!(run.code == 0 && run.stderr.contains(warning), "{}", run.stderr);
+    assert_eq!(folder.run(&["pack", "coarse.toml", "--quiet", "--strict", "-o", "b.json"]).code, 3);
     let page = String::from_utf8(folder.read("a.html")).unwrap();
     assert!(page.contains(warning) && !page.contains("every class as graded") && page.contains(", 32,768 mm\u{b3})"));
     let run = folder.run(&["solve", "coarse.toml", "--element-size-mm", "4", "--strain", "1e-5", "--frames", "0"]);

@@ -110,13 +110,13 @@ fn row(name: &str, asked: f64, reached: f64, bodies: usize) {
     stderr::line(format!("  {name:>11}  {asked:>10.5}  {reached:>10.5}  {:>10}", thousands(bodies)));
 }
 
-/// Exit code of a run that wrote its files; prints why it stopped short.
+/// Exit code of a run that wrote its files; prints why its fraction is not the one asked for.
 fn exit_code(report: &Report, strict: bool) -> u8 {
-    report.shortfall().iter().for_each(|short| stderr::line(format!("warning: {short}")));
+    let off = report.shortfall();
+    off.iter().for_each(|off| stderr::line(format!("warning: {off}")));
     match report.stop_reason {
-        StopReason::TargetReached => 0,
         StopReason::Interrupted => INTERRUPTED,
-        _ if strict => SHORT,
+        _ if strict && off.is_some() => SHORT,
         _ => 0,
     }
 }
