@@ -143,6 +143,10 @@ fn cells_of(
     Ok(Mesh { periodic, id_of: bodies.id_of.clone(), ..mesh })
 }
 
+/// The most that a body whose volume is not restored may lose for its layer's sake, as a share of it. Coarse elements would take
+/// 13 % of all aggregates in place of 10 % (4 mm, grains from 5 mm).
+const FLAPS: f64 = 0.02;
+
 /// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
 fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &Parts, options: &MeshOptions) -> Mesh {
     let bodies = images.all.as_slice();
@@ -155,7 +159,8 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
         let periodic = parts.specimen.periodic().0;
         let is_lattice = options.method.name() == MethodName::Lattice;
         if is_lattice {
-            layer::unfold(&mut mesh, &mut phase, periodic, bodies);
+            let most = if restores_volumes(options) { f64::INFINITY } else { FLAPS };
+            layer::unfold(&mut mesh, &mut phase, periodic, bodies, most);
         }
         if restores_volumes(options) {
             mesh.points = with_exact_volumes(&mesh, &phase, images, options.element_size_mm);

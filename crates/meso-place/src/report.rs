@@ -284,10 +284,20 @@ impl Report {
         Some(format!("short of the target{why}: {}", self.stop_detail))
     }
 
+    /// Whether the fraction falls short of the target; within 2 % of it only where the search for poses ended early.
+    pub fn is_short(&self) -> bool {
+        self.stop_reason != StopReason::TargetReached || self.off() < -COARSE
+    }
+
+    /// Difference of the fraction from its target, as a share of that.
+    fn off(&self) -> f64 {
+        let asked: f64 = self.classes.iter().map(|class| class.target_fraction).sum();
+        self.fraction / asked - 1.0
+    }
+
     /// Says that grains are so large for their specimen that the fraction is off, though every class is within one of them.
     fn coarse_grains(&self) -> Option<String> {
-        let asked: f64 = self.classes.iter().map(|class| class.target_fraction).sum();
-        let off = self.fraction / asked - 1.0;
+        let off = self.off();
         (off.abs() > COARSE).then(|| {
             let (fraction, percent) = (self.fraction, 100.0 * off);
             format!(

@@ -5,7 +5,7 @@
 
 use super::periodic::{Faces, Flat};
 use crate::cells::{NO_BODY, Owners, Phase, by_nodes};
-use crate::tet::TetMesh;
+use crate::tet::{TetMesh, volume};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::{parallel, stop};
@@ -15,11 +15,12 @@ const ROUNDS: usize = 3;
 /// How far from a face's middle its body's surface is asked, as a share of the face's size.
 const NEAR: f64 = 0.05;
 
-/// Gives the mortar the flaps of the `bodies` that get a layer, whose indices the cells carry.
-pub(crate) fn unfold(mesh: &mut TetMesh, phase: &mut [Phase], periodic: [bool; 3], bodies: &[Aggregate]) {
+/// Gives the mortar the flaps of the `bodies` that get a layer, whose indices the cells carry. A body whose flaps would be more
+/// than the share `most` of it in a round keeps them.
+pub(crate) fn unfold(mesh: &mut TetMesh, phase: &mut [Phase], periodic: [bool; 3], bodies: &[Aggregate], most: f64) {
     let sides = Faces::of(mesh, periodic);
     for _ in 0..ROUNDS {
-        let flaps = flaps(mesh, &sides, bodies);
+        let flaps = flaps(mesh, &sides, bodies, most);
         for &cell in &flaps {
             mesh.owner[cell as usize] = NO_BODY;
             phase[cell as usize] = Phase::Mortar;
@@ -35,7 +36,7 @@ type Side = (u32, u32, u8, bool);
 
 /// The cells with two or more faces to the mortar, one of which looks into the body, and more so than those that would then be
 /// its surface; none at faces across which the mesh repeats itself, whose opposite ones must have the same.
-fn flaps(mesh: &TetMesh, at: &Faces, bodies: &[Aggregate]) -> Vec<u32> {
+fn flaps(mesh: &TetMesh, at: &Faces, bodies: &[Aggregate], most: f64) -> Vec<u32> {
     let owners = Owners::of(mesh.by_body());
     let lies_on = |node: u32| owners.are_several(node) && at.flat(node) == Flat::SPACE;
     let has_layer = |owner: u32| owner != NO_BODY && bodies[owner as usize].itz_thickness_mm > 0.0;
@@ -56,11 +57,12 @@ fn flaps(mesh: &TetMesh, at: &Faces, bodies: &[Aggregate]) -> Vec<u32> {
     let mut sides: Vec<Side> = sides.filter_map(side).collect();
     sides.sort_unstable();
     let of_bodies: Vec<&[Side]> = sides.chunk_by(|a, b| a.0 == b.0).collect();
-    parallel::flat_map(of_bodies.len(), |body| folded(mesh, &bodies[of_bodies[body][0].0 as usize], of_bodies[body]))
+    let body = |sides: &[Side]| &bodies[sides[0].0 as usize];
+    parallel::flat_map(of_bodies.len(), |at| folded(mesh, body(of_bodies[at]), of_bodies[at], most))
 }
 
-/// The flaps among the cells of a `body` with these `sides`.
-fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side]) -> Vec<u32> {
+/// The flaps among the cells of a `body` with these `sides`, unless they are more than the share `most` of it.
+fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side], most: f64) -> Vec<u32> {
     stop::point();
     let may_be = |sides: &&[Side]| sides.iter().filter(|side| side.3).count() > 1;
     let of_cells: Vec<&[Side]> = sides.chunk_by(|a, b| a.1 == b.1).filter(may_be).collect();
@@ -86,5 +88,7 @@ fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side]) -> Vec<u32> {
         let now = least(true, 1.0);
         now < 0.0 && least(false, -1.0) > now
     };
-    of_cells.iter().filter(is_flap).map(|sides| sides[0].1).collect()
+    let flaps: Vec<u32> = of_cells.iter().filter(is_flap).map(|sides| sides[0].1).collect();
+    let lost: f64 = flaps.iter().map(|&cell| volume(mesh.corners(mesh.cell(cell)))).sum();
+    if lost <= most * body.volume() { flaps } else { Vec::new() }
 }

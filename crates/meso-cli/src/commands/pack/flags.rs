@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(long, default_value = "none", value_parser = names::parser::<Images>())]
     #[arg(hide_short_help = true)]
     pub(super) images: Images,
-    /// Exit with 3 when the target is not reached, or missed by more than 2 %
+    /// Exit with 3 when the target is not reached
     #[arg(long, hide_short_help = true)]
     pub(super) strict: bool,
     /// Compress the data of a .vtu or .vtp (zlib)

@@ -112,11 +112,10 @@ fn row(name: &str, asked: f64, reached: f64, bodies: usize) {
 
 /// Exit code of a run that wrote its files; prints why its fraction is not the one asked for.
 fn exit_code(report: &Report, strict: bool) -> u8 {
-    let off = report.shortfall();
-    off.iter().for_each(|off| stderr::line(format!("warning: {off}")));
+    report.shortfall().iter().for_each(|off| stderr::line(format!("warning: {off}")));
     match report.stop_reason {
         StopReason::Interrupted => INTERRUPTED,
-        _ if strict && off.is_some() => SHORT,
+        _ if strict && report.is_short() => SHORT,
         _ => 0,
     }
 }
