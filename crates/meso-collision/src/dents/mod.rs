@@ -7,7 +7,9 @@ mod height_grid;
 mod inset;
 mod reduced;
 mod self_crossing;
+mod skin;
 
 pub use height_grid::{Height, HeightGrid};
 pub use reduced::NotReduced;
 pub use self_crossing::SelfCrossing;
+pub use skin::Skin;
