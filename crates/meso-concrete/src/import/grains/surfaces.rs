@@ -245,9 +245,14 @@ impl<'a> GrainSurfaces<'a> {
         let mut mesh = given.clone();
         if limit > 0.0 {
             mesh = given.simplified(limit, &self.walls());
-            // Merged triangles changed the volume a little.
-            let offset = (given.volume() - mesh.volume()) / area(&mesh);
-            let normals = normals(&mesh);
+            // Merged triangles changed the volume a little. Caps stay in their walls.
+            let walls = self.walls();
+            let in_wall =
+                |t: &[u32; 3], side: usize| t.iter().all(|&v| mesh.vertices[v as usize][side / 2] == walls.end(side));
+            let free = mesh.triangles.iter().filter(|t| !(0..6).any(|side| in_wall(t, side))).copied().collect();
+            let free = TriangleMesh { vertices: mesh.vertices.clone(), triangles: free };
+            let offset = (given.volume() - mesh.volume()) / area(&free);
+            let normals = normals(&free);
             mesh.vertices.iter_mut().zip(normals).for_each(|(vertex, normal)| *vertex += normal * offset);
         }
         let (part, counts) = (&self.parts.grains[grain], &self.parts.counts);
