@@ -100,7 +100,9 @@ fn the_itz_of_balls_that_faces_of_a_label_volume_cut_ends_at_the_cut_in_meshes_a
                 let of = |which: &str| figures["quality"][which]["itz"].as_f64().unwrap();
                 let [meshed, exact] = [of("volumes_mm3"), of("exact_volumes_mm3")];
                 assert!(is_near(exact, 0.05), "{middle:?} {t}: {exact} of {expected}");
-                assert!((meshed / exact - 1.0).abs() < 0.01, "{middle:?} {t} {flags:?}: {meshed} of {exact}");
+                // A layer of 0.3 mm on smaller voxels: tests/mesh/caps.rs.
+                let most = if method == "voxel" { 0.05 } else { 0.01 };
+                assert!((meshed / exact - 1.0).abs() < most, "{middle:?} {t} {flags:?}: {meshed} of {exact}");
                 assert_eq!(figures["notes"]["closed_side_gaps"], 0);
             }
             let image =
