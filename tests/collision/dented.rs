@@ -323,7 +323,7 @@ fn rows_depths_and_volumes_of_bodies_with_dents_are_those_of_their_cubes() {
             assert_eq!(row.iter().any(|[from, to]| (from..to).contains(&&middle.x)), cells.contains(&[i, j, k]));
         }
     }
-    let (deepest, depth) = surface.deepest();
+    let (deepest, depth) = body.skin(0.0).deepest();
     assert!(depth > 1.0 / 1.05 && (surface.depth(&deepest) - depth).abs() < 1e-12, "{depth}");
     assert!(body.inward_offset(0.1).is_err() && body.sieve_size() == body.hull().unwrap().sieve_size());
 }

@@ -1,5 +1,6 @@
 //! Tests of meshes, through the facade.
 
+mod caps;
 mod conforming_retries;
 mod distance;
 mod itz;

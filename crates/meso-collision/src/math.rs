@@ -58,6 +58,11 @@ impl Aabb {
         self.max - self.min
     }
 
+    /// The coordinate of a side: the lower and the upper one along x, y and z.
+    pub fn end(&self, side: usize) -> f64 {
+        [self.min, self.max][side % 2][side / 2]
+    }
+
     /// The box with `margin` more on every side.
     #[must_use]
     pub fn grown(&self, margin: f64) -> Self {

@@ -20,7 +20,7 @@ mod thousands;
 pub mod watch;
 
 pub use out_of_range::{OutOfRange, Ranges};
-pub use parts::Parts;
+pub use parts::{Parts, mark_caps};
 pub use printable::printable;
 pub use room::Room;
 pub use thousands::thousands;

@@ -1,7 +1,9 @@
 //! Bodies inside a specimen, borrowed from whoever owns them.
 
 use crate::aggregate::Aggregate;
+use crate::parallel;
 use crate::specimen::Specimen;
+use meso_collision::math::Aabb;
 use std::borrow::Cow;
 
 /// Disjoint bodies and the specimen that contains them: the input of meshing and of the figures on a mesh.
@@ -17,4 +19,14 @@ impl<'a, B: AsRef<[Aggregate]> + ?Sized> From<(&'a B, &'a Specimen)> for Parts<'
     fn from((bodies, specimen): (&'a B, &'a Specimen)) -> Self {
         Self { bodies: Cow::Borrowed(bodies.as_ref()), specimen }
     }
+}
+
+/// Makes caps of the triangles of aggregates with dents that lie exactly in a side of a box across which it does not repeat
+/// itself: they end there as grains do that a scan cuts, and have no ITZ there. Convex aggregates have none.
+pub fn mark_caps(aggregates: &mut [Aggregate], specimen: &Specimen) {
+    if aggregates.iter().all(|aggregate| aggregate.body.is_convex()) || !specimen.container().is_box() {
+        return;
+    }
+    let sides = specimen.period().mixed(&Aabb::everywhere(), &specimen.aabb());
+    parallel::each_mut(aggregates, |_, aggregate| aggregate.body = aggregate.body.clone().with_caps_in(&sides));
 }

@@ -38,6 +38,11 @@ impl BodyImages {
         &self.all[self.places(body)]
     }
 
+    /// The caps of a body, a bit for each of the [`SIDES`](crate::cells::SIDES); its images have the same ones.
+    pub(crate) fn caps(&self, body: u32) -> u8 {
+        self.images(body).first().map_or(0, |body| body.body.caps())
+    }
+
     /// Replaces places in `all` by the indices of their bodies.
     pub(crate) fn name_bodies(&self, owner: &mut [u32]) {
         parallel::each_short_mut(owner, |_, owner| {

@@ -6,7 +6,8 @@
 
 use crate::cells::{NO_BODY, Phase};
 use crate::planes::{self, EightPlanes};
-use meso_collision::geometry::{Plane, Round, Triangles};
+use meso_collision::dents::Skin;
+use meso_collision::geometry::{Plane, Round};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -22,8 +23,8 @@ pub struct Facets {
     planes: Vec<Plane>,
     /// The planes again.
     eights: Vec<EightPlanes>,
-    /// The surface of a body with dents, of which the planes tell nothing.
-    dents: Option<Triangles>,
+    /// The surface and the skin of a body with dents, of which the planes tell nothing.
+    dents: Option<Skin>,
     /// A ball or an ellipsoid, which needs no planes.
     round: Option<Round>,
     /// Shell thickness in this mesh, mm; 0: no shell.
@@ -41,19 +42,22 @@ impl Facets {
         let round = a.body.round();
         let planes: Vec<Plane> = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
         let eights = EightPlanes::all(&planes);
-        let dents = (!a.body.is_convex()).then(|| a.body.surface());
+        let dents = (!a.body.is_convex()).then(|| a.body.skin(shell));
         Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, eights, dents, round, shell }
     }
 
     /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.
     pub fn depth_below_shell(&self, x: &Vec3) -> f64 {
-        -self.height(x) - self.shell
+        match &self.dents {
+            Some(skin) => skin.depth_below(x, self.shell),
+            None => -self.height(x) - self.shell,
+        }
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
     pub fn height(&self, x: &Vec3) -> f64 {
         match (&self.dents, &self.round) {
-            (Some(surface), _) => -surface.depth(x),
+            (Some(skin), _) => -skin.surface().depth(x),
             (None, Some(round)) => round.height(x),
             (None, None) => planes::height_over(&self.eights, x),
         }
@@ -61,8 +65,8 @@ impl Facets {
 
     /// The part of the segment from `inside` to `outside` that lies within the body, 0 to 1.
     pub(crate) fn exit(&self, inside: &Vec3, outside: &Vec3) -> f64 {
-        if let Some(surface) = &self.dents {
-            return surface.exit(inside, outside);
+        if let Some(skin) = &self.dents {
+            return skin.surface().exit(inside, outside);
         }
         let direction = outside - inside;
         if let Some(round) = &self.round {
@@ -285,13 +289,19 @@ impl Facets {
     fn spans(&self, y: f64, z: f64) -> Option<Vec<[f64; 2]>> {
         let chord = |round: &Round| round.chord(&Vec3::new(0.0, y, z), &Vec3::x());
         let of_round = || self.round.as_ref().map(|round| chord(round).into_iter().map(<[f64; 2]>::from).collect());
-        self.dents.as_ref().map(|surface| surface.row(y, z)).or_else(of_round)
+        self.dents.as_ref().map(|skin| skin.surface().row(y, z)).or_else(of_round)
+    }
+
+    /// Whether a point of the body, at this height, is in its shell.
+    pub(crate) fn has_in_shell(&self, x: &Vec3, height: f64) -> bool {
+        // Below caps points are deeper than below the whole surface.
+        height > -self.shell && (self.dents.is_none() || !self.is_deep(x))
     }
 
     /// True for points of the body that lie deeper than the shell.
     fn is_deep(&self, point: &Vec3) -> bool {
         match &self.dents {
-            Some(surface) => surface.nearest(point).is_none_or(|near| near.1 > self.shell),
+            Some(skin) => skin.nearest(point).is_none_or(|near| near.1 > self.shell),
             None => -self.height(point) > self.shell,
         }
     }

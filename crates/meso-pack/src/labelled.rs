@@ -12,7 +12,7 @@ use meso_concrete::import::grains::{
 use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
-use meso_concrete::{OutOfRange, Ranges, parallel};
+use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
 use meso_place::{LabelReport, Report, StopReason};
 use meso_spec::{Spec, SpecError};
 
@@ -229,20 +229,21 @@ fn assembled(
     let grading = measured(&sizes, &volumes);
     let classes = grading.classes();
     let class = |size: f64| classes.iter().position(|class| size <= class.d_max_mm).unwrap_or(classes.len() - 1) as u16;
-    let thickness = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.surface().deepest().1) } else { 0.0 };
-    let thicknesses = parallel::map_each(&bodies, thickness);
-    let limited = (0..).zip(&thicknesses).filter(|(_, thickness)| **thickness < itz).map(|(id, _)| id).collect();
-    let is_thin = |id: usize| thicknesses[id] > 0.0 && bodies[id].is_thin(thicknesses[id]);
-    let itz_thin = parallel::filter(bodies.len(), is_thin);
     let aggregate = |(id, body): (usize, Polyhedron)| Aggregate {
         id: id as u32,
         kind: Kind::Aggregate,
         class: class(sizes[id]),
-        itz_thickness_mm: thicknesses[id],
+        itz_thickness_mm: 0.0,
         body,
     };
-    let aggregates: Vec<Aggregate> = bodies.into_iter().enumerate().map(aggregate).collect();
+    let mut aggregates: Vec<Aggregate> = bodies.into_iter().enumerate().map(aggregate).collect();
     let specimen = Specimen::cuboid([0, 1, 2].map(|axis| counts[axis] as f64 * spacing[axis]));
+    mark_caps(&mut aggregates, &specimen);
+    let most = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.skin(itz).deepest().1) } else { 0.0 };
+    parallel::each_mut(&mut aggregates, |_, grain| grain.itz_thickness_mm = most(&grain.body));
+    let limited = aggregates.iter().filter(|grain| grain.itz_thickness_mm < itz).map(|grain| grain.id).collect();
+    let is_thin = |grain: &Aggregate| grain.itz_thickness_mm > 0.0 && grain.body.is_thin(grain.itz_thickness_mm);
+    let itz_thin = parallel::filter(aggregates.len(), |id| is_thin(&aggregates[id]));
     let fraction = volumes.iter().sum::<f64>() / specimen.volume();
     let spec = Spec { fraction, specimen, grading, itz: Itz { thickness_mm: [itz; 2] }, ..Spec::default() };
     spec.validate()?;

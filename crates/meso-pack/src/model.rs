@@ -6,7 +6,7 @@ use meso_concrete::aggregate::take::{Mixture, take};
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
-use meso_concrete::{Parts, parallel};
+use meso_concrete::{Parts, mark_caps, parallel};
 use meso_place::{GrainTally, PackingTarget, Pose, Report, Request, Seconds, Strategy};
 use meso_spec::{Spec, SpecError};
 use std::borrow::Cow;
@@ -46,6 +46,7 @@ pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     meso_place::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
+    mark_caps(&mut aggregates, specimen);
     let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     let report = meso_place::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);

@@ -19,7 +19,7 @@ impl Polyhedron {
         }
     }
 
-    /// Volume of the points deeper than `thickness` mm in a body with dents or an ellipsoid, mm3.
+    /// Volume of the points deeper than `thickness` mm in a body with dents, below its [skin](Self::skin), or in an ellipsoid, mm3.
     ///
     /// Cubes cut off by a curved surface count 0.2 % too much at this size. They do so at both depths, so the ratio of the
     /// volumes is exact to 2 % of the shell.
@@ -27,13 +27,13 @@ impl Polyhedron {
         let aabb = self.aabb();
         let levels = [thickness, 0.0];
         let [core, whole] = match self.round() {
-            Some(round) => aabb.volumes_above(EROSION_HALVINGS, levels, |x, _, _: Option<&()>| (-round.height(x), ())),
+            Some(round) => aabb.volumes_above(EROSION_HALVINGS, |x, _, _: Option<&()>| {
+                let depth = -round.height(x);
+                (levels.map(|level| depth - level), ())
+            }),
             None => {
-                let surface = self.surface();
-                aabb.volumes_above(EROSION_HALVINGS, levels, |x, reach, around| {
-                    let found = surface.depth_within(x, reach, around);
-                    (found.depth, found)
-                })
+                let skin = self.skin(thickness);
+                aabb.volumes_above(EROSION_HALVINGS, |x, reach, around| skin.depths_below(x, levels, reach, around))
             }
         };
         self.volume() * (core / whole)

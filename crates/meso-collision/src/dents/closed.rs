@@ -43,39 +43,6 @@ impl Triangles {
         if self.contains(point) { distance } else { -distance }
     }
 
-    /// The depth of `point`, and the triangles that are the nearest ones of points within `reach` mm of it; none of them
-    /// where `reach` is negative. `around` is the answer for a point whose reach this one is in.
-    pub(super) fn depth_within(&self, point: &Vec3, reach: f64, around: Option<&Depth>) -> Depth {
-        let (mut near, mut best) = (Vec::new(), (f64::INFINITY, 0));
-        let mut look = |triangle: u32| {
-            let distance = self.nearest_of(triangle, point).1;
-            best = if (distance, triangle) < best { (distance, triangle) } else { best };
-            if distance <= best.0 + 2.0 * reach {
-                near.push((distance, triangle));
-            }
-        };
-        match around {
-            Some(around) => around.triangles.iter().for_each(|triangle| look(*triangle)),
-            None => (0..self.corners().len() as u32).for_each(look),
-        }
-        let (distance, triangle) = best;
-        let is_inside = match around.filter(|around| (around.point - point).norm() < around.depth.abs()) {
-            Some(around) => around.depth > 0.0,
-            None => self.is_below(triangle, point, distance).unwrap_or_else(|| self.contains(point)),
-        };
-        near.retain(|near| near.0 <= distance + 2.0 * reach);
-        let triangles = near.into_iter().map(|near| near.1).collect();
-        Depth { point: *point, triangles, depth: if is_inside { distance } else { -distance } }
-    }
-
-    /// Whether a point lies on the inner side of its nearest triangle; `None` unless it lies straight above or below it.
-    fn is_below(&self, nearest: u32, point: &Vec3, distance: f64) -> Option<bool> {
-        let [a, b, c] = self.of(nearest);
-        let normal = (b - a).cross(&(c - a));
-        let height = normal.dot(&(point - a)) / normal.norm();
-        (height.abs() > distance * STRAIGHT && distance > 0.0).then_some(height < 0.0)
-    }
-
     /// The parts of the line through (y, z) along x that lie in the body, ascending: pairs of coordinates, mm.
     pub fn row(&self, y: f64, z: f64) -> Vec<[f64; 2]> {
         let crossings = self.crossings(0, &Vec3::new(0.0, y, z), [f64::NEG_INFINITY, f64::INFINITY]);
@@ -117,31 +84,6 @@ impl Triangles {
         near.filter_map(crossing).fold(1.0, f64::min).max(0.0)
     }
 
-    /// A point inside that is about as deep as any, and its depth, mm.
-    ///
-    /// Cubes that may hold a point deeper by 5 % are divided, down to 1/64 of the longest side.
-    pub fn deepest(&self) -> (Vec3, f64) {
-        let aabb = self.aabb();
-        let mut half = aabb.size().max() / 2.0;
-        let mut cubes = vec![(aabb.min + aabb.max) / 2.0];
-        let mut best = (cubes[0], 0.0);
-        for _ in 0..MOST_HALVINGS {
-            let depths: Vec<f64> = cubes.iter().map(|middle| self.depth(middle)).collect();
-            for (middle, depth) in cubes.iter().zip(&depths) {
-                best = if *depth > best.1 { (*middle, *depth) } else { best };
-            }
-            let reach = half * 3.0_f64.sqrt();
-            let may_be_deeper = |depth: f64| depth + reach > best.1 * ENOUGH;
-            let kept = cubes.iter().zip(&depths).filter(|(_, depth)| may_be_deeper(**depth));
-            half /= 2.0;
-            cubes = kept.flat_map(|(middle, _)| eighths(*middle, half)).collect();
-            if cubes.is_empty() {
-                break;
-            }
-        }
-        best
-    }
-
     /// True when the bodies are proved more than `gap` mm apart. Both surfaces must be closed and connected.
     ///
     /// Bodies whose coordinates are too large or too small to be asked about are not proved apart.
@@ -172,15 +114,6 @@ impl Triangles {
     }
 }
 
-/// A point, its depth, mm, and the triangles that are the nearest ones of points around it.
-pub(super) struct Depth {
-    point: Vec3,
-    triangles: Vec<u32>,
-    pub(super) depth: f64,
-}
-
-/// Least cosine between a normal and the way to the nearest point of a triangle that decides on the side.
-const STRAIGHT: f64 = 1.0 - 1e-9;
 /// Crossings this close to the edge of a triangle, as a share of its size, count.
 const ROUNDING_OF_AN_EXIT: f64 = 1e-9;
 /// Divisions of the box in a search for the deepest point.
@@ -189,35 +122,58 @@ const MOST_HALVINGS: usize = 7;
 const ENOUGH: f64 = 1.05;
 
 impl Aabb {
+    /// A point in this box that is about as deep as any, and its depth, mm.
+    ///
+    /// Cubes that may hold a point deeper by 5 % are divided, down to 1/64 of the longest side.
+    pub(super) fn deepest(&self, depth: impl Fn(&Vec3) -> f64) -> (Vec3, f64) {
+        let mut half = self.size().max() / 2.0;
+        let mut cubes = vec![(self.min + self.max) / 2.0];
+        let mut best = (cubes[0], 0.0);
+        for _ in 0..MOST_HALVINGS {
+            let depths: Vec<f64> = cubes.iter().map(&depth).collect();
+            for (middle, depth) in cubes.iter().zip(&depths) {
+                best = if *depth > best.1 { (*middle, *depth) } else { best };
+            }
+            let reach = half * 3.0_f64.sqrt();
+            let may_be_deeper = |depth: f64| depth + reach > best.1 * ENOUGH;
+            let kept = cubes.iter().zip(&depths).filter(|(_, depth)| may_be_deeper(**depth));
+            half /= 2.0;
+            cubes = kept.flat_map(|(middle, _)| eighths(*middle, half)).collect();
+            if cubes.is_empty() {
+                break;
+            }
+        }
+        best
+    }
+
     /// Volume of the points where `height` is positive, mm3, in the cube about this box. The height has a slope of 1.
     ///
     /// Cubes are halved `halvings` times where the surface may divide them, and the last ones count in part.
     pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
-        let [volume] = self.volumes_above(halvings, [0.0], |point, _, _: Option<&()>| (height(point), ()));
+        let [volume] = self.volumes_above(halvings, |point, _, _: Option<&()>| ([height(point)], ()));
         volume
     }
 
-    /// Volumes of the points where the height is above each of the `levels`, mm3, in the cube about this box. The height has a
-    /// slope of 1; `height` gives it with a note for the eight cubes within, which get it from the cube around them. It also
-    /// gets the farthest that their middles and corners are from that of the cube, below 0 where the cube is a last one.
+    /// Volumes of the points where each of several heights is positive, mm3, in the cube about this box. Heights have a slope of
+    /// 1; `heights` gives them with a note for the eight cubes within, which get it from the cube around them. It also gets the
+    /// farthest that their middles and corners are from that of the cube, below 0 where the cube is a last one.
     ///
     /// Cubes are halved `halvings` times where a surface may divide them. The share of the last ones follows from the
     /// height at their middle, as if the surface were a plane across an axis.
     pub(super) fn volumes_above<const N: usize, T>(
         &self,
         halvings: usize,
-        levels: [f64; N],
-        height: impl Fn(&Vec3, f64, Option<&T>) -> (f64, T),
+        heights: impl Fn(&Vec3, f64, Option<&T>) -> ([f64; N], T),
     ) -> [f64; N] {
         let (mut half, mut volumes) = (self.size().max() / 2.0, [0.0; N]);
         let mut divided: Vec<(Vec3, [bool; N], T)> = Vec::new();
         for halving in 0..=halvings {
             let (reach, whole, is_last) = (half * 3.0_f64.sqrt(), 8.0 * half.powi(3), halving == halvings);
             let mut asked = |middle: Vec3, undecided: &[bool; N], around: Option<&T>| {
-                let (height, note) = height(&middle, if is_last { -1.0 } else { reach }, around);
+                let (heights, note) = heights(&middle, if is_last { -1.0 } else { reach }, around);
                 let mut divides = [false; N];
                 for i in (0..N).filter(|&i| undecided[i]) {
-                    let height = height - levels[i];
+                    let height = heights[i];
                     if height >= reach {
                         volumes[i] += whole;
                     } else if height > -reach && is_last {

@@ -19,33 +19,48 @@ impl Polyhedron {
     /// meet.
     pub fn inset(&self, thickness: f64) -> Option<Self> {
         let inner = self.moved_inwards(thickness);
-        let is_near = self.off(&inner, |depth| depth / thickness - 1.0) <= MOST_OFF;
-        (is_near && inner.volume() > 0.0).then_some(inner)
+        let is_near = self.off(&inner, thickness, |depth| depth / thickness - 1.0) <= MOST_OFF;
+        (is_near && inner.body.volume() > 0.0).then_some(inner.body)
     }
 
     /// Whether a body with dents has parts thinner than two shells of `thickness` mm: corners that move inwards come out too
     /// near to the other side, by more than a tenth of the thickness, root mean square over all corners.
     pub fn is_thin(&self, thickness: f64) -> bool {
         let inner = self.moved_inwards(thickness);
-        self.off(&inner, |depth| (depth / thickness - 1.0).min(0.0)) > MOST_OFF
+        self.off(&inner, thickness, |depth| (depth / thickness - 1.0).min(0.0)) > MOST_OFF
     }
 
-    /// Each corner where its faces meet that are moved `thickness` mm inwards.
-    fn moved_inwards(&self, thickness: f64) -> Self {
-        let mut around: Vec<Vec<Vec3>> = vec![Vec::new(); self.vertices().len()];
-        for (triangle, plane) in self.triangles().zip(self.planes()) {
-            triangle.iter().for_each(|&corner| around[corner as usize].push(plane.normal));
+    /// Each corner where the faces of its skin meet that are moved `thickness` mm inwards; corners of caps stay in their planes.
+    fn moved_inwards(&self, thickness: f64) -> Inner {
+        let (cuts, mut around) = (self.cuts(), vec![Vec::new(); self.vertices().len()]);
+        for ((triangle, plane), corners) in self.triangles().zip(self.planes()).zip(self.corners()) {
+            if cuts.is_some_and(|cuts| cuts.cap(&corners)) {
+                continue;
+            }
+            for (number, corner) in triangle.into_iter().zip(corners) {
+                let slope = cuts.map_or(plane.normal, |cuts| cuts.along(&corner, &plane.normal));
+                around[number as usize].push(slope);
+            }
         }
         let moved = self.vertices().iter().zip(&around).map(|(vertex, normals)| vertex + inward(normals, thickness));
-        Self::from_parts(moved.collect(), self.triangles()).with_dents()
+        let body = Self::from_parts(moved.collect(), self.triangles()).with_caps(self.caps());
+        Inner { body, is_below_skin: around.iter().map(|normals| !normals.is_empty()).collect() }
     }
 
-    /// Root mean square over the corners of `inner` of what `of` makes of their depths in this body.
-    fn off(&self, inner: &Self, of: impl Fn(f64) -> f64) -> f64 {
-        let surface = self.surface();
-        let squares = inner.vertices().iter().map(|corner| of(surface.depth(corner)).powi(2));
-        (squares.sum::<f64>() / inner.vertices().len() as f64).sqrt()
+    /// Root mean square of what `of` makes of the depths in this body of the corners of `inner` below its skin.
+    fn off(&self, inner: &Inner, thickness: f64, of: impl Fn(f64) -> f64) -> f64 {
+        let skin = self.skin(thickness);
+        let corners = inner.body.vertices().iter().zip(&inner.is_below_skin).filter(|(_, is_below)| **is_below);
+        let squares = corners.clone().map(|(corner, _)| of(skin.depth(corner)).powi(2));
+        (squares.sum::<f64>() / corners.count() as f64).sqrt()
     }
+}
+
+/// The inner side of a shell.
+struct Inner {
+    body: Polyhedron,
+    /// The corners that faces of the skin have; others lie in caps.
+    is_below_skin: Vec<bool>,
 }
 
 /// The displacement of a corner that brings it `thickness` below the planes of its faces, least squares.

@@ -8,7 +8,9 @@ mod inset;
 mod reduced;
 mod reduced_hull;
 mod self_crossing;
+mod skin;
 
 pub use height_grid::{Height, HeightGrid};
 pub use reduced::NotReduced;
 pub use self_crossing::SelfCrossing;
+pub use skin::Skin;

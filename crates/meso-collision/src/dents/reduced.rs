@@ -45,14 +45,14 @@ impl TriangleMesh {
     }
 
     /// The surface with all edges collapsed whose root mean square quadric error is at most `limit` mm: a few times faster
-    /// than [`reduced`](Self::reduced), and nothing is proved.
-    pub fn simplified(&self, limit: f64) -> Self {
-        Reduction::new(self).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
+    /// than [`reduced`](Self::reduced), and nothing is proved. Vertices in a side of `walls` stay in it.
+    pub fn simplified(&self, limit: f64, walls: &Aabb) -> Self {
+        Reduction::new(self, walls).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
     }
 
     fn reduced_within(&self, distance: f64, is_last: bool) -> Result<Self, NotReduced> {
         let given = self.facets();
-        let stages = Reduction::new(self).stages(&LIMITS.map(|limit| limit * distance));
+        let stages = Reduction::new(self, &Aabb::everywhere()).stages(&LIMITS.map(|limit| limit * distance));
         let is_accepted = |reduced: &Self| {
             let found = reduced.facets();
             let crosses = || (SelfCrossing { mesh: reduced, facets: &found }).find().is_some();
@@ -139,8 +139,9 @@ impl Quadric {
         ((x.dot(&(self.a * x)) + 2.0 * self.b.dot(x) + self.c) / self.area.max(f64::MIN_POSITIVE)).max(0.0)
     }
 
-    /// The position of the least error near an edge, and that error. Flat regions leave it to the edge.
-    fn best(&self, ends: [&Vec3; 2]) -> (Vec3, f64) {
+    /// The position of the least error near an edge, and that error. Flat regions leave it to the edge. `held` puts a position
+    /// where its vertex has to stay.
+    fn best(&self, ends: [&Vec3; 2], held: impl Fn(Vec3) -> Vec3) -> (Vec3, f64) {
         let middle = (ends[0] + ends[1]) / 2.0;
         let reach = (ends[0] - ends[1]).norm();
         // A little of the identity keeps the position near the middle where planes do not determine it.
@@ -148,7 +149,7 @@ impl Quadric {
         let solved = system.try_inverse().map(|inverse| inverse * (middle * (REGULAR * self.area) - self.b));
         let near = solved.filter(|x| (x - middle).norm() <= reach);
         let candidates = near.into_iter().chain([middle, *ends[0], *ends[1]]);
-        let errors = candidates.map(|x| (x, self.mean_square(&x)));
+        let errors = candidates.map(held).map(|x| (x, self.mean_square(&x)));
         errors.min_by(|p, q| p.1.total_cmp(&q.1)).unwrap_or((middle, f64::INFINITY))
     }
 }
@@ -164,9 +165,24 @@ fn cross([a, b, c]: &[Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
 
+/// Bits of the lower sides.
+const LOWER: u8 = 0b01_0101;
+
+/// `x` moved into the sides of a box that have bits.
+fn put(mut x: Vec3, sides: u8, aabb: &Aabb) -> Vec3 {
+    if sides == 0 {
+        return x;
+    }
+    (0..6).filter(|bit| sides >> bit & 1 == 1).for_each(|bit| x[bit / 2] = aabb.end(bit));
+    x
+}
+
 /// A surface while its edges are collapsed. Coordinates are about the middle of its box, for precision.
 struct Reduction {
     origin: Vec3,
+    walls: Aabb,
+    /// The sides of `walls` that each vertex has to stay in: a bit for each, lower and upper along x, y and z.
+    held: Vec<u8>,
     points: Vec<Vec3>,
     quadrics: Vec<Quadric>,
     triangles: Vec<[u32; 3]>,
@@ -179,12 +195,15 @@ struct Reduction {
 }
 
 impl Reduction {
-    fn new(mesh: &TriangleMesh) -> Self {
+    fn new(mesh: &TriangleMesh, walls: &Aabb) -> Self {
         let aabb = Aabb::around(&mesh.vertices);
         let origin = (aabb.min + aabb.max) / 2.0;
         let count = mesh.vertices.len();
+        let held = |v: &Vec3| (0..6).fold(0, |bits, bit| bits | u8::from(v[bit / 2] == walls.end(bit)) << bit);
         let mut reduction = Self {
             origin,
+            walls: *walls,
+            held: mesh.vertices.iter().map(held).collect(),
             points: mesh.vertices.iter().map(|v| v - origin).collect(),
             quadrics: vec![Quadric::default(); count],
             triangles: mesh.triangles.clone(),
@@ -237,7 +256,14 @@ impl Reduction {
 
     fn target(&self, a: u32, b: u32) -> (Vec3, f64) {
         let [p, q] = [a, b].map(|i| i as usize);
-        self.quadrics[p].with(&self.quadrics[q]).best([&self.points[p], &self.points[q]])
+        let held = self.held[p] | self.held[q];
+        // No edge spans the box.
+        if held & held >> 1 & LOWER != 0 {
+            return (self.points[p], f64::INFINITY);
+        }
+        let walls = self.walls.moved(&-self.origin);
+        let hold = |x| put(x, held, &walls);
+        self.quadrics[p].with(&self.quadrics[q]).best([&self.points[p], &self.points[q]], hold)
     }
 
     fn enqueue(&mut self, [a, b]: [u32; 2], most: f64) {
@@ -285,6 +311,7 @@ impl Reduction {
             self.around[a as usize].push(t);
         }
         self.points[a as usize] = position;
+        self.held[a as usize] |= self.held[b as usize];
         self.quadrics[a as usize] = self.quadrics[a as usize].with(&self.quadrics[b as usize]);
         self.changes[a as usize] += 1;
         self.changes[b as usize] += 1;
@@ -310,7 +337,7 @@ impl Reduction {
         for (vertex, around) in self.around.iter().enumerate().filter(|(_, around)| !around.is_empty()) {
             number[vertex] = vertices.len() as u32;
             debug_assert!(around.len() > 2);
-            vertices.push(self.points[vertex] + self.origin);
+            vertices.push(put(self.points[vertex] + self.origin, self.held[vertex], &self.walls));
         }
         let left = self.triangles.iter().filter(|t| t[0] != u32::MAX);
         TriangleMesh { triangles: left.map(|t| t.map(|i| number[i as usize])).collect(), vertices }

@@ -52,7 +52,7 @@ impl From<Polyhedron> for CompactPolyhedron {
         let mut compact = Self {
             lists: Box::default(),
             vertices: vertices.len() as u32,
-            corners: faces.corners as u32 | if faces.form == Form::Dents { CONCAVE } else { 0 },
+            corners: faces.corners as u32 | if body.is_convex() { 0 } else { CONCAVE },
             volume: body.volume(),
         };
         debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed surface");
@@ -133,7 +133,7 @@ impl CompactPolyhedron {
     fn form(&self) -> Form {
         match self.corners & (CONCAVE | ROUND) {
             0 => Form::Convex,
-            CONCAVE => Form::Dents,
+            CONCAVE => Form::Dents { caps: 0 },
             _ => Form::Round,
         }
     }
@@ -147,7 +147,7 @@ impl CompactPolyhedron {
     fn face_count(&self) -> usize {
         let faces = match self.form() {
             Form::Convex => self.corners / 2 + 2 - self.vertices,
-            Form::Dents | Form::Round => self.corner_count() / 3,
+            Form::Dents { .. } | Form::Round => self.corner_count() / 3,
         };
         faces as usize
     }

@@ -18,8 +18,9 @@ pub(crate) enum Form {
     /// The faces bound a convex polyhedron.
     #[default]
     Convex,
-    /// The faces are the triangles of a surface that need not be convex.
-    Dents,
+    /// The faces are the triangles of a surface that need not be convex; `caps` has a bit for each side of its box, lower and
+    /// upper along x, y, z, where a cut ends it.
+    Dents { caps: u8 },
     /// The faces are drawn within a round body, which the first six vertices determine.
     Round,
 }

@@ -52,14 +52,24 @@ impl Polyhedron {
 
     /// The body as one that need not be convex, whose faces must be triangles.
     #[must_use]
-    pub fn with_dents(mut self) -> Self {
-        self.faces.form = Form::Dents;
+    pub fn with_dents(self) -> Self {
+        self.with_caps(0)
+    }
+
+    /// The body as one with dents whose triangles in some sides of its box are caps.
+    pub(crate) fn with_caps(mut self, caps: u8) -> Self {
+        self.faces.form = Form::Dents { caps };
         self
+    }
+
+    /// The sides of its box where a cut ends a body with dents: a bit for each, the lower and the upper one along x, y and z.
+    pub fn caps(&self) -> u8 {
+        if let Form::Dents { caps } = self.faces.form { caps } else { 0 }
     }
 
     /// False for a body with dents, even where it has none.
     pub fn is_convex(&self) -> bool {
-        self.faces.form != Form::Dents
+        !matches!(self.faces.form, Form::Dents { .. })
     }
 
     /// A ball or an ellipsoid. Its vertices lie on it, its faces within; volume, inertia, box, points inside, distances
@@ -101,7 +111,7 @@ impl Polyhedron {
     pub fn has_inner_body(&self) -> bool {
         match self.faces.form {
             Form::Convex => true,
-            Form::Dents => false,
+            Form::Dents { .. } => false,
             Form::Round => self.round().is_some_and(|round| round.radius().is_some()),
         }
     }
@@ -309,7 +319,8 @@ impl Polyhedron {
 
     /// The body moved by `displacement`; every coordinate is rounded once.
     pub fn translated(&self, displacement: &Vec3) -> Self {
-        self.mapped(|v| v + displacement)
+        let moved = self.vertices.iter().map(|v| v + displacement).collect();
+        Self::with_faces(moved, self.faces.clone())
     }
 
     /// The body turned about the origin.
@@ -318,9 +329,11 @@ impl Polyhedron {
         self.mapped(|v| matrix * v)
     }
 
-    /// Maps the vertices by `map`, which must keep the orientation, and keeps the faces.
+    /// Maps the vertices by `map`, which must keep the orientation, and keeps the faces. Caps become a surface like any other.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
-        Self::with_faces(self.vertices.iter().map(map).collect(), self.faces.clone())
+        let mut faces = self.faces.clone();
+        faces.form = if self.is_convex() { faces.form } else { Form::Dents { caps: 0 } };
+        Self::with_faces(self.vertices.iter().map(map).collect(), faces)
     }
 }
 

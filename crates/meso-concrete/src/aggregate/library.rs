@@ -144,10 +144,10 @@ impl Dents {
         let length = longest_distance(mesh.hull()?.vertices());
         let given = Polyhedron::of_surface(mesh);
         let MassProperties { centroid, inertia, .. } = given.mass_properties();
-        let surface = given.surface();
-        let (deepest, depth) = surface.deepest();
+        let skin = given.skin(0.0);
+        let (deepest, depth) = skin.deepest();
         // A ring's centre of mass lies outside of it.
-        let centre = if surface.depth(&centroid) >= DEEP * depth { centroid } else { deepest };
+        let centre = if skin.depth(&centroid) >= DEEP * depth { centroid } else { deepest };
         let turn = right_handed(principal_axes(&inertia)).transpose();
         let body = given.mapped(|v| turn * (v - centre) / length);
         Ok(Self { sieve_size: body.sieve_size(), body })

@@ -1,7 +1,7 @@
 //! The gaps that a mesh closes, where its elements cannot show them: between aggregates, and to the specimen's sides.
 //!
 //! They are counted in the finished mesh, whatever its method: a node closes one when it has cells of two aggregates, or of one and
-//! lies on a flat side of the specimen across which this does not repeat itself.
+//! lies on a flat side of the specimen across which this does not repeat itself. Where a cap lies in the side, there was no gap.
 
 use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners, pairs};
@@ -19,11 +19,11 @@ pub(crate) fn note_closed_gaps(mesh: &mut Mesh, bodies: &BodyImages, sides: &Fla
         if meet.len() > 1 {
             notes.closed_gaps += 1;
         }
-        let x = &mesh.points[node as usize];
-        if sides.have(x) {
-            notes.closed_side_gaps += 1;
-            at_sides.extend(meet.iter().map(|(_, body)| (*body, sides.across(x))));
-        }
+        let across = sides.across(&mesh.points[node as usize]);
+        let gaps = |&(_, body): &(u32, u32)| (body, across & !bodies.caps(body));
+        let first = at_sides.len();
+        at_sides.extend(meet.iter().map(gaps).filter(|(_, across)| *across != 0));
+        notes.closed_side_gaps += usize::from(at_sides.len() > first);
     }
     notes.closed_gap_pairs = pairs.len();
     notes.widest_closed_gap_mm = widest(bodies, &pairs);

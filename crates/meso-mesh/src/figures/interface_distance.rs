@@ -23,7 +23,7 @@ pub struct InterfaceDistance {
     pub rms_mm: f64,
     /// The largest of these distances, mm.
     pub max_mm: f64,
-    /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen.
+    /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen that does not cut it.
     pub joined: usize,
     /// Root mean square of the gaps at these nodes, mm: from the node to the farthest of the aggregates that meet there.
     pub joined_rms_mm: f64,
@@ -57,7 +57,8 @@ impl InterfaceDistance {
         let mut found = Self::default();
         let mut start = 0;
         for meet in pairs.chunk_by(|a, b| a.0 == b.0 || position(a.0) == position(b.0)) {
-            let at_side = sides.have(&mesh.points[meet[0].0 as usize]);
+            let across = sides.across(&mesh.points[meet[0].0 as usize]);
+            let at_side = across != 0 && meet.iter().any(|(_, body)| across & !bodies.caps(*body) != 0);
             found.see(&distances[start..start + meet.len()], meet[0].1 != meet[meet.len() - 1].1, at_side, rounding);
             start += meet.len();
         }

@@ -4,37 +4,34 @@
 //! straight beyond the side, and the lattice ends at the side as it does where an image of a periodic box crosses it.
 
 use meso_collision::geometry::{Polyhedron, TriangleMesh};
-use meso_collision::math::Aabb;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The bodies, those with caps in the sides of `specimen` across `axes` continued by `reach` mm; `None` where none has caps.
-pub(super) fn continued(bodies: &[Aggregate], specimen: &Aabb, axes: [bool; 3], reach: f64) -> Option<Vec<Aggregate>> {
-    let long = parallel::map_each(bodies, |aggregate| long(&aggregate.body, specimen, axes, reach));
+/// The bodies, those with caps continued by `reach` mm; `None` where none has caps.
+pub(super) fn continued(bodies: &[Aggregate], reach: f64) -> Option<Vec<Aggregate>> {
+    let long = parallel::map_each(bodies, |aggregate| long(&aggregate.body, reach));
     let mut all = long.iter().any(Option::is_some).then(|| bodies.to_vec())?;
     all.iter_mut().zip(long).filter_map(|(all, long)| Some((all, long?))).for_each(|(all, long)| all.body = long);
     Some(all)
 }
 
 /// A body with caps, continued.
-fn long(body: &Polyhedron, specimen: &Aabb, axes: [bool; 3], reach: f64) -> Option<Polyhedron> {
-    let reached = body.aabb();
-    let ends = |axis| [(axis, specimen.min[axis], -reach), (axis, specimen.max[axis], reach)];
-    let is_reached = |&(axis, side, _): &(usize, f64, f64)| side == reached.min[axis] || side == reached.max[axis];
-    let mut sides = (0..3).filter(|axis| axes[*axis]).flat_map(ends).filter(is_reached).peekable();
-    if body.is_convex() || sides.peek().is_none() {
+fn long(body: &Polyhedron, reach: f64) -> Option<Polyhedron> {
+    let (aabb, caps) = (body.aabb(), body.caps());
+    if caps == 0 {
         return None;
     }
     let mut mesh = TriangleMesh { vertices: body.vertices().to_vec(), triangles: body.triangles().collect() };
     // One after the other: walls that stand in a side go on with the caps there.
-    let caps = sides.filter(|&(axis, side, way)| extrude(&mut mesh, axis, side, way)).count();
-    (caps > 0).then(|| Polyhedron::of_surface(&mesh))
+    let sides = (0..3).flat_map(|axis| [(axis, aabb.min[axis], -reach), (axis, aabb.max[axis], reach)]);
+    let kept = sides.enumerate().filter(|(bit, _)| caps >> bit & 1 == 1);
+    kept.for_each(|(_, (axis, side, way))| extrude(&mut mesh, axis, side, way));
+    Some(Polyhedron::of_surface(&mesh))
 }
 
-/// Moves the triangles in the plane `side` across `axis` along it by `way`, and joins their rim with its old place; whether
-/// there are any.
-fn extrude(mesh: &mut TriangleMesh, axis: usize, side: f64, way: f64) -> bool {
+/// Moves the triangles in the plane `side` across `axis` along it by `way`, and joins their rim with its old place.
+fn extrude(mesh: &mut TriangleMesh, axis: usize, side: f64, way: f64) {
     let TriangleMesh { vertices, triangles } = mesh;
     let is_cap = |triangle: &[u32; 3]| triangle.iter().all(|&v| vertices[v as usize][axis] == side);
     let (caps, others): (Vec<[u32; 3]>, Vec<[u32; 3]>) = triangles.iter().partition(|triangle| is_cap(triangle));
@@ -62,7 +59,6 @@ fn extrude(mesh: &mut TriangleMesh, axis: usize, side: f64, way: f64) -> bool {
     *triangles = others;
     triangles.extend(caps.iter().map(|&[a, b, c]| [moved(a, b), moved(b, c), moved(c, a)]));
     triangles.extend(rim.iter().flat_map(|&(a, b)| [[a, b, moved(b, a)], [a, moved(b, a), moved(a, b)]]));
-    !caps.is_empty()
 }
 
 #[cfg(test)]
@@ -71,19 +67,22 @@ mod tests {
     use meso_collision::geometry::convex_hull;
     use meso_collision::math::Vec3;
     use meso_concrete::aggregate::Kind;
+    use meso_concrete::mark_caps;
+    use meso_concrete::specimen::Specimen;
 
     fn grain(mesh: &TriangleMesh) -> Aggregate {
-        Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body: Polyhedron::of_surface(mesh) }
+        let body = Polyhedron::of_surface(mesh);
+        let mut grains = [Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body }];
+        mark_caps(&mut grains, &Specimen::cube(9.0));
+        let [grain] = grains;
+        grain
     }
 
     /// The volume of a grain in a box of 9 mm once it is continued by 1.5 mm.
     fn long_volume(mesh: &TriangleMesh) -> f64 {
-        let specimen = Aabb { min: Vec3::zeros(), max: Vec3::repeat(9.0) };
-        let grain = grain(mesh);
-        let long = continued(std::slice::from_ref(&grain), &specimen, [true; 3], 1.5).unwrap().remove(0).body;
+        let long = continued(&[grain(mesh)], 1.5).unwrap().remove(0).body;
         let surface = TriangleMesh { vertices: long.vertices().to_vec(), triangles: long.triangles().collect() };
         assert_eq!(surface.check_closed(), Ok(()));
-        assert!(continued(&[grain], &specimen, [false; 3], 1.5).is_none());
         long.volume()
     }
 
@@ -103,8 +102,7 @@ mod tests {
         ] {
             assert!((long_volume(&cube(x)) - expected).abs() < 1e-9);
         }
-        let specimen = Aabb { min: Vec3::zeros(), max: Vec3::repeat(9.0) };
-        assert!(continued(&[grain(&cube(Vec3::repeat(1.0)))], &specimen, [true; 3], 1.5).is_none());
+        assert!(continued(&[grain(&cube(Vec3::repeat(1.0)))], 1.5).is_none());
     }
 
     #[test]

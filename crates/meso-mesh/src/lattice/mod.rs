@@ -55,7 +55,7 @@ fn locate(facets: &[Facets], locator: &Locator, x: &Vec3) -> (Phase, u32) {
     stop::point();
     match locator.find(x) {
         None => (Phase::Mortar, NO_BODY),
-        Some((body, height)) if height > -facets[body].shell => (Phase::Itz, body as u32),
+        Some((body, height)) if facets[body].has_in_shell(x, height) => (Phase::Itz, body as u32),
         Some((body, _)) => (facets[body].phase, body as u32),
     }
 }
@@ -68,10 +68,9 @@ pub(super) fn fitted(
     element_size: f64,
 ) -> (TetMesh, Notes) {
     let surface = BoundarySurface::new(container);
-    let volumes = parallel::map_each(bodies, |body| body.body.volume());
-    let ends = repeats.map(|repeats| !repeats && surface.is_none());
+    let wholes = parallel::map_each(bodies, |body| (body.body.volume(), body.body.cut_space()));
     // Cells reach at most one element beyond a node that is pulled onto a surface.
-    let continued = caps::continued(bodies, &container.aabb(), ends, 2.0 * element_size);
+    let continued = caps::continued(bodies, 2.0 * element_size);
     let bodies = continued.as_deref().unwrap_or(bodies);
     let facets = Facets::all(bodies, |_| 0.0);
     let open = surface.as_ref().map_or_else(Default::default, |surface| surface.open);
@@ -82,7 +81,8 @@ pub(super) fn fitted(
     let mut mesh = stencils::Cutter::new(&field, &locator).cells();
     let surface = surface.as_ref().map(|surface| (surface, stencils::trim(&mut mesh)));
     let boundary = Boundary { surface, repeats };
-    let surfaces: Vec<Surface> = parallel::map(bodies.len(), |i| Surface::new(&bodies[i].body, volumes[i]));
+    let surfaces: Vec<Surface> =
+        parallel::map(bodies.len(), |i| Surface::new(&bodies[i].body, wholes[i].0, wholes[i].1));
     let off = sweeps::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &boundary);
     let off_surface_nodes = off + nodes::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })

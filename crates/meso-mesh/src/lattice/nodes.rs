@@ -2,7 +2,8 @@
 //!
 //! Nodes on faces across which a box repeats itself are one with their images, and move with them. While all nodes move they stay
 //! where the cut put them ([`Role::Fixed`]). During the repair they slide within the face, along the bodies that they lie on, together
-//! with their images: both faces of a pair stay alike, and a move is judged by the cells behind all of them.
+//! with their images: both faces of a pair stay alike, and a move is judged by the cells behind all of them. Nodes on the rim of a
+//! body's cap do so, too, without images.
 
 use super::boundary::{Boundary, Hold};
 use super::surface::Surface;
@@ -126,7 +127,7 @@ impl PeriodicPairs {
 /// Moves that a node may make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// None: it lies on a side of a box that has to match the opposite one.
+    /// None: it lies on a side of a box that has to match the opposite one, or on the rim of a cap.
     Fixed,
     /// Freedom at the end of the fit: slide in the sides across these axes, together with its images.
     Paired([bool; 3]),
@@ -142,10 +143,15 @@ pub(super) enum Role {
 
 /// The roles of all nodes.
 ///
-/// Nodes on sides that have to match opposite ones stay where they are, those on other flat sides slide in these.
-pub(super) fn roles(mesh: &TetMesh, owners: &Owners, domain: &Aabb, boundary: &Boundary) -> Vec<Role> {
+/// Nodes on sides that have to match opposite ones and on rims of caps stay where they are, others on flat sides slide in these.
+pub(super) fn roles(mesh: &TetMesh, owners: &Owners, domain: &Aabb, exact: &Exact) -> Vec<Role> {
+    let boundary = exact.boundary;
+    let on_rim = |node: u32| {
+        let body = owners.beside_mortar(node).filter(|_| owners.are_several(node));
+        body.is_some_and(|body| exact.surfaces[body as usize].is_cut_at(&mesh.position(node)))
+    };
     let role = |node: u32| match boundary.hold(node as usize, on_sides(domain, &mesh.position(node))) {
-        Some(hold) if boundary.fixes(hold) => Role::Fixed,
+        Some(hold) if boundary.fixes(hold) || on_rim(node) => Role::Fixed,
         Some(hold) => Role::Boundary(hold),
         None if !owners.are_several(node) => Role::Free,
         None => owners.beside_mortar(node).map_or(Role::Contact, Role::Surface),
@@ -189,10 +195,14 @@ pub(super) fn near_surface(mesh: &TetMesh, roles: &[Role]) -> Vec<bool> {
     active
 }
 
-/// Lets nodes that stayed where they are, and have images, move with these.
-pub(super) fn release(roles: &mut [Role], mesh: &TetMesh, pairs: &PeriodicPairs, domain: &Aabb) {
-    for node in pairs.nodes() {
-        roles[node as usize] = Role::Paired(on_sides(domain, &mesh.position(node)));
+/// Lets nodes that stayed where they are move with their images; those on rims of caps have none.
+pub(super) fn release(roles: &mut [Role], mesh: &TetMesh, pairs: &PeriodicPairs, domain: &Aabb, boundary: &Boundary) {
+    let axes = |node: u32| on_sides(domain, &mesh.position(node));
+    let repeats = |axes: [bool; 3]| (0..3).any(|axis| axes[axis] && boundary.repeats[axis]);
+    let fixed = (0..).zip(roles.iter()).filter(|(_, role)| **role == Role::Fixed).map(|(node, _)| node);
+    let on_rims: Vec<u32> = fixed.filter(|&node| !repeats(axes(node))).collect();
+    for node in pairs.nodes().chain(on_rims) {
+        roles[node as usize] = Role::Paired(axes(node));
     }
 }
 
@@ -204,10 +214,11 @@ fn bodies_of(nodes: &Nodes, node: u32) -> (Vec<u32>, bool) {
     (owners, several)
 }
 
-/// Whether a node with images lies on none of the bodies whose cells it has, were it at `x`.
+/// Whether a node with images, or on the rim of a cap, lies on none of the bodies whose cells it has, were it at `x`.
 pub(super) fn paired_is_off(nodes: &Nodes, node: u32, x: &Vec3) -> bool {
     let (bodies, several) = bodies_of(nodes, node);
-    let at_side = matches!(nodes.role(node), Role::Paired(axes) if nodes.exact.boundary.ends(axes));
+    let ends = matches!(nodes.role(node), Role::Paired(axes) if nodes.exact.boundary.ends(axes));
+    let at_side = ends && !bodies.iter().any(|&body| nodes.surface(body).is_cut_at(x));
     several && !at_side && !bodies.iter().any(|&body| nodes.surface(body).has(x))
 }
 
@@ -251,17 +262,18 @@ pub(super) fn paired_positions(nodes: &Nodes, node: u32, axes: [bool; 3], reache
     positions
 }
 
-/// How many nodes on faces across which the box repeats itself lie off all bodies whose cells they have.
+/// How many nodes on faces across which the box repeats itself, and on rims of caps, lie off all bodies whose cells they have.
 pub(super) fn count_off(mesh: &TetMesh, surfaces: &[Surface], domain: &Aabb, boundary: &Boundary) -> usize {
-    if boundary.repeats == [false; 3] {
+    if boundary.repeats == [false; 3] && surfaces.iter().all(|surface| !surface.has_caps()) {
         return 0;
     }
     let owners = Owners::of(mesh.by_body());
-    let counts = |node: u32| {
-        let axes = on_sides(domain, &mesh.position(node));
-        owners.are_several(node) && axes.contains(&true) && !boundary.ends(axes)
+    let axes = |node: u32| on_sides(domain, &mesh.position(node));
+    let counts = |node: u32| owners.are_several(node) && axes(node).contains(&true);
+    let is_on = |&(node, body): &(u32, u32)| {
+        let (surface, x) = (&surfaces[body as usize], mesh.position(node));
+        boundary.ends(axes(node)) && !surface.is_cut_at(&x) || surface.has(&x)
     };
-    let is_on = |&(node, body): &(u32, u32)| surfaces[body as usize].has(&mesh.position(node));
     let at_nodes = owners.bodies(counts);
     at_nodes.chunk_by(|a, b| a.0 == b.0).filter(|bodies| !bodies.iter().any(is_on)).count()
 }

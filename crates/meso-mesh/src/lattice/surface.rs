@@ -4,7 +4,7 @@ use crate::cells::owned_volumes;
 use crate::planes::{EightPlanes, LANES, bits, each_bit, touched};
 use crate::tet::TetMesh;
 use meso_collision::geometry::{Plane, Polyhedron, Round, nearest_on_triangle};
-use meso_collision::math::Vec3;
+use meso_collision::math::{Aabb, Vec3};
 use meso_collision::simd::{Wide, widest};
 
 /// Sine of the angle below which planes count as parallel.
@@ -23,6 +23,8 @@ pub(super) struct Surface {
     eight_corners: Vec<[[f64; LANES]; 3]>,
     /// What its cells are to take, mm3.
     pub(super) volume: f64,
+    /// The box of its caps.
+    cuts: Aabb,
     /// Points this far from a plane count as on it, mm.
     slack: f64,
     /// A ball or an ellipsoid, without faces, edges and corners.
@@ -204,13 +206,13 @@ impl Wide for Close<'_> {
 }
 
 impl Surface {
-    /// The surface of `body`, whose cells are to take `volume` mm3.
-    pub(super) fn new(body: &Polyhedron, volume: f64) -> Self {
+    /// The surface of `body`, whose cells are to take `volume` mm3; `cuts` is the box of its caps before it was continued.
+    pub(super) fn new(body: &Polyhedron, volume: f64, cuts: Aabb) -> Self {
         let slack = SLACK * body.aabb().size().max();
         if let Some(round) = body.round() {
             let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Edges::default(), Vec::new());
             let (eights, eight_corners, round) = (Vec::new(), Vec::new(), Some(round));
-            return Self { planes, eights, triangles, edges, corners, eight_corners, volume, slack, round };
+            return Self { planes, eights, triangles, edges, corners, eight_corners, volume, cuts, slack, round };
         }
         let at = |i: u32| body.vertices()[i as usize];
         let mut edges = Vec::new();
@@ -232,9 +234,20 @@ impl Surface {
             eight_corners: body.vertices().chunks(LANES).map(eight_points).collect(),
             corners: body.vertices().to_vec(),
             volume,
+            cuts,
             slack,
             round: None,
         }
+    }
+
+    /// Whether sides of the box cut the body.
+    pub(super) fn has_caps(&self) -> bool {
+        self.cuts != Aabb::everywhere()
+    }
+
+    /// Whether a point of the specimen lies in the plane of one of its caps.
+    pub(super) fn is_cut_at(&self, x: &Vec3) -> bool {
+        (0..3).any(|axis| x[axis] <= self.cuts.min[axis] || x[axis] >= self.cuts.max[axis])
     }
 
     /// Calls `visit` with the corners and the nearest points of the edges within `reach` of `x`.
@@ -393,7 +406,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(48);
         let mut point = || Vec3::from_fn(|_, _| f64::from(random.next_u32()) / f64::from(u32::MAX));
         let body = convex_hull(&(0..25).map(|_| point() * 10.0).collect::<Vec<_>>()).unwrap();
-        let surface = Surface::new(&body, body.volume());
+        let surface = Surface::new(&body, body.volume(), body.cut_space());
         let (mut on, mut near) = (0, 0);
         for _ in 0..2000 {
             // A foot on one of the planes: on the body or beside it.

@@ -39,18 +39,18 @@ pub(super) fn fit(
     size: f64,
     boundary: &Boundary,
 ) -> usize {
+    let exact = Exact { surfaces, boundary, size };
     let mut owners = Owners::of(mesh.by_body());
-    let mut roles_now = roles(mesh, &owners, domain, boundary);
+    let mut roles_now = roles(mesh, &owners, domain, &exact);
     let active = near_surface(mesh, &roles_now);
     let incidence = Incidence::of(&mesh.cells, &active);
-    let exact = Exact { surfaces, boundary, size };
     let sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh);
     for round in 0..ROUNDS {
         stop::point();
         if RELABELLED.contains(&round) {
             relabel(mesh, &owners, locator);
             owners = Owners::of(mesh.by_body());
-            let before = std::mem::replace(&mut roles_now, roles(mesh, &owners, domain, boundary));
+            let before = std::mem::replace(&mut roles_now, roles(mesh, &owners, domain, &exact));
             let changed = (0..).zip(roles_now.iter().zip(&before)).filter(|(_, (now, before))| now != before);
             changed.for_each(|(node, _)| sweeps.waiting[node].store(ALL, Relaxed));
         }
@@ -63,7 +63,7 @@ pub(super) fn fit(
     let suspects = sweeps.suspects();
     drop(sweeps);
     let pairs = PeriodicPairs::of(&mesh.points, domain, boundary.repeats);
-    release(&mut roles_now, mesh, &pairs, domain);
+    release(&mut roles_now, mesh, &pairs, domain, boundary);
     repair(&exact, mesh, suspects, incidence, roles_now, &pairs)
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn improve(
     size: f64,
 ) -> Improved {
     let rails = layer.rails.as_slice();
-    let movable = Movable::new(mesh, phase, periodic, rails);
+    let movable = Movable::new(mesh, phase, periodic, layer);
     let mut suspects: Vec<u32> = mesh.numbers().collect();
     let mut smoothing = Smoothing { mesh, phase, movable: &movable, size, shifted: Vec::new() };
     let mut collapsed = 0;
@@ -265,17 +265,17 @@ struct Movable {
 const NO_RAIL: u32 = u32::MAX;
 
 impl Movable {
-    fn new(mesh: &TetMesh, phase: &[Phase], periodic: [bool; 3], rails: &[[u32; 2]]) -> Self {
+    fn new(mesh: &TetMesh, phase: &[Phase], periodic: [bool; 3], layer: &Layer) -> Self {
         let mut outer = vec![NO_RAIL; mesh.points.len()];
         let mut fixed = vec![false; mesh.points.len()];
-        for &[inner, end] in rails {
+        for &[inner, end] in &layer.rails {
             outer[inner as usize] = end;
             fixed[end as usize] = true;
         }
         for (cell, _) in mesh.cells.iter().zip(phase).filter(|(_, phase)| **phase == Phase::Mortar) {
             cell.iter().for_each(|&node| fixed[node as usize] = true);
         }
-        let faces = Faces::of(mesh, periodic);
+        let faces = Faces::of(mesh, periodic, &layer.caps);
         let stays =
             |node: u32| !faces.is_matched(node) || faces.images(node).iter().any(|&image| fixed[image as usize]);
         let on_faces: Vec<u32> =

@@ -10,6 +10,8 @@
 //!
 //! In lattices, cells that stand across a layer's way belong to the mortar first ([`unfold`](mod@unfold)).
 //!
+//! There is no layer below a cap, where a side of the box cuts a body; its nodes there stay in this side.
+//!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of each other move by the same displacement ([`periodic`]).
 
@@ -102,5 +104,5 @@ pub(super) fn add(
     parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
     let thinned_aggregates = offsets.thinner(&bodies, thickness);
     let rails = append(mesh, phase, &layer, &copies, &backtracking);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails }
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, caps: bodies.caps() }
 }

@@ -19,7 +19,8 @@ use super::by_node;
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
-use meso_collision::geometry::{Plane, Triangles};
+use meso_collision::dents::Skin;
+use meso_collision::geometry::Plane;
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -30,6 +31,10 @@ use std::collections::{BTreeSet, HashMap};
 const DEEPEST: f64 = 0.8;
 /// Steps of the search for the deepest point, each of which leaves two thirds: 6e-5 of the aggregate's width is left.
 const DEEPEST_STEPS: usize = 24;
+
+/// Steps of a node along a cap, and the least square of the slope of the skin there: they cut each other at 30 degrees or more.
+const CAP_STEPS: usize = 6;
+const LEAST_SLOPE: f64 = 0.25;
 
 /// The map of one aggregate, or of its cut with faces of the box.
 pub(super) struct RadialOffset {
@@ -44,8 +49,10 @@ pub(super) struct RadialOffset {
     pub(super) has_dents: bool,
     /// The layer is thick beside an element, and the body no sphere or ellipsoid: see [`settle`](super::triangles::settle).
     pub(super) settles: bool,
-    /// The surface of a body with dents whose layer settles.
-    surface: Option<Triangles>,
+    /// It is for nodes in a cap.
+    in_cap: bool,
+    /// The skin of a body with dents whose layer settles, or for nodes in its caps.
+    skin: Option<Skin>,
 }
 
 impl RadialOffset {
@@ -75,9 +82,10 @@ impl RadialOffset {
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
         let settles = thickness > thick && aggregate.body.round().is_none();
-        let surface = (settles && has_dents).then(|| aggregate.body.surface());
+        let in_cap = flat.is_in(aggregate.body.caps());
+        let skin = (has_dents && (settles || in_cap)).then(|| aggregate.body.skin(thickness));
         let across = Flat::of(sides, periodic);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_dents, settles, surface })
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_dents, settles, in_cap, skin })
     }
 
     /// The target of a node along its ray; where the body has dents, the node itself.
@@ -100,10 +108,31 @@ impl RadialOffset {
 
     /// The step from `x` to where its nearest face is as far above it as the layer is thick.
     pub(super) fn step_to_depth(&self, x: &Vec3) -> Vec3 {
-        let (inward, depth) = match &self.surface {
-            Some(surface) => {
-                let (nearest, distance) = surface.nearest(x).unwrap_or_default();
-                let sign = if surface.contains(x) { 1.0 } else { -1.0 };
+        let (inward, depth) = self.way_in(x);
+        inward * (self.thickness - depth)
+    }
+
+    /// Where a node at `x` in a cap, whose target may be `target`, is deeper than now by the thickness, within the planes of
+    /// `flat`; the target itself for other nodes, and where the layer settles.
+    pub(super) fn along_cap(&self, x: &Vec3, target: Vec3, flat: Flat) -> Vec3 {
+        if !self.in_cap || self.settles {
+            return target;
+        }
+        let depth = self.way_in(x).1 + self.thickness;
+        let step = |at: Vec3, _| {
+            let (inward, now) = self.way_in(&at);
+            let slope = flat.along(&inward);
+            at + slope * ((depth - now) / slope.norm_squared().max(LEAST_SLOPE))
+        };
+        (0..CAP_STEPS).fold(target, step)
+    }
+
+    /// The unit vector away from the face nearest to `x` into the body, and the depth below it.
+    fn way_in(&self, x: &Vec3) -> (Vec3, f64) {
+        match &self.skin {
+            Some(skin) => {
+                let (nearest, distance) = skin.nearest(x).unwrap_or_default();
+                let sign = if skin.surface().contains(x) { 1.0 } else { -1.0 };
                 let from_surface = (x - nearest).try_normalize(ON * self.thickness).unwrap_or_default();
                 (from_surface * sign, distance * sign)
             }
@@ -112,8 +141,7 @@ impl RadialOffset {
                     self.planes.iter().map(|(normal, depth)| (-normal, depth - normal.dot(&(x - self.centre))));
                 depths.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
             }
-        };
-        inward * (self.thickness - depth)
+        }
     }
 
     /// The planes of the faces that hold the node at `x`.

@@ -6,6 +6,8 @@
 //! others follow it bit for bit. Where the images differ (one has an interface and the other none, or another body lies
 //! behind the face, as where an aggregate ends at the face itself), no node of the class moves: the layer has no thickness
 //! there.
+//!
+//! Nodes in the caps of a body stay in the sides of the box where these are, too, and have no images there.
 
 use crate::cells::{NO_BODY, NodeImages, Sides, repeating};
 use crate::tet::{TetMesh, ascending};
@@ -28,12 +30,13 @@ impl PeriodicConstraint {
     pub(super) fn new(mesh: &TetMesh, periodic: [bool; 3], bodies: &Bodies, owner: &[u32], copies: u32) -> Self {
         let nodes = 0..mesh.points.len() as u32;
         let free = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
+        let caps = bodies.caps();
         if periodic == [false; 3] {
-            return free(Faces::of(mesh, periodic), vec![false; nodes.len()]);
+            return free(Faces::of(mesh, periodic, &caps), vec![false; nodes.len()]);
         }
         let sides = Sides::in_planes(mesh.by_body());
-        let faces = Faces::on(mesh, periodic, &sides);
-        let lone = |node| faces.class(node).is_none() && faces.flat(node) != Flat::SPACE;
+        let faces = Faces::on(mesh, periodic, &sides, &caps);
+        let lone = |node| faces.class(node).is_none() && faces.repeating(node) != Flat::SPACE;
         let pinned = nodes.clone().map(lone).collect();
         let unlike = unlike(mesh, periodic, &sides, &faces, bodies);
         let mut constraint = free(faces, pinned);
@@ -135,29 +138,46 @@ fn unlike(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides, of: &Faces, bodies
     unlike
 }
 
-/// The nodes on faces across which a box repeats itself; empty where it does not.
+/// The nodes on faces across which a box repeats itself, and in caps; empty where there are none.
 pub(super) struct Faces {
     walls: Aabb,
     /// The faces that each node has to stay in.
     flat: Vec<Flat>,
+    /// The axes along which the box repeats itself.
+    periodic: [bool; 3],
     images: NodeImages,
 }
 
 impl Faces {
-    /// The faces of `mesh`.
-    pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
+    /// The faces of `mesh`, whose bodies have these `caps`.
+    pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3], caps: &[u8]) -> Self {
         if periodic == [false; 3] {
             let walls = Aabb::around(&mesh.points);
-            return Self { walls, flat: Vec::new(), images: NodeImages::default() };
+            return Self { walls, flat: Vec::new(), periodic, images: NodeImages::default() }.with_caps(mesh, caps);
         }
-        Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
+        Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()), caps)
     }
 
     /// The faces of a mesh with these `sides`.
-    pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
+    pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides, caps: &[u8]) -> Self {
         let images = NodeImages::of(&mesh.points, periodic, sides);
         let flat = (0..mesh.points.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
-        Self { walls: Aabb::around(&mesh.points), flat, images }
+        Self { walls: Aabb::around(&mesh.points), flat, periodic, images }.with_caps(mesh, caps)
+    }
+
+    /// Keeps the nodes of every body that lie in its caps there.
+    fn with_caps(mut self, mesh: &TetMesh, caps: &[u8]) -> Self {
+        if caps.iter().all(|caps| *caps == 0) {
+            return self;
+        }
+        let sides = Sides::of_points(&mesh.points);
+        self.flat.resize(mesh.points.len(), Flat::SPACE);
+        for (cell, &owner) in mesh.cells.iter().zip(&mesh.owner) {
+            let caps = caps.get(owner as usize).copied().unwrap_or(0);
+            let on_sides = cell.iter().filter(|_| caps != 0);
+            on_sides.for_each(|&node| self.flat[node as usize].0 |= caps & sides.on(node));
+        }
+        self
     }
 
     pub(super) fn walls(&self) -> &Aabb {
@@ -167,6 +187,11 @@ impl Faces {
     /// The faces that a node has to stay in.
     pub(super) fn flat(&self, node: u32) -> Flat {
         self.flat.get(node as usize).copied().unwrap_or_default()
+    }
+
+    /// The faces of these across which the box repeats itself.
+    fn repeating(&self, node: u32) -> Flat {
+        Flat::of(self.flat(node).0, self.periodic)
     }
 
     /// The node's image class, and the upper faces that the node lies on, a bit per axis; `None` away from the faces, and
@@ -187,7 +212,7 @@ impl Faces {
 
     /// Whether a node may move as far as its faces go: it lies on none, or has all of its images.
     pub(super) fn is_matched(&self, node: u32) -> bool {
-        let all = 1 << (0..3).filter(|&axis| self.flat(node).holds(axis)).count();
+        let all = 1 << (0..3).filter(|&axis| self.repeating(node).holds(axis)).count();
         self.images(node).len() == all
     }
 
@@ -208,6 +233,11 @@ impl Flat {
     /// The `sides` across which the box repeats itself.
     pub(super) fn of(sides: u8, periodic: [bool; 3]) -> Self {
         Self(sides & repeating(periodic))
+    }
+
+    /// Whether it is among these sides.
+    pub(super) fn is_in(self, sides: u8) -> bool {
+        self.0 & sides != 0
     }
 
     /// A coordinate that cannot change.
@@ -269,6 +299,11 @@ impl<'a> Bodies<'a> {
 
     pub(super) fn count(&self) -> u32 {
         self.all.len() as u32
+    }
+
+    /// The caps of each.
+    pub(super) fn caps(&self) -> Vec<u8> {
+        self.all.iter().map(|body| body.body.caps()).collect()
     }
 
     pub(super) fn get(&self, index: u32) -> &'a Aggregate {

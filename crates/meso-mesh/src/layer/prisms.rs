@@ -87,6 +87,8 @@ pub(crate) struct Layer {
     pub(crate) pinched_nodes: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,
+    /// The caps of the bodies, a bit for each of the [`SIDES`](crate::cells::SIDES).
+    pub(super) caps: Vec<u8>,
 }
 
 /// A tetrahedron of the layer; it holds both ends of one rail.

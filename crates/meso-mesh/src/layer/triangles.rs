@@ -33,8 +33,11 @@ pub(super) fn project(
         stop::point();
         let radial = offsets.get(body, constraint.flat(copy));
         let star = &stars[(copy - copies.first()) as usize];
-        if let Some(displacement) = radial.and_then(|radial| star.displacement(radial.thickness)) {
-            targets[copy as usize] = mesh.position(copy) + displacement;
+        let displaced = radial.and_then(|radial| Some((radial, star.displacement(radial.thickness)?)));
+        if let Some((radial, displacement)) = displaced {
+            let x = mesh.position(copy);
+            // Few triangles meet a cap, and those between nodes in it and close to it are steep.
+            targets[copy as usize] = radial.along_cap(&x, x + displacement, constraint.flat(copy));
         }
     }
     constraint.spread(targets);

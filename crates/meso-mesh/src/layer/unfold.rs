@@ -18,7 +18,8 @@ const NEAR: f64 = 0.05;
 /// Gives the mortar the flaps of the `bodies` that get a layer, whose indices the cells carry. A body whose flaps would be more
 /// than the share `most` of it in a round keeps them.
 pub(crate) fn unfold(mesh: &mut TetMesh, phase: &mut [Phase], periodic: [bool; 3], bodies: &[Aggregate], most: f64) {
-    let sides = Faces::of(mesh, periodic);
+    let caps: Vec<u8> = bodies.iter().map(|body| body.body.caps()).collect();
+    let sides = Faces::of(mesh, periodic, &caps);
     for _ in 0..ROUNDS {
         let flaps = flaps(mesh, &sides, bodies, most);
         for &cell in &flaps {
@@ -35,7 +36,7 @@ pub(crate) fn unfold(mesh: &mut TetMesh, phase: &mut [Phase], periodic: [bool; 3
 type Side = (u32, u32, u8, bool);
 
 /// The cells with two or more faces to the mortar, one of which looks into the body, and more so than those that would then be
-/// its surface; none at faces across which the mesh repeats itself, whose opposite ones must have the same.
+/// its surface; none at faces across which the mesh repeats itself, whose opposite ones must have the same, nor at caps.
 fn flaps(mesh: &TetMesh, at: &Faces, bodies: &[Aggregate], most: f64) -> Vec<u32> {
     let owners = Owners::of(mesh.by_body());
     let lies_on = |node: u32| owners.are_several(node) && at.flat(node) == Flat::SPACE;

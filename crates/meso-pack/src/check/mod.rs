@@ -288,7 +288,7 @@ const SHELL_ROUNDING: f64 = 1e-9;
 /// A point deeper than the shell is thick proves a core; only where the mean of the vertices is none, the core is made.
 fn itz(aggregate: &Aggregate) -> Option<Finding> {
     let thickness = aggregate.itz_thickness_mm;
-    if solid::depth_of_inner_point(&aggregate.body) > thickness + SHELL_ROUNDING {
+    if solid::depth_of_inner_point(&aggregate.body, thickness) > thickness + SHELL_ROUNDING {
         return None;
     }
     let reason = match aggregate.core() {

@@ -77,14 +77,14 @@ pub(super) fn check_round(round: &Round, body: &Polyhedron) -> Result<(), String
     if is_sound { Ok(()) } else { Err("its ends are not those of an ellipsoid".to_owned()) }
 }
 
-/// The depth of a point in the body, mm: that of the vertices' mean below the nearest face plane, or of a point that is
-/// deep in a body with dents.
-pub(super) fn depth_of_inner_point(body: &Polyhedron) -> f64 {
+/// The depth of a point in a body with a shell of `thickness` mm: that of the vertices' mean below the nearest face plane, or
+/// of a point that is deep below the skin of a body with dents.
+pub(super) fn depth_of_inner_point(body: &Polyhedron, thickness: f64) -> f64 {
     if let Some(round) = body.round() {
         return round.semi_axes()[2];
     }
     if !body.is_convex() {
-        return body.surface().deepest().1;
+        return body.skin(thickness).deepest().1;
     }
     let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
     body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)

@@ -8,6 +8,7 @@ use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::mark_caps;
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_place::Report;
@@ -148,7 +149,8 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     accept_repeats(&file, &spec)?;
     let classes = spec.grading.classes().len();
     let aggregates = file.aggregates.into_iter().enumerate();
-    let aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    let mut aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    mark_caps(&mut aggregates, &spec.specimen);
     let inclusions = (aggregates.len()..).zip(file.inclusions);
     let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
     let report = match file.report {

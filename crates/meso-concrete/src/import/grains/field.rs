@@ -5,6 +5,7 @@
 //! mirrored, so that surfaces meet walls at right angles.
 
 use super::labelled::LabelledGrains;
+use super::tetrahedra::Nodes;
 
 /// Nodes of the fields in the whole volume.
 pub(super) struct Lattice {
@@ -21,6 +22,8 @@ pub(super) struct Field {
     /// First node along x, y, z.
     pub(super) from: [usize; 3],
     counts: [usize; 3],
+    /// Whether the box ends at the volume's lower and upper walls.
+    walls: [[bool; 2]; 3],
     /// Share of the grain.
     own: Vec<f32>,
     /// Share of the grain less that of all others.
@@ -28,23 +31,27 @@ pub(super) struct Field {
 }
 
 impl Field {
-    /// Positive where the grain's share exceeds `level`, and that of all others by `margin`. One node is added on each side,
-    /// with minus the size of its neighbour.
-    pub(super) fn values(&self, level: f32, margin: f32) -> ([usize; 3], Vec<f32>) {
-        let [nx, ny, nz] = self.counts;
-        let counts = self.counts.map(|count| count + 2);
+    /// Positive where the grain's share exceeds `level`, and that of all others by `margin`. On each side a node is added in the
+    /// wall, where there is one, with the value of its neighbour, and one beyond it with minus the size of that.
+    pub(super) fn nodes(&self, level: f32, margin: f32) -> Nodes {
+        let [nx, ny, _] = self.counts;
+        let added = self.walls.map(|walls| walls.map(|is_there| 1 + usize::from(is_there)));
+        let counts = [0, 1, 2].map(|axis| added[axis][0] + self.counts[axis] + added[axis][1]);
         let mut values = Vec::with_capacity(counts.iter().product());
         for (y, z) in (0..counts[2]).flat_map(|z| (0..counts[1]).map(move |y| (y, z))) {
-            let inner = |node: usize, count: usize| node.clamp(1, count) - 1;
-            let row = (inner(z, nz) * ny + inner(y, ny)) * nx;
-            let is_outer = y == 0 || z == 0 || y > ny || z > nz;
-            values.extend((0..nx + 2).map(|x| {
-                let node = row + inner(x, nx);
+            let inner = |axis: usize, node: usize| {
+                let before = added[axis][0];
+                node.clamp(before, before + self.counts[axis] - 1) - before
+            };
+            let row = (inner(2, z) * ny + inner(1, y)) * nx;
+            let is_outer = y == 0 || z == 0 || y + 1 == counts[1] || z + 1 == counts[2];
+            values.extend((0..counts[0]).map(|x| {
+                let node = row + inner(0, x);
                 let value = (self.own[node] - level).min(self.lead[node] - margin);
-                if is_outer || x == 0 || x > nx { -value.abs() } else { value }
+                if is_outer || x == 0 || x + 1 == counts[0] { -value.abs() } else { value }
             }));
         }
-        (counts, values)
+        Nodes { counts, walls: self.walls, values }
     }
 }
 
@@ -80,7 +87,8 @@ impl Lattice {
         let own = self.blurred(parts, from, counts, |voxel| voxel == number);
         let others = self.blurred(parts, from, counts, |voxel| voxel > 0 && voxel != number);
         let lead = own.iter().zip(&others).map(|(own, others)| own - others).collect();
-        Field { from, counts, own, lead }
+        let walls = [0, 1, 2].map(|axis| [from[axis] == 0, to[axis] == self.counts[axis]]);
+        Field { from, counts, walls, own, lead }
     }
 
     /// The blurred indicator of some voxels: along x, then y, then z.

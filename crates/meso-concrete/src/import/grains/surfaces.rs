@@ -8,7 +8,6 @@
 
 use super::field::{Field, Lattice};
 use super::labelled::LabelledGrains;
-use super::tetrahedra::Nodes;
 use crate::parallel;
 use crate::watch::{Stage, Watch};
 use meso_collision::dents::SelfCrossing;
@@ -59,6 +58,8 @@ const TRIES: [f64; 3] = [1.0, 0.25, 0.0];
 const LEVELS: [f64; 2] = [0.25, 0.75];
 /// Faces of a grain's voxels whose distance to its surface is measured, about.
 const MEASURED: usize = 500;
+/// Vertices this near to a wall, over its distance to the opposite one, lie in it.
+const ROUNDING: f64 = 1e-12;
 /// Relative error of a grain's volume at which the search for its level ends, and the most steps of that.
 const CLOSE: f64 = 0.002;
 const STEPS: usize = 6;
@@ -170,12 +171,10 @@ impl<'a> GrainSurfaces<'a> {
     }
 
     fn marched(&self, field: &Field, level: f64, margin: f64) -> TriangleMesh {
-        let (counts, values) = field.values(level as f32, margin as f32);
-        let mut mesh = Nodes { counts, values: &values }.surface();
+        let mut mesh = field.nodes(level as f32, margin as f32).surface();
         let scale = Vec3::from(self.lattice.spacing()).component_mul(&self.spacing_mm);
-        let size = self.size();
         let from = Vec3::from_fn(|axis, _| field.from[axis] as f64 - 0.5);
-        mesh.vertices.iter_mut().for_each(|v| *v = (*v + from).component_mul(&scale).sup(&Vec3::zeros()).inf(&size));
+        mesh.vertices.iter_mut().for_each(|v| *v = self.in_walls((*v + from).component_mul(&scale), |_| 0.0));
         mesh
     }
 
@@ -222,8 +221,22 @@ impl<'a> GrainSurfaces<'a> {
         faces
     }
 
-    fn size(&self) -> Vec3 {
-        Vec3::from_fn(|axis, _| self.parts.counts[axis] as f64 * self.spacing_mm[axis])
+    fn walls(&self) -> Aabb {
+        let max = Vec3::from_fn(|axis, _| self.parts.counts[axis] as f64 * self.spacing_mm[axis]);
+        Aabb { min: Vec3::zeros(), max }
+    }
+
+    /// A vertex, in the walls that it is beyond or as `near` as this for each, mm.
+    fn in_walls(&self, mut vertex: Vec3, near: impl Fn(usize) -> f64) -> Vec3 {
+        let walls = self.walls();
+        for side in 0..6 {
+            let (x, wall) = (&mut vertex[side / 2], walls.end(side));
+            let within = if side % 2 == 0 { *x - wall } else { wall - *x };
+            if within <= near(side).max(ROUNDING * walls.max[side / 2]) {
+                *x = wall;
+            }
+        }
+        vertex
     }
 
     /// A surface with fewer triangles; vertices near a wall that the grain touches lie in it.
@@ -231,26 +244,21 @@ impl<'a> GrainSurfaces<'a> {
         let limit = share * self.options.tolerance * self.spacing_mm.min();
         let mut mesh = given.clone();
         if limit > 0.0 {
-            mesh = given.simplified(limit);
-            // Merged triangles changed the volume a little.
-            let offset = (given.volume() - mesh.volume()) / area(&mesh);
-            let normals = normals(&mesh);
+            mesh = given.simplified(limit, &self.walls());
+            // Merged triangles changed the volume a little. Caps stay in their walls.
+            let walls = self.walls();
+            let in_wall =
+                |t: &[u32; 3], side: usize| t.iter().all(|&v| mesh.vertices[v as usize][side / 2] == walls.end(side));
+            let free = mesh.triangles.iter().filter(|t| !(0..6).any(|side| in_wall(t, side))).copied().collect();
+            let free = TriangleMesh { vertices: mesh.vertices.clone(), triangles: free };
+            let offset = (given.volume() - mesh.volume()) / area(&free);
+            let normals = normals(&free);
             mesh.vertices.iter_mut().zip(normals).for_each(|(vertex, normal)| *vertex += normal * offset);
         }
-        let part = &self.parts.grains[grain];
-        let size = self.size();
-        for vertex in &mut mesh.vertices {
-            for axis in 0..3 {
-                let x = &mut vertex[axis];
-                let near = if limit > 0.0 { 1.5 * limit } else { 0.0 };
-                if *x < 0.0 || part.from[axis] == 0 && *x < near {
-                    *x = 0.0;
-                }
-                if *x > size[axis] || part.to[axis] == self.parts.counts[axis] && *x > size[axis] - near {
-                    *x = size[axis];
-                }
-            }
-        }
+        let (part, counts) = (&self.parts.grains[grain], &self.parts.counts);
+        let reaches = |axis: usize| [part.from[axis] == 0, part.to[axis] == counts[axis]];
+        let near = |side: usize| if reaches(side / 2)[side % 2] { 1.5 * limit } else { 0.0 };
+        mesh.vertices.iter_mut().for_each(|v| *v = self.in_walls(*v, near));
         mesh
     }
 }

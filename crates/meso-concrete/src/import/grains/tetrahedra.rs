@@ -5,12 +5,15 @@
 
 use meso_collision::geometry::TriangleMesh;
 use meso_collision::math::Vec3;
+use std::collections::BTreeMap;
 
-/// Values at a box of nodes, x fastest; the outermost ones are negative. A surface between the outermost two ends at a wall
-/// midway.
-pub(super) struct Nodes<'a> {
+/// Values at a box of nodes, x fastest; the outermost ones are negative.
+pub(super) struct Nodes {
     pub(super) counts: [usize; 3],
-    pub(super) values: &'a [f32],
+    /// Where the second nodes from below, and from above, lie in a wall, half a cell before the next ones. A surface between
+    /// them and the outermost ones lies in the wall.
+    pub(super) walls: [[bool; 2]; 3],
+    pub(super) values: Vec<f32>,
 }
 
 /// Orders of the axes on the ways from a cell's first corner to its last; odd ones turn a tetrahedron inside out.
@@ -26,14 +29,15 @@ const WAYS: [([usize; 3], bool); 6] = [
 const LEAST_SHARE: f32 = 0.02;
 const NONE: u32 = u32::MAX;
 
-impl Nodes<'_> {
-    /// The surface around the positive nodes, in units of cells from the first node.
+impl Nodes {
+    /// The surface around the positive nodes, in units of cells; the first nodes within are at 1.
     pub(super) fn surface(&self) -> TriangleMesh {
         let [nx, ny, nz] = self.counts;
         let mut marching = Marching {
             nodes: self,
             steps: [1, nx, nx * ny],
             crossings: vec![[NONE; 7]; self.values.len()],
+            ends: BTreeMap::new(),
             mesh: TriangleMesh { vertices: Vec::new(), triangles: Vec::new() },
         };
         for (y, z) in (0..nz - 1).flat_map(|z| (0..ny - 1).map(move |y| (y, z))) {
@@ -47,11 +51,13 @@ impl Nodes<'_> {
 }
 
 struct Marching<'a> {
-    nodes: &'a Nodes<'a>,
+    nodes: &'a Nodes,
     /// Distance of neighbours along x, y, z.
     steps: [usize; 3],
     /// Vertices on the edges from each node, by the axes of the edge in three bits, less one.
     crossings: Vec<[u32; 7]>,
+    /// Vertices at nodes in the wall.
+    ends: BTreeMap<usize, u32>,
     mesh: TriangleMesh,
 }
 
@@ -82,31 +88,54 @@ impl Marching<'_> {
         let is_quad = corners[3] != corners[0];
         for triangle in [[0, 1, 2], [0, 2, 3]].into_iter().take(1 + usize::from(is_quad)) {
             let [p, q, r] = triangle.map(|k| corners[k]);
-            self.mesh.triangles.push(if is_odd == is_reversed { [p, q, r] } else { [p, r, q] });
+            // Beyond the wall a tetrahedron has its corners in the wall, and often on one line.
+            if p != q && q != r && r != p {
+                self.mesh.triangles.push(if is_odd == is_reversed { [p, q, r] } else { [p, r, q] });
+            }
         }
     }
 
     /// The vertex between two nodes, the first of which comes first.
     fn crossing(&mut self, from: usize, to: usize, axes: usize) -> u32 {
+        let ends = [from, to].map(|node| self.place(node));
+        if let Some(outer) = ends.iter().position(|end| end.is_none()) {
+            return self.end([to, from][outer]);
+        }
         let known = self.crossings[from][axes - 1];
         if known != NONE {
             return known;
         }
         let [p, q] = [from, to].map(|node| self.nodes.values[node]);
         let share = f64::from((p / (p - q)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE));
+        let [start, end] = ends.map(Option::unwrap_or_default);
+        self.crossings[from][axes - 1] = self.add(start + (end - start) * share);
+        self.crossings[from][axes - 1]
+    }
+
+    /// The vertex at a node in the wall.
+    fn end(&mut self, node: usize) -> u32 {
+        let place = self.place(node).unwrap_or_default();
+        let next = self.mesh.vertices.len() as u32;
+        let vertex = *self.ends.entry(node).or_insert(next);
+        if vertex == next { self.add(place) } else { vertex }
+    }
+
+    fn add(&mut self, position: Vec3) -> u32 {
+        self.mesh.vertices.push(position);
+        self.mesh.vertices.len() as u32 - 1
+    }
+
+    /// Position of a node; `None` beyond the wall.
+    fn place(&self, node: usize) -> Option<Vec3> {
         let [nx, ny, nz] = self.nodes.counts;
-        let at = [from % nx, from / nx % ny, from / (nx * ny)];
-        let position = |axis: usize| match (axes >> axis & 1 == 1, at[axis]) {
-            (false, node) => node as f64,
-            // Walls are in the middle of the outermost cells.
-            (true, 0) => 0.5,
-            (true, node) if node + 2 == [nx, ny, nz][axis] => node as f64 + 0.5,
-            (true, node) => node as f64 + share,
+        let at = [node % nx, node / nx % ny, node / (nx * ny)];
+        let last = [nx - 1, ny - 1, nz - 1];
+        let is_inner = (0..3).all(|axis| at[axis] > 0 && at[axis] < last[axis]);
+        let within = |axis: usize| {
+            let [low, high] = self.nodes.walls[axis].map(|is_there| if is_there { 1.0 } else { 0.0 });
+            (at[axis] as f64 - low).clamp(0.5, last[axis] as f64 - low - high - 0.5)
         };
-        self.mesh.vertices.push(Vec3::from_fn(|axis, _| position(axis)));
-        let vertex = self.mesh.vertices.len() as u32 - 1;
-        self.crossings[from][axes - 1] = vertex;
-        vertex
+        is_inner.then(|| Vec3::from_fn(|axis, _| within(axis)))
     }
 }
 
@@ -132,23 +161,59 @@ mod tests {
     use crate::aggregate::random::{Draw, Stream};
     use meso_collision::dents::SelfCrossing;
 
+    const COUNTS: [usize; 3] = [9, 8, 7];
+
+    fn at(node: usize) -> [usize; 3] {
+        [node % COUNTS[0], node / COUNTS[0] % COUNTS[1], node / (COUNTS[0] * COUNTS[1])]
+    }
+
+    fn is_outer(node: usize) -> bool {
+        (0..3).any(|axis| at(node)[axis] == 0 || at(node)[axis] + 1 == COUNTS[axis])
+    }
+
     #[test]
     fn any_values_give_a_closed_surface_that_never_crosses_itself() {
         for seed in 0..20 {
-            let counts = [7, 6, 5];
             let mut stream = Stream::new(seed, Draw::Take, 0, 0);
-            let is_outer = |i: usize| {
-                let at = [i % 7, i / 7 % 6, i / 42];
-                (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == counts[axis])
-            };
             let mut value = |i: usize| if is_outer(i) { -1.0 } else { stream.uniform(-1.0, 1.0) as f32 };
-            let values: Vec<f32> = (0..210).map(&mut value).collect();
-            let mesh = Nodes { counts, values: &values }.surface();
+            let values: Vec<f32> = (0..COUNTS.iter().product()).map(&mut value).collect();
+            let mesh = Nodes { counts: COUNTS, walls: [[true; 2]; 3], values: values.clone() }.surface();
             mesh.check_closed().unwrap();
             let facets = mesh.facets();
             assert_eq!((SelfCrossing { mesh: &mesh, facets: &facets }).find(), None);
-            let inside = values.iter().filter(|value| **value > 0.0).count() as f64;
-            assert!(mesh.volume() > 0.2 * inside && mesh.volume() < 2.0 * inside);
+            // Cells are half as long at a wall.
+            let share = |axis: usize, node: usize| match node.min(COUNTS[axis] - 1 - node) {
+                1 => 0.25,
+                2 => 0.75,
+                _ => 1.0,
+            };
+            let volume = |node: usize| (0..3).map(|axis| share(axis, at(node)[axis])).product::<f64>();
+            let inside: f64 = (0..values.len()).filter(|node| values[*node] > 0.0).map(volume).sum();
+            assert!(mesh.volume() > 0.2 * inside && mesh.volume() < 2.0 * inside, "{} of {inside}", mesh.volume());
         }
+    }
+
+    #[test]
+    fn a_surface_meets_the_wall_at_right_angles_and_ends_in_it() {
+        // A quarter of a cylinder about an edge of the box, 3.3 cells from the edge and 3 along it.
+        let value = |node: usize| {
+            let [x, y, _] = at(node).map(|x| x.max(2) as f32);
+            let depth = 2.8 - (x - 2.0).hypot(y - 2.0);
+            if is_outer(node) { -depth.abs() } else { depth }
+        };
+        let values: Vec<f32> = (0..COUNTS.iter().product()).map(value).collect();
+        let mesh = Nodes { counts: COUNTS, walls: [[true; 2]; 3], values: values.clone() }.surface();
+        mesh.check_closed().unwrap();
+        let (mut caps, mut beside) = (0.0, 0);
+        for [a, b, c] in mesh.facets().corners() {
+            let normal = (b - a).cross(&(c - a)) / 2.0;
+            for axis in 0..2 {
+                let in_wall = [a, b, c].iter().filter(|corner| corner[axis] == 0.5).count();
+                caps += if in_wall == 3 { -normal[axis] } else { 0.0 };
+                beside += usize::from(in_wall == 2 && normal[axis] == 0.0);
+                assert!(in_wall == 0 || in_wall == 3 || normal[axis].abs() < 1e-9, "{a} {b} {c}");
+            }
+        }
+        assert!(beside > 10 && (caps - 2.0 * 3.3 * 3.0).abs() < 1e-5, "{beside} {caps}");
     }
 }
