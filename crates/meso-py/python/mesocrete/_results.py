@@ -313,7 +313,7 @@ class InterfaceDistance(TypedDict):
     max_mm: float
     """The largest of these distances, mm."""
     joined: int
-    """Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen."""
+    """Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen that does not cut it."""
     joined_rms_mm: float
     """Root mean square of the gaps at these nodes, mm: from the node to the farthest of the aggregates that meet there."""
     joined_max_mm: float
