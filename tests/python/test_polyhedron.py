@@ -99,8 +99,48 @@ def test_pickle_and_copy_round_trip_bit_for_bit(seed, count):
     assert copy.copy(body) == copy.deepcopy(body) == body
 
 
+@pytest.mark.parametrize("shape", [{"kind": "sphere"}, {"kind": "ellipsoid"}, {"kind": "library", "path": "cross.obj"}])
+def test_round_bodies_and_those_with_dents_stay_what_they_are_in_a_pickle(shape, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arms = [[x, y, z] for x in (-3, -1, 1, 3) for y in (-3, -1, 1, 3) for z in (-1, 1)]
+    faces = cross_faces(arms)
+    lines = [f"v {x} {y} {z}" for x, y, z in arms] + ["f " + " ".join(str(i + 1) for i in face) for face in faces]
+    (tmp_path / "cross.obj").write_text("\n".join(lines))
+    specimen = {"kind": "cube", "side_mm": 40}
+    packing = mc.pack({"specimen": specimen, "fraction": 0.1, "shape": shape, "grading": {"d_min_mm": 10, "d_max_mm": 16}})
+    for aggregate in packing.aggregates:
+        again = pickle.loads(pickle.dumps(aggregate))
+        assert again == aggregate and again.body == aggregate.body
+        assert again.body.volume == aggregate.body.volume
+    restore, (vertices, faces, dents, is_round) = packing.aggregates[0].body.__reduce__()
+    if is_round:
+        with pytest.raises(ValueError, match="damaged"):
+            restore(vertices + 0.1 * np.arange(len(vertices))[:, None], faces, dents, is_round)
+    else:
+        assert dents == 0
+
+
+def cross_faces(points):
+    """Faces of a plus sign of unit squares, extruded: quadrilaterals, counter-clockwise from outside."""
+    at = {tuple(point): i for i, point in enumerate(points)}
+    cells = {(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)}
+    steps = (-3, -1, 1, 3)
+    faces = []
+    for i, j in cells:
+        (x, p), (y, q) = ((steps[k + 1], steps[k + 2]) for k in (i, j))
+        ring = [(x, y), (p, y), (p, q), (x, q)]
+        faces.append([at[(*corner, 1)] for corner in ring])
+        faces.append([at[(*corner, -1)] for corner in reversed(ring)])
+        beside = [(i, j - 1), (i + 1, j), (i, j + 1), (i - 1, j)]
+        for k, cell in enumerate(beside):
+            if cell not in cells:
+                a, b = ring[k], ring[(k + 1) % 4]
+                faces.append([at[(*a, -1)], at[(*b, -1)], at[(*b, 1)], at[(*a, 1)]])
+    return faces
+
+
 def test_damaged_pickles_are_value_errors():
-    restore, (vertices, _) = mc.convex_hull(CUBE).__reduce__()
+    restore, (vertices, *_) = mc.convex_hull(CUBE).__reduce__()
     for faces in ([[0, 1, 99]], [[0, 1]]):
         with pytest.raises(ValueError, match="damaged"):
             restore(vertices, faces)

@@ -4,6 +4,7 @@ use crate::arrays;
 use crate::boundary::{guard, wrong_value};
 use meso_concrete::thousands;
 use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
+use meso_core::math::{Aabb, Vec3};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyArithmeticError;
 use pyo3::prelude::*;
@@ -127,18 +128,52 @@ impl PyPolyhedron {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_polyhedron")?;
-        (restore, (self.vertices(py)?, self.faces())).into_pyobject(py)
+        let dents = (!self.0.is_convex()).then(|| self.0.caps());
+        (restore, (self.vertices(py)?, self.faces(), dents, self.0.round().is_some())).into_pyobject(py)
     }
 }
 
-/// Unpickles a `Polyhedron`.
-#[pyfunction(name = "_restore_polyhedron")]
-pub(crate) fn restore_polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32>>) -> PyResult<PyPolyhedron> {
+/// Unpickles a `Polyhedron`; one with `dents` has its caps there, a bit for each side of its box.
+#[pyfunction(name = "_restore_polyhedron", signature = (vertices, faces, dents=None, is_round=false))]
+pub(crate) fn restore_polyhedron(
+    vertices: &Bound<'_, PyAny>,
+    faces: Vec<Vec<u32>>,
+    dents: Option<u8>,
+    is_round: bool,
+) -> PyResult<PyPolyhedron> {
     arrays::load_numpy(vertices.py())?;
     let vertices = arrays::points("vertices", vertices)?;
     // A pickle is a stranger's data: indices that lead nowhere must not reach the geometry.
     if faces.iter().any(|face| face.len() < 3 || face.iter().any(|&i| i as usize >= vertices.len())) {
         return Err(wrong_value("the pickle is damaged: a face names a vertex that is not there"));
     }
-    Ok(Polyhedron::from_parts(vertices, faces).into())
+    if dents.is_some() && faces.iter().any(|face| face.len() > 3) {
+        return Err(wrong_value("the pickle is damaged: a body with dents has a face that is no triangle"));
+    }
+    let given = Polyhedron::from_parts(vertices, faces);
+    let body = match dents {
+        Some(caps) => {
+            let sides = sides_of(&given.aabb(), caps);
+            given.with_dents().with_caps_in(&sides)
+        }
+        None if is_round => rounded(&given)?,
+        None => given,
+    };
+    Ok(body.into())
+}
+
+/// The box that is bounded at the sides of `aabb` which have a bit, the lower and the upper ones along x, y and z.
+fn sides_of(aabb: &Aabb, bits: u8) -> Aabb {
+    let has = |bit: usize| bits >> bit & 1 == 1;
+    let min = Vec3::from_fn(|axis, _| if has(2 * axis) { aabb.min[axis] } else { f64::NEG_INFINITY });
+    let max = Vec3::from_fn(|axis, _| if has(2 * axis + 1) { aabb.max[axis] } else { f64::INFINITY });
+    Aabb { min, max }
+}
+
+/// The ball or ellipsoid that is drawn as `given`.
+fn rounded(given: &Polyhedron) -> PyResult<Polyhedron> {
+    let ends = given.vertices().get(..6).map(Polyhedron::of_ends);
+    let is_drawn = |body: &Polyhedron| body.vertices() == given.vertices();
+    ends.filter(is_drawn)
+        .ok_or_else(|| wrong_value("the pickle is damaged: its vertices are not those of an ellipsoid"))
 }
