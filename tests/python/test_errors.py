@@ -100,11 +100,12 @@ def test_loading_anything(tmp_path, content):
 def test_except_exception_catches_a_panic():
     # The only exceptions that pass `except Exception` are the interpreter's own.
     assert issubclass(RuntimeError, Exception)
-    restore, (vertices, _) = mc.convex_hull(np.eye(4)[:, :3]).__reduce__()
+    restore, (vertices, *_) = mc.convex_hull(np.eye(4)[:, :3]).__reduce__()
     # A surface that is not closed is no body; whatever its integrals are, asking for them must not end the process.
-    open_body = restore(vertices, [[0, 1, 2]])
-    only_documented(lambda: open_body.offset(0.1))
-    only_documented(lambda: open_body.volume)
+    for dents in (None, 0, 63):
+        open_body = restore(vertices, [[0, 1, 2]], dents)
+        only_documented(lambda body=open_body: body.offset(0.1))
+        only_documented(lambda body=open_body: body.volume)
 
 
 def test_a_target_beyond_reach_is_a_warning_at_the_callers_line():
