@@ -63,6 +63,15 @@ impl Aabb {
         [self.min, self.max][side % 2][side / 2]
     }
 
+    /// The box with those sides alone that have a bit, in the order of [`end`](Self::end); unbounded elsewhere.
+    #[must_use]
+    pub fn bounded_at(&self, sides: u8) -> Self {
+        let has = |side: usize| sides >> side & 1 == 1;
+        let min = Vec3::from_fn(|axis, _| if has(2 * axis) { self.min[axis] } else { f64::NEG_INFINITY });
+        let max = Vec3::from_fn(|axis, _| if has(2 * axis + 1) { self.max[axis] } else { f64::INFINITY });
+        Self { min, max }
+    }
+
     /// The box with `margin` more on every side.
     #[must_use]
     pub fn grown(&self, margin: f64) -> Self {

@@ -4,7 +4,6 @@ use crate::arrays;
 use crate::boundary::{guard, wrong_value};
 use meso_concrete::thousands;
 use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
-use meso_core::math::{Aabb, Vec3};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyArithmeticError;
 use pyo3::prelude::*;
@@ -153,21 +152,13 @@ pub(crate) fn restore_polyhedron(
     let given = Polyhedron::from_parts(vertices, faces);
     let body = match dents {
         Some(caps) => {
-            let sides = sides_of(&given.aabb(), caps);
+            let sides = given.aabb().bounded_at(caps);
             given.with_dents().with_caps_in(&sides)
         }
         None if is_round => rounded(&given)?,
         None => given,
     };
     Ok(body.into())
-}
-
-/// The box that is bounded at the sides of `aabb` which have a bit, the lower and the upper ones along x, y and z.
-fn sides_of(aabb: &Aabb, bits: u8) -> Aabb {
-    let has = |bit: usize| bits >> bit & 1 == 1;
-    let min = Vec3::from_fn(|axis, _| if has(2 * axis) { aabb.min[axis] } else { f64::NEG_INFINITY });
-    let max = Vec3::from_fn(|axis, _| if has(2 * axis + 1) { aabb.max[axis] } else { f64::INFINITY });
-    Aabb { min, max }
 }
 
 /// The ball or ellipsoid that is drawn as `given`.

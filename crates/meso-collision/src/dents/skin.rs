@@ -47,11 +47,7 @@ impl Polyhedron {
 
     /// The box that its caps bound, everywhere else unbounded.
     pub fn cut_space(&self) -> Aabb {
-        let (caps, aabb) = (self.caps(), self.aabb());
-        let kept = |bit: usize| caps >> bit & 1 == 1;
-        let min = Vec3::from_fn(|axis, _| if kept(2 * axis) { aabb.min[axis] } else { f64::NEG_INFINITY });
-        let max = Vec3::from_fn(|axis, _| if kept(2 * axis + 1) { aabb.max[axis] } else { f64::INFINITY });
-        Aabb { min, max }
+        self.aabb().bounded_at(self.caps())
     }
 
     /// The planes of its caps; `None` where it has none.
