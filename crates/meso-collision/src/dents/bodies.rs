@@ -5,8 +5,10 @@ use crate::gjk::{self, GjkError};
 use crate::math::Vec3;
 use crate::round_bodies::Other;
 
-/// Divisions of the box for the volume of an erosion.
-const EROSION_HALVINGS: usize = 5;
+/// Least and most divisions of the box for the volume of an erosion.
+const EROSION_HALVINGS: [usize; 2] = [4, 8];
+/// The smallest cubes are at most so large, over the volume of the body by its area: 3/8 of a plate's thickness.
+const COARSEST: f64 = 0.75;
 
 impl Polyhedron {
     /// How far `x` is from the body, mm, negative inside: beyond the farthest face plane, which is less than the distance
@@ -21,22 +23,33 @@ impl Polyhedron {
 
     /// Volume of the points deeper than `thickness` mm in a body with dents, below its [skin](Self::skin), or in an ellipsoid, mm3.
     ///
-    /// Cubes cut off by a curved surface count 0.2 % too much at this size. They do so at both depths, so the ratio of the
-    /// volumes is exact to 2 % of the shell.
+    /// Cubes count too much at edges, 0.6 % of a body in all. The core's edges are as bent as the body's and shorter, so that the
+    /// excess of the body, whose volume is known, tells the core's. The shell is exact to 0.5 % (rms of stones, at most 1.4 %; rings
+    /// of 0.8 to 6 mm 0.4 %), and to 4 % where long straight edges lie along the axes.
     pub fn eroded_volume(&self, thickness: f64) -> f64 {
         let aabb = self.aabb();
+        let halvings = self.erosion_halvings();
         let levels = [thickness, 0.0];
         let [core, whole] = match self.round() {
-            Some(round) => aabb.volumes_above(EROSION_HALVINGS, |x, _, _: Option<&()>| {
-                let depth = -round.height(x);
-                (levels.map(|level| depth - level), ())
+            Some(round) => aabb.volumes_above(halvings, |x, _, _: Option<&()>| {
+                let (depth, inwards) = (-round.height(x), -round.normal(x));
+                (levels.map(|level| (depth - level, inwards)), ())
             }),
             None => {
                 let skin = self.skin(thickness);
-                aabb.volumes_above(EROSION_HALVINGS, |x, reach, around| skin.depths_below(x, levels, reach, around))
+                aabb.volumes_above(halvings, |x, reach, around| skin.depths_below(x, levels, reach, around))
             }
         };
-        self.volume() * (core / whole)
+        let shorter = libm::cbrt(core / whole);
+        (core - (whole - self.volume()) * shorter).max(0.0)
+    }
+
+    /// Divisions of its box in a walk that measures its erosion; one more where it has caps, whose rims lie along the cubes.
+    fn erosion_halvings(&self) -> usize {
+        let (size, cube) = (self.aabb().size().max(), COARSEST * self.volume() / self.area());
+        let [least, most] = EROSION_HALVINGS;
+        let needed = (least..most).find(|halvings| size / f64::from(1 << halvings) <= cube).unwrap_or(most);
+        needed + usize::from(self.caps() != 0)
     }
 
     /// Distance of two bodies, mm; 0 where they share a point.

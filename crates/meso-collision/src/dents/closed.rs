@@ -148,22 +148,24 @@ impl Aabb {
 
     /// Volume of the points where `height` is positive, mm3, in the cube about this box. The height has a slope of 1.
     ///
-    /// Cubes are halved `halvings` times where the surface may divide them, and the last ones count in part.
+    /// Cubes are halved `halvings` times where the surface may divide them, and the last ones count in part, as if the surface
+    /// were a plane across an axis.
     pub fn volume_above(&self, halvings: usize, height: impl Fn(&Vec3) -> f64) -> f64 {
-        let [volume] = self.volumes_above(halvings, |point, _, _: Option<&()>| ([height(point)], ()));
+        let [volume] = self.volumes_above(halvings, |point, _, _: Option<&()>| ([(height(point), Vec3::x())], ()));
         volume
     }
 
     /// Volumes of the points where each of several heights is positive, mm3, in the cube about this box. Heights have a slope of
-    /// 1; `heights` gives them with a note for the eight cubes within, which get it from the cube around them. It also gets the
-    /// farthest that their middles and corners are from that of the cube, below 0 where the cube is a last one.
+    /// 1; `heights` gives them with the unit vectors along which they grow, and a note for the eight cubes within, which get it from
+    /// the cube around them. It also gets the farthest that their middles and corners are from that of the cube, below 0 where
+    /// the cube is a last one.
     ///
     /// Cubes are halved `halvings` times where a surface may divide them. The share of the last ones follows from the
-    /// height at their middle, as if the surface were a plane across an axis.
+    /// height at their middle, as if the surface were a plane.
     pub(super) fn volumes_above<const N: usize, T>(
         &self,
         halvings: usize,
-        heights: impl Fn(&Vec3, f64, Option<&T>) -> ([f64; N], T),
+        heights: impl Fn(&Vec3, f64, Option<&T>) -> ([(f64, Vec3); N], T),
     ) -> [f64; N] {
         let (mut half, mut volumes) = (self.size().max() / 2.0, [0.0; N]);
         let mut divided: Vec<(Vec3, [bool; N], T)> = Vec::new();
@@ -173,11 +175,11 @@ impl Aabb {
                 let (heights, note) = heights(&middle, if is_last { -1.0 } else { reach }, around);
                 let mut divides = [false; N];
                 for i in (0..N).filter(|&i| undecided[i]) {
-                    let height = heights[i];
+                    let (height, upwards) = heights[i];
                     if height >= reach {
                         volumes[i] += whole;
                     } else if height > -reach && is_last {
-                        volumes[i] += whole * (0.5 + height / (2.0 * half)).clamp(0.0, 1.0);
+                        volumes[i] += whole * share_above(&upwards, height / half);
                     } else {
                         divides[i] = height > -reach;
                     }
@@ -195,6 +197,27 @@ impl Aabb {
         }
         volumes
     }
+}
+
+/// Share of the cube from -1 to 1 above a plane `height` below its middle, with the unit normal `upwards`.
+fn share_above(upwards: &Vec3, height: f64) -> f64 {
+    let mut edges = (upwards * 2.0).abs();
+    edges.as_mut_slice().sort_unstable_by(f64::total_cmp);
+    // The heights of the three edges of the cube, and of the corner farthest beyond the plane on the smaller side.
+    let [a, b, c]: [f64; 3] = edges.into();
+    let corner = ((a + b + c) / 2.0 - height.abs()).max(0.0);
+    let cube = |height: f64| height.max(0.0).powi(3);
+    // The corner's pyramid, less what of it is beyond the cube's other sides; without an edge that is level, or nearly.
+    let smaller = if corner < a {
+        cube(corner) / (6.0 * a * b * c)
+    } else if corner < b {
+        (3.0 * corner * (corner - a) + a * a) / (6.0 * b * c)
+    } else if corner >= a + b {
+        (2.0 * corner - a - b) / (2.0 * c)
+    } else {
+        (cube(corner) - cube(corner - a) - cube(corner - b) - cube(corner - c)) / (6.0 * a * b * c)
+    };
+    if height > 0.0 { 1.0 - smaller } else { smaller }
 }
 
 /// Middles of the eight cubes of half edge `half` around a point.
@@ -250,4 +273,34 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3, axis: usize) -> i32 {
         }
     };
     (0..3).map(crossing).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The middles of 64 cells along each edge of the cube from -1 to 1, counted.
+    fn counted_above(upwards: &Vec3, height: f64) -> f64 {
+        let coordinate = |i: u32| (f64::from(i) + 0.5) / 32.0 - 1.0;
+        let cells = (0..64).flat_map(|i| (0..64).flat_map(move |j| (0..64).map(move |k| [i, j, k])));
+        let above = cells.filter(|cell| upwards.dot(&Vec3::from(cell.map(coordinate))) + height > 0.0);
+        above.count() as f64 / 64_f64.powi(3)
+    }
+
+    #[test]
+    fn the_share_of_a_cube_above_a_plane_is_counted_for_planes_of_all_kinds() {
+        let normals = [[0.3, 0.5, 0.8], [-0.9, 0.4, 0.1], [0.02, 0.6, -0.7], [1e-12, 0.6, 0.8], [0.0, 1e-15, -1.0]];
+        for normal in normals.map(|normal| Vec3::from(normal).normalize()) {
+            for height in [-1.6, -1.1, -0.81, -0.4, -0.13, 0.0, 0.02, 0.6, 0.97, 1.3] {
+                let (share, counted) = (share_above(&normal, height), counted_above(&normal, height));
+                assert!((share - counted).abs() < 0.01, "{normal:?} at {height}: {share} beside {counted}");
+                assert!((share + share_above(&normal, -height) - 1.0).abs() < 1e-12);
+            }
+        }
+        // A corner's pyramid whose three edges are the cube's.
+        let diagonal = Vec3::repeat(1.0).normalize();
+        assert!((share_above(&diagonal, -diagonal.x) - 1.0 / 6.0).abs() < 1e-12);
+        assert_eq!(share_above(&Vec3::x(), 0.25), 0.625);
+        assert_eq!(share_above(&Vec3::x(), -1.0), 0.0);
+    }
 }

@@ -82,9 +82,13 @@ impl Cuts {
         x.sup(&self.0.min).inf(&self.0.max)
     }
 
-    /// From `x` to the nearest plane, mm; negative beyond it.
-    fn depth(&self, x: &Vec3) -> f64 {
-        (x - self.0.min).inf(&(self.0.max - x)).min()
+    /// From `x` to the nearest plane, mm, negative beyond it; and the unit vector from there inwards.
+    fn depth(&self, x: &Vec3) -> (f64, Vec3) {
+        let of = |bit: usize| {
+            let inwards = if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
+            ((x[bit / 2] - self.0.end(bit)) * inwards, Vec3::ith(bit / 2, inwards))
+        };
+        (0..6).map(of).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
     }
 
     /// Continues the triangles of a skin beyond their edges in caps by `reach` mm.
@@ -167,7 +171,7 @@ impl Skin {
 
     /// How far `x` is within the points of the body that are deeper than `depth` mm: negative outside, with a slope of 1.
     pub fn depth_below(&self, x: &Vec3, depth: f64) -> f64 {
-        self.up_to_caps(x, self.depth(x) - depth)
+        self.up_to_caps(x, (self.depth(x) - depth, Vec3::zeros())).0
     }
 
     /// A point that is about as deep as any, and its depth, mm.
@@ -181,22 +185,25 @@ impl Skin {
         self.open.as_ref().map_or(*x, |open| open.cuts.nearest(x))
     }
 
-    /// `depth` or, where that is less, the depth of `x` below the nearest cap's plane.
-    fn up_to_caps(&self, x: &Vec3, depth: f64) -> f64 {
-        self.open.as_ref().map_or(depth, |open| depth.min(open.cuts.depth(x)))
+    /// A depth of `x` and the unit vector inwards or, where that is less, those of the nearest cap's plane.
+    fn up_to_caps(&self, x: &Vec3, below: (f64, Vec3)) -> (f64, Vec3) {
+        let below_caps = self.open.as_ref().map(|open| open.cuts.depth(x));
+        below_caps.filter(|cap| cap.0 < below.0).unwrap_or(below)
     }
 
-    /// How far `x` is below each of the `levels`, as [`depth_below`](Self::depth_below) says, and a note for points within
-    /// `reach` mm of it; `around` is the note for a point whose reach this one is in.
+    /// How far `x` is below each of the `levels`, as [`depth_below`](Self::depth_below) says, and the unit vector along which it gets
+    /// deeper; and a note for points within `reach` mm of it. `around` is the note for a point whose reach this one is in.
     pub(super) fn depths_below<const N: usize>(
         &self,
         x: &Vec3,
         levels: [f64; N],
         reach: f64,
         around: Option<&Depth>,
-    ) -> ([f64; N], Depth) {
+    ) -> ([(f64, Vec3); N], Depth) {
         let found = self.depth_within(&self.within(x), reach, around);
-        (levels.map(|level| self.up_to_caps(x, found.depth - level)), found)
+        let from_skin = found.point - self.triangles().nearest_of(found.nearest, &found.point).0;
+        let inwards = (from_skin / found.depth).try_normalize(0.0).unwrap_or_else(Vec3::x);
+        (levels.map(|level| self.up_to_caps(x, (found.depth - level, inwards))), found)
     }
 
     /// The depth of `point`, and the triangles that are the nearest ones of points within `reach` mm of it; none of them
@@ -209,19 +216,27 @@ impl Skin {
             if distance <= best.0 + 2.0 * reach {
                 near.push((distance, triangle));
             }
+            best.0 + 2.0 * reach.max(0.0)
         };
         match around {
-            Some(around) => around.triangles.iter().for_each(|triangle| look(*triangle)),
-            None => (0..skin.corners().len() as u32).for_each(look),
+            Some(around) => {
+                let step = (around.point - point).norm();
+                let mut farthest = f64::INFINITY;
+                let mut may_be_near = around.triangles.iter();
+                while let Some((_, triangle)) = may_be_near.next().filter(|near| near.0 - step <= farthest) {
+                    farthest = look(*triangle);
+                }
+            }
+            None => (0..skin.corners().len() as u32).for_each(|triangle| _ = look(triangle)),
         }
-        let (distance, triangle) = best;
+        let (distance, nearest) = best;
         let is_inside = match around.filter(|around| (around.point - point).norm() < around.depth.abs()) {
             Some(around) => around.depth > 0.0,
-            None => self.is_below(triangle, point, distance).unwrap_or_else(|| self.surface.contains(point)),
+            None => self.is_below(nearest, point, distance).unwrap_or_else(|| self.surface.contains(point)),
         };
         near.retain(|near| near.0 <= distance + 2.0 * reach);
-        let triangles = near.into_iter().map(|near| near.1).collect();
-        Depth { point: *point, triangles, depth: if is_inside { distance } else { -distance } }
+        near.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+        Depth { point: *point, nearest, triangles: near, depth: if is_inside { distance } else { -distance } }
     }
 
     /// Whether a point lies on the inner side of its nearest triangle; `None` unless it lies straight above or below one of
@@ -235,10 +250,11 @@ impl Skin {
     }
 }
 
-/// A point, its depth, mm, and the triangles that are the nearest ones of points around it.
+/// A point, its depth, mm, its nearest triangle, and those of points around it with their distances, ascending.
 pub(super) struct Depth {
     point: Vec3,
-    triangles: Vec<u32>,
+    nearest: u32,
+    triangles: Vec<(f64, u32)>,
     depth: f64,
 }
 

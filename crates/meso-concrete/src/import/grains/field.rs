@@ -3,6 +3,10 @@
 //! Shares are indicators of voxels, blurred by a Gaussian of one width for all grains. So the shares of all grains sum to 1 at
 //! most. Where a grain's share exceeds that of all others by a margin, no other grain's does. Beyond the walls the volume is
 //! mirrored, so that surfaces meet walls at right angles.
+//!
+//! A share is kept as the depth below a plane surface that has it. Depths grow evenly from node to node, so that plane surfaces
+//! are found where they are; shares themselves, which end at 0 and 1, misplace them by up to half a voxel between nodes two
+//! voxels apart.
 
 use super::labelled::LabelledGrains;
 use super::tetrahedra::Nodes;
@@ -15,6 +19,7 @@ pub(super) struct Lattice {
     voxels: [usize; 3],
     /// Voxels that a kernel reaches.
     reach: usize,
+    depths: Depths,
 }
 
 /// The fields at a box of nodes, x fastest.
@@ -24,14 +29,15 @@ pub(super) struct Field {
     counts: [usize; 3],
     /// Whether the box ends at the volume's lower and upper walls.
     walls: [[bool; 2]; 3],
-    /// Share of the grain.
+    /// Depths of the grain's share, in widths of the blur.
     own: Vec<f32>,
-    /// Share of the grain less that of all others.
+    /// Depths of the grain's share where those of all others leave it half of the rest.
     lead: Vec<f32>,
 }
 
 impl Field {
-    /// Positive where the grain's share exceeds `level`, and that of all others by `margin`. On each side a node is added in the
+    /// Positive where the grain is deeper than `level`, and as far as `margin` from where its share is that of all others; both in
+    /// widths of the blur. On each side a node is added in the
     /// wall, where there is one, with the value of its neighbour, and one beyond it with minus the size of that.
     pub(super) fn nodes(&self, level: f32, margin: f32) -> Nodes {
         let [nx, ny, _] = self.counts;
@@ -67,7 +73,7 @@ impl Lattice {
             let spacing = voxels[axis] as f64 / counts[axis] as f64;
             (0..counts[axis]).map(|node| kernel((node as f64 + 0.5) * spacing, width, reach)).collect()
         };
-        Self { counts, weights: [axis(0), axis(1), axis(2)], voxels, reach }
+        Self { counts, weights: [axis(0), axis(1), axis(2)], voxels, reach, depths: Depths::new() }
     }
 
     /// Edges of the lattice's cells in voxels.
@@ -86,7 +92,8 @@ impl Lattice {
         let counts = [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let own = self.blurred(parts, from, counts, |voxel| voxel == number);
         let others = self.blurred(parts, from, counts, |voxel| voxel > 0 && voxel != number);
-        let lead = own.iter().zip(&others).map(|(own, others)| own - others).collect();
+        let lead = own.iter().zip(&others).map(|(own, others)| self.depths.of((1.0 + own - others) / 2.0)).collect();
+        let own = own.iter().map(|own| self.depths.of(*own)).collect();
         let walls = [0, 1, 2].map(|axis| [from[axis] == 0, to[axis] == self.counts[axis]]);
         Field { from, counts, walls, own, lead }
     }
@@ -151,6 +158,31 @@ impl Lattice {
         let (first, last) = (from, from + count - 1);
         let ends = || seen(first).chain(seen(last));
         [ends().min().unwrap_or(0), ends().max().unwrap_or(0) + 1]
+    }
+}
+
+/// The depths below a plane surface that have a blurred share, in widths of the blur.
+struct Depths {
+    /// Shares at even depths from -[`REACH`] on.
+    shares: Vec<f32>,
+}
+
+/// Known depths in a width.
+const KNOWN: usize = 64;
+
+impl Depths {
+    fn new() -> Self {
+        let depth = |k: usize| k as f64 / KNOWN as f64 - REACH;
+        let share = |k: usize| libm::erfc(-depth(k) / std::f64::consts::SQRT_2) / 2.0;
+        Self { shares: (0..=2 * REACH as usize * KNOWN).map(|k| share(k) as f32).collect() }
+    }
+
+    fn of(&self, share: f32) -> f32 {
+        let last = self.shares.len() - 1;
+        let above = self.shares.partition_point(|known| *known < share).clamp(1, last);
+        let [low, high] = [self.shares[above - 1], self.shares[above]];
+        let part = ((share - low) / (high - low)).clamp(0.0, 1.0);
+        ((above - 1) as f32 + part) / KNOWN as f32 - REACH as f32
     }
 }
 

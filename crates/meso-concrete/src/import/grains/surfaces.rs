@@ -1,7 +1,8 @@
 //! A closed surface for every grain of a label volume: smooth, of the volume of its voxels, and apart from all others.
 //!
 //! 1. A grain is where its blurred share exceeds a level, and the blurred share of all other grains by a margin. So grains
-//!    that touch in the labels get a stated gap. The level is chosen so that the surface has the volume of the voxels.
+//!    that touch in the labels get a stated gap. The level, given as a depth, is chosen so that the surface has the volume of the
+//!    voxels.
 //! 2. Marching tetrahedra make the surface, and edges of small quadric error collapse.
 //! 3. No surface may cross itself, and every pair is proved apart. Grains that fail are made again with more triangles, at
 //!    last with all of them.
@@ -54,8 +55,8 @@ const GAP: f64 = 0.5;
 const FIRST_ROUND: f64 = 0.8;
 /// Tries of a grain, by their shares of the tolerance.
 const TRIES: [f64; 3] = [1.0, 0.25, 0.0];
-/// Levels of the blurred share that a surface may have: a plane one moves by 0.7 voxels at most.
-const LEVELS: [f64; 2] = [0.25, 0.75];
+/// Levels that a surface may have, in widths of the blur: shares of 1/4 and 3/4.
+const LEVELS: [f64; 2] = [-0.67, 0.67];
 /// Faces of a grain's voxels whose distance to its surface is measured, about.
 const MEASURED: usize = 500;
 /// Vertices this near to a wall, over its distance to the opposite one, lie in it.
@@ -138,9 +139,9 @@ impl<'a> GrainSurfaces<'a> {
     /// The surface of a field whose volume is that of so many voxels as nearly as its neighbours allow, mm, without its hollows.
     fn of_volume(&self, field: &Field, voxels: usize) -> Option<TriangleMesh> {
         let target = voxels as f64 * self.spacing_mm.product();
-        let margin = 0.8 * GAP / 2.0 / self.options.smoothing;
+        let margin = GAP / 2.0 / self.options.smoothing;
         let [mut low, mut high] = LEVELS;
-        let (mut level, mut last) = (0.5, None);
+        let (mut level, mut last) = (0.0, None);
         let mut best: Option<(f64, TriangleMesh)> = None;
         for _ in 0..STEPS {
             let mesh = self.marched(field, level, margin);
@@ -153,7 +154,7 @@ impl<'a> GrainSurfaces<'a> {
             let slope = match last {
                 Some((before, old)) if before != excess => (excess - before) / (level - old),
                 // The slope of a plane surface.
-                _ => -2.5 * self.options.smoothing * self.spacing_mm.min() * area(&mesh),
+                _ => -self.options.smoothing * self.spacing_mm.min() * area(&mesh),
             };
             last = Some((excess, level));
             if best.as_ref().is_none_or(|best| excess.abs() < best.0) {
