@@ -393,7 +393,7 @@ fn a_hollow_is_filled_with_a_remark_and_a_body_within_it_is_a_grain() {
     let three = [hollow.clone(), cube(3.0, 1.0), turned(&cube(20.0, 1.0))].concat();
     assert_eq!(library(&three[..three.len() - 12], "").unwrap().0, 2);
     let error = library(&three, "").unwrap_err();
-    assert!(error.contains("body 2 of 3, counted from 0: it encloses -1 mm3; its triangles must be"), "{error}");
+    assert!(error.contains("body 3 of 4, counted from 0: it encloses -1 mm3; its triangles must be"), "{error}");
 }
 
 /// An upright prism over an L, its sides and ends polygons, by their corners.
@@ -469,6 +469,103 @@ fn egg() -> Vec<Facet> {
     };
     let all = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))).flat_map(square);
     all.filter(|[a, b, c]| a != b && b != c && c != a).collect()
+}
+
+#[test]
+fn remarks_about_one_of_several_bodies_have_its_number() {
+    let remarks = |options: &str, bytes: Vec<u8>| {
+        let text = format!("{GRADING}[shape]\nlibrary = {options}\n");
+        read(&text, bytes).unwrap().1
+    };
+    let (small, scan) = (cube(20.0, 4.0), egg());
+    let within = "body 1 of 2, counted from 0: ";
+    let said = remarks("'a.stl'", stl_binary(&[&small[..], &scan].concat(), b""));
+    assert!(said.starts_with(within) && said.contains(" triangles became "), "{said}");
+    let said = remarks("'a.stl'\nhull = true", stl_binary(&[&small[..], &scan].concat(), b""));
+    assert!(said.starts_with(within) && said.contains(" corners of its hull became "), "{said}");
+    // A hollow counts as a body of the file.
+    let three = [&cube(0.0, 30.0)[..], &turned(&cube(1.0, 2.0)), &moved(scan.clone(), [60.0, 0.0, 0.0])].concat();
+    let said = remarks("'a.stl'", stl_binary(&three, b""));
+    assert!(said.contains("hollow(s)") && said.contains("; body 2 of 3, counted from 0: "), "{said}");
+    // One solid of a text, mended: a triangle that stands there twice.
+    let twice = [&small[..], &small[..1]].concat();
+    let solids = [stl_text(&cube(0.0, 5.0), b"a"), stl_text(&twice, b"b")].concat();
+    let said = remarks("'a.stl'", solids);
+    assert_eq!(said, format!("{within}1 triangle(s) that stood there twice were dropped"));
+    assert!(!remarks("'a.stl'", stl_text(&twice, b"b")).contains("body"));
+    let (vertices, faces) = indexed(&scan);
+    let said = remarks(
+        "'a.json'",
+        format!(
+            "[[[0,0,0],[1,0,0],[0,1,0],[0,0,1]], {{\"name\": \"egg\", \"vertices\": {vertices:?}, \"faces\": {faces:?}}}]"
+        )
+        .into_bytes(),
+    );
+    assert!(said.starts_with("egg: ") && said.contains(" triangles became "), "{said}");
+}
+
+#[test]
+fn shares_in_remarks_have_no_digits_of_rounding() {
+    for (share, percent) in [("0.0007", "0.07"), ("0.0029", "0.29")] {
+        let text = format!("{GRADING}[shape]\nlibrary = 'a.stl'\ntolerance = {share}\n");
+        let said = read(&text, stl_binary(&egg(), b"")).unwrap().1;
+        assert!(said.contains(&format!("mm away ({percent} % of its length)")), "{said}");
+    }
+    let error = read(&GRADING.replace("0.1", "55.3"), Vec::new()).unwrap_err();
+    assert!(error.contains("for 55.3 % write 0.553"), "{error}");
+}
+
+/// The same cube in every format of surfaces that is read, by its ending.
+fn in_all_formats() -> [(&'static str, Vec<u8>); 7] {
+    let facets = cube(0.0, 5.0);
+    [
+        ("stl", stl_text(&facets, b"a")),
+        ("stl", stl_binary(&facets, b"solid")),
+        ("ply", ply(&facets, "ascii")),
+        ("ply", ply(&facets, "binary_little_endian")),
+        ("obj", obj(&facets)),
+        ("off", off(&facets)),
+        ("json", b" [[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]]".to_vec()),
+    ]
+}
+
+#[test]
+fn a_file_named_as_another_format_is_refused_with_the_name_that_it_needs() {
+    for (own, bytes) in in_all_formats() {
+        for said in ["stl", "ply", "obj", "off", "json"] {
+            let found = grains(&format!("a.{said}"), "", bytes.clone());
+            if said == own {
+                assert_eq!(found, Ok(1), "{own}");
+                continue;
+            }
+            let error = found.unwrap_err();
+            assert!(error.ends_with(&format!(" file does; let its name end in .{own}")), "{own} as {said}: {error}");
+            let harmonics = grains("a.dat", "kind = 'harmonics'\n", bytes.clone()).unwrap_err();
+            let other = ", which is not read here: name one that ends in .dat, .anm or .txt";
+            assert!(harmonics.ends_with(other), "{own}: {harmonics}");
+            if own != "json" && said != "json" {
+                let error = specimen(&format!("a.{said}"), bytes.clone()).unwrap_err();
+                assert!(error.ends_with(&format!("let its name end in .{own}")), "{own} as {said}: {error}");
+            }
+        }
+    }
+    for (bytes, words) in [
+        (&b"\x1f\x8b\x08\0"[..], "it begins as a gzip file does; unpack it first"),
+        (b"PK\x03\x04", "it begins as a ZIP file does; unpack it first"),
+        (b"glTF\x02\0\0\0", "it begins as a glTF file does, which is not read here: name one that ends in .stl, "),
+        (b"0 0 29.2 0\n1 1 0.1 0\n", "it begins as a harmonics file does, which is not read here"),
+        (b"\x93NUMPY\x01\0", "it begins as a NumPy file does, which is not read here"),
+    ] {
+        for ending in ["stl", "ply", "obj", "off", "json"] {
+            let error = grains(&format!("a.{ending}"), "", bytes.to_vec()).unwrap_err();
+            assert!(error.contains(words), "{ending}: {error}");
+        }
+    }
+    // Files of unknown content, and damaged ones of the named format, have the errors of their format.
+    for bytes in [&b"solid a\nfacet"[..], b"hello", b""] {
+        let error = grains("a.stl", "", bytes.to_vec()).unwrap_err();
+        assert!(!error.contains("it begins as"), "{error}");
+    }
 }
 
 #[test]
@@ -681,8 +778,9 @@ fn broken_ply_obj_and_off_are_refused_with_the_reason() {
         ("a.off", b"OFF\n4 4\n0 0 0\n".to_vec(), "it ends within its vertices"),
         ("a.off", b"OFF\n1 1 0\n0 0 0\n3 0 0 7\n".to_vec(), "names vertex 7 of 1"),
         ("a.off", b"OFF\n1 1 0\n0 0 0\n3 0 0\n".to_vec(), "line 4: `3 0 0` is not a face"),
-        ("a.step", stl_text(&cube, b""), "its name must end in .stl, .ply, .obj or .off"),
-        ("part", stl_text(&cube, b""), "its name must end in .stl, .ply, .obj or .off"),
+        ("a.step", b"ISO-10303-21;\n".to_vec(), "its name must end in .stl, .ply, .obj or .off"),
+        ("a.step", stl_text(&cube, b""), "it begins as an STL file does; let its name end in .stl"),
+        ("part", stl_text(&cube, b""), "it begins as an STL file does; let its name end in .stl"),
     ] {
         let error = specimen(name, bytes).unwrap_err();
         assert!(error.contains(part), "{name}: {error}");

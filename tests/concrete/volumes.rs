@@ -71,6 +71,21 @@ fn files_that_hold_no_labels_are_refused_with_a_reason() {
     assert_eq!(refused("a.npy", b"PK"), VolumeError::Begin("a file of numpy.save"));
     assert_eq!(refused("a.tif", b"PK\0\0\0\0\0\0"), VolumeError::Begin("a TIFF file"));
     assert_eq!(refused("a.vti", b"<VTKFile type='PolyData'>"), VolumeError::Begin("VTK image data"));
+    let array = npy("|u1", "(2, 3)", false, &[1; 6]);
+    for (name, bytes, words) in [
+        ("a.tif", &array[..], "a NumPy file does; let its name end in .npy"),
+        ("a.raw", &array, "a NumPy file does; let its name end in .npy"),
+        ("a.npy", b"II*\0\x08\0\0\0", "a TIFF file does; let its name end in .tif"),
+        ("a.tif", b"<VTKFile type='ImageData'>", "a VTK image file does; let its name end in .vti"),
+        ("a.npy", b"\x1f\x8b\x08", "a gzip file does; unpack it first"),
+        (
+            "a.npy",
+            b"ply\nformat",
+            "a PLY file does, which is not read here: name one that ends in .tif, .tiff, .npy or .vti",
+        ),
+    ] {
+        assert_eq!(refused(name, bytes).to_string(), format!("it begins as {words}"), "{name}");
+    }
     assert_eq!(refused("a.npy", &npy("|u1", "(2, 3)", false, &[1; 5])), VolumeError::Cut("values"));
     assert_eq!(refused("a.npy", &npy("|u1", "(0, 3)", false, &[])), VolumeError::Empty);
     let axes = refused("a.npy", &npy("|u1", "(1, 1, 2, 3)", false, &[1; 6])).to_string();

@@ -99,6 +99,23 @@ fn a_mesh_that_has_far_from_a_phase_is_refused_unless_that_is_accepted() {
     assert!(said.ends_with("take a smaller element_size_mm, or the method conforming"), "{said}");
 }
 
+/// A conforming mesh takes neither spheres nor dents, so that it is no remedy for them.
+#[test]
+fn a_refused_mesh_of_spheres_names_no_method_that_refuses_them() {
+    let text = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 40 }\nshape = { kind = 'sphere' }\n";
+    let model = meso_core::pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap();
+    for (method, itz, ways) in [
+        (Method::VOXEL, ItzForm::Solid, "take a smaller element_size_mm, the method lattice, or itz none"),
+        (Method::FITTED, ItzForm::Solid, "take a smaller element_size_mm, or itz none"),
+        (Method::FITTED, ItzForm::None, "take a smaller element_size_mm"),
+    ] {
+        let options = MeshOptions { method, itz, element_size_mm: 5.0, ..Default::default() };
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+        let error = PhaseOff::accept(&mesh, &model, &options, 0.0).unwrap_err().to_string();
+        assert!(error.ends_with(ways), "{error}");
+    }
+}
+
 #[test]
 fn a_conforming_mesh_fills_a_cylinder_to_its_curved_side_whole_or_in_slabs() {
     let model = packed(Specimen::Cylinder { diameter_mm: 30.0, height_mm: 60.0 }, 0.25);

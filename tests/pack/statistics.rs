@@ -2,7 +2,7 @@
 
 use crate::pack::models::box_body;
 use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::geometry::{Polyhedron, convex_hull};
+use meso_core::geometry::{Polyhedron, TriangleMesh, convex_hull};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::specimen::{Periodic, Specimen};
 use meso_core::statistics::{Statistics, StatisticsOptions};
@@ -181,6 +181,20 @@ fn shapes_and_orientation_of_turned_blocks_are_theirs() {
     assert!((found.orientation.eigenvalues[2] - 1.0).abs() < 1e-9, "all point the same way");
     let longest = turn * Vec3::x();
     assert!((found.orientation.tensor[0][1] - longest.x * longest.y).abs() < 1e-9);
+}
+
+#[test]
+fn convexity_is_the_share_of_the_hull() {
+    // An upright prism over an L of three squares beside a block: 3 of 3.5 squares of its hull.
+    let outline = [[0.0, 0.0], [20.0, 0.0], [20.0, 10.0], [10.0, 10.0], [10.0, 20.0], [0.0, 20.0]];
+    let vertices = [5.0, 15.0].into_iter().flat_map(|z| outline.map(|[x, y]| Vec3::new(x, y, z))).collect();
+    let ends = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+    let sides = (0..6).flat_map(|i| [[i, (i + 1) % 6, (i + 1) % 6 + 6], [i, (i + 1) % 6 + 6, i + 6]]);
+    let below = ends.map(|[a, b, c]| [a, c, b]).into_iter();
+    let triangles = below.chain(ends.map(|t| t.map(|i| i + 6))).chain(sides).collect();
+    let angle = Polyhedron::of_surface(&TriangleMesh { vertices, triangles });
+    let convexity = measured(40.0, vec![angle, box_body([25.0; 3], [35.0; 3])]).shapes.convexity.unwrap();
+    assert!(close(convexity.min, 6.0 / 7.0, 1e-12) && convexity.max == 1.0, "{convexity:?}");
 }
 
 #[test]

@@ -46,6 +46,7 @@ def test_shapes_and_zingg_counts_are_those_of_numpy(packed):
         "flatness": c / b,
         "wadell_sphericity": np.pi ** (1 / 3) * (6 * volume) ** (2 / 3) / area,
         "krumbein_sphericity": (b * c / a**2) ** (1 / 3),
+        "convexity": np.ones(len(a)),
     }
     for name, values in expected.items():
         found = shapes[name]

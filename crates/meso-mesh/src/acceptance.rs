@@ -3,7 +3,7 @@
 //! Elements as large as the grains lose phases, shells and fibres first: [`PhaseOff`] names the one that is farthest off.
 
 use super::error::{MeshError, Ways};
-use super::options::{ItzForm, MeshOptions, MethodName};
+use super::options::{ItzForm, MeshOptions, MethodName, is_faceted};
 use crate::cells::{Cells, Mesh, Phase, cell_volume};
 use crate::figures::PhaseVolumes;
 use meso_concrete::{Parts, parallel};
@@ -49,9 +49,10 @@ impl PhaseOff {
         options: &MeshOptions,
         accepted: f64,
     ) -> Result<Option<Self>, MeshError> {
-        let off = Self::of(mesh, &parts.into(), options);
+        let parts = parts.into();
+        let off = Self::of(mesh, &parts, options);
         match off.filter(|off| off.error().abs() > accepted) {
-            Some(off) => Err(off.refused(options, None)),
+            Some(off) => Err(off.refused(options, parts.bodies.iter().all(is_faceted), None)),
             None => Ok(off),
         }
     }
@@ -74,27 +75,33 @@ impl PhaseOff {
         self.meshed / self.exact - 1.0
     }
 
-    /// The error that says so, with remedies; `tried_mm` is the edge of the cube that was meshed instead of the specimen.
-    pub fn refused(&self, options: &MeshOptions, tried_mm: Option<f64>) -> MeshError {
+    /// The error that says so, with remedies. `are_faceted` says that all bodies are convex polyhedra, which a conforming mesh
+    /// takes; `tried_mm` is the edge of the cube that was meshed instead of the specimen.
+    pub fn refused(&self, options: &MeshOptions, are_faceted: bool, tried_mm: Option<f64>) -> MeshError {
         let Self { phase, meshed, exact } = *self;
-        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, tried_mm, ways: ways_out(phase, options) }
+        let ways = ways_out(phase, options, are_faceted);
+        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, tried_mm, ways }
     }
 }
 
 /// Remedies that keep the phase.
-fn ways_out(phase: Phase, options: &MeshOptions) -> Ways {
+fn ways_out(phase: Phase, options: &MeshOptions, are_faceted: bool) -> Ways {
     let (before, after) = match phase {
         Phase::Fibre => ("an ", " of at most half the fibres' diameter"),
         Phase::Aggregate | Phase::Itz | Phase::Mortar => ("a smaller ", ""),
     };
-    let method = match options.method.name() {
-        MethodName::Voxel => "the method lattice or conforming",
-        MethodName::Lattice => "the method conforming",
-        MethodName::Conforming => "another method",
+    let method = match (options.method.name(), are_faceted) {
+        (MethodName::Voxel, true) => Some("the method lattice or conforming"),
+        (MethodName::Voxel, false) => Some("the method lattice"),
+        (MethodName::Lattice, true) => Some("the method conforming"),
+        (MethodName::Lattice, false) => None,
+        (MethodName::Conforming, _) => Some("another method"),
     };
-    let others = match options.itz {
-        ItzForm::Solid => format!(", {method}, or itz none"),
-        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!(", or {method}"),
+    let others = match (options.itz, method) {
+        (ItzForm::Solid, Some(method)) => format!(", {method}, or itz none"),
+        (ItzForm::Solid, None) => ", or itz none".to_owned(),
+        (ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None, Some(method)) => format!(", or {method}"),
+        (ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None, None) => String::new(),
     };
     Ways { before, after: after.to_owned(), others }
 }

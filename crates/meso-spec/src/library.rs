@@ -11,7 +11,9 @@ use meso_concrete::aggregate::Template;
 use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
 use meso_concrete::import::polygon::Polygons;
+use meso_concrete::short;
 use serde::Deserialize;
+use std::fmt;
 
 const KEY: &str = "shape.library";
 const HULL: &str = "shape.hull";
@@ -181,6 +183,14 @@ impl Form {
     }
 }
 
+/// Where a grain stands.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    file: &'a str,
+    /// Begins a remark about one of several grains in the file.
+    within: &'a str,
+}
+
 /// Reads grains, convex ones and those with dents.
 struct Reader<'a> {
     files: &'a mut dyn Files,
@@ -221,24 +231,32 @@ impl Reader<'_> {
         if import::ending(name).as_deref() == Some("json") {
             return self.json_grains(name, &bytes);
         }
-        let (mut bodies, notes) = import::read_bodies(name, &bytes).map_err(|error| error.to_string())?;
+        let (mut bodies, notes) =
+            import::read_bodies(name, &bytes).map_err(|error| misnamed(name, &bytes, &self.form.endings(), &error))?;
         notes.iter().for_each(|note| self.files.remark(name, note));
+        let count = bodies.len();
         let is_closed = bodies.iter().all(|body| body.check_edges().is_ok());
         if is_closed && bodies.iter().map(TriangleMesh::volume).sum::<f64>() < 0.0 {
             bodies.iter_mut().flat_map(|body| &mut body.triangles).for_each(|triangle| triangle.swap(1, 2));
             self.files.remark(name, "its triangles are clockwise seen from outside; they were turned");
         }
-        let bodies = self.without_hollows(name, bodies);
-        let count = bodies.len();
+        let bodies = self.without_hollows(Place { file: name, within: "" }, bodies);
+        let alone = bodies.len() == 1;
         let named = |(i, body): (usize, TriangleMesh)| {
-            let within = if count == 1 { String::new() } else { format!("body {i} of {count}, counted from 0: ") };
-            self.grain(name, body).map_err(|reason| format!("{within}{reason}"))
+            let within = import::numbers(i, 1, if alone { 1 } else { count });
+            let place = Place { file: name, within: &within };
+            self.grain(place, body).map_err(|reason| format!("{within}{reason}"))
         };
-        bodies.into_iter().enumerate().map(named).collect()
+        bodies.into_iter().map(named).collect()
     }
 
-    /// The bodies without those that are the surface of a hollow in another one, with a remark about these.
-    fn without_hollows(&mut self, name: &str, bodies: Vec<TriangleMesh>) -> Vec<TriangleMesh> {
+    fn remark(&mut self, place: Place<'_>, remark: &str) {
+        self.files.remark(place.file, &format!("{}{remark}", place.within));
+    }
+
+    /// The bodies with their numbers, without those that are the surface of a hollow in another one, with a remark about
+    /// these.
+    fn without_hollows(&mut self, place: Place<'_>, bodies: Vec<TriangleMesh>) -> Vec<(usize, TriangleMesh)> {
         let (solid, turned): (Vec<_>, Vec<_>) = (0..bodies.len()).partition(|&i| bodies[i].volume() > 0.0);
         let surfaces: Vec<Triangles> =
             if turned.is_empty() { Vec::new() } else { solid.iter().map(|&i| bodies[i].facets()).collect() };
@@ -247,9 +265,9 @@ impl Reader<'_> {
         if !hollows.is_empty() {
             let volume = |which: &[usize]| which.iter().map(|&i| bodies[i].volume().abs()).sum::<f64>();
             let percent = 100.0 * volume(&hollows) / volume(&solid);
-            self.files.remark(name, &format!("{} hollow(s), {percent:.2} % of the volume, were filled", hollows.len()));
+            self.remark(place, &format!("{} hollow(s), {percent:.2} % of the volume, were filled", hollows.len()));
         }
-        bodies.into_iter().enumerate().filter(|(i, _)| !hollows.contains(i)).map(|(_, body)| body).collect()
+        bodies.into_iter().enumerate().filter(|(i, _)| !hollows.contains(i)).collect()
     }
 
     /// The distance within which a surface of so many triangles is reduced, as a share of its length and in mm; `None` where
@@ -260,68 +278,78 @@ impl Reader<'_> {
     }
 
     /// Remarks on what a reduction to a distance left, and on the volumes before and after it.
-    fn told(&mut self, name: &str, left: &str, [share, distance]: [f64; 2], [before, after]: [f64; 2]) {
-        let (share, percent) = (100.0 * share, 100.0 * (after / before - 1.0));
+    fn told(&mut self, place: Place<'_>, left: &str, [share, distance]: [f64; 2], [before, after]: [f64; 2]) {
+        let (share, percent) = (short(100.0 * share), 100.0 * (after / before - 1.0));
         let remark = format!(
             "{left}, nowhere more than {distance:.3} mm away ({share} % of its length); its volume changed by {percent:+.2} %"
         );
-        self.files.remark(name, &remark);
+        self.remark(place, &remark);
     }
 
     /// A surface in fewer triangles, with a remark about what that changed; others as they are.
-    fn reduced(&mut self, name: &str, surface: TriangleMesh) -> Result<TriangleMesh, String> {
+    fn reduced(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<TriangleMesh, String> {
         let Some(distance) = self.distance(&surface.vertices, surface.triangles.len()) else { return Ok(surface) };
         let reduced = surface.reduced(distance[1]).map_err(|error| error.to_string())?;
+        if reduced.triangles.len() == surface.triangles.len() {
+            let (triangles, mm) = (surface.triangles.len(), distance[1]);
+            self.remark(place, &format!("its {triangles} triangles stay: no fewer lie within {mm:.1e} mm of it"));
+            return Ok(surface);
+        }
         let left = format!("{} triangles became {}", surface.triangles.len(), reduced.triangles.len());
-        self.told(name, &left, distance, [surface.volume(), reduced.volume()]);
+        self.told(place, &left, distance, [surface.volume(), reduced.volume()]);
         Ok(reduced)
     }
 
     /// The vertices of the hull of so many triangles, or some of them, with a remark, where there are many.
-    fn hull(&mut self, name: &str, hull: &Polyhedron, triangles: usize) -> Result<Inlined, String> {
+    fn hull(&mut self, place: Place<'_>, hull: &Polyhedron, triangles: usize) -> Result<Inlined, String> {
         let triangles = triangles.max(hull.triangles().count());
         let Some(distance) = self.distance(hull.vertices(), triangles) else { return convex(hull) };
         let reduced = hull.reduced_hull(distance[1]).map_err(|error| error.to_string())?;
         if reduced.vertices().len() < hull.vertices().len() {
             let left = format!("{} corners of its hull became {}", hull.vertices().len(), reduced.vertices().len());
-            self.told(name, &left, distance, [hull.volume(), reduced.volume()]);
+            self.told(place, &left, distance, [hull.volume(), reduced.volume()]);
         }
         convex(&reduced)
     }
 
     /// The stone of a file of coefficients, and a remark about the volume that its triangles hold.
     fn stone(&mut self, name: &str, bytes: &[u8], degree: u32, triangles: u32) -> Result<Inlined, String> {
-        let stone = Harmonics::read(bytes, degree).map_err(|error| error.to_string())?;
+        let coefficients = Harmonics::read(bytes, degree);
+        let stone = coefficients.map_err(|error| misnamed(name, bytes, &self.form.endings(), &error))?;
         let surface = stone.surface(triangles as usize).map_err(|error| error.to_string())?;
         let percent = 100.0 * surface.volume() / stone.volume();
         let (degree, triangles) = (stone.degree(), surface.triangles.len());
         self.files.remark(name, &format!("{triangles} triangles hold {percent:.1} % of the volume of degree {degree}"));
-        self.grain(name, surface)
+        self.grain(Place { file: name, within: "" }, surface)
     }
 
     fn json_grains(&mut self, file: &str, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
+        let grains = listed(bytes).map_err(|error| misnamed(file, bytes, &self.form.endings(), &error))?;
+        let alone = grains.len() == 1;
         let named = |(i, grain): (usize, Grain)| {
             let (name, vertices, faces, round) = match grain {
                 Grain::Vertices(vertices) => (None, vertices, None, false),
                 Grain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
             };
             let name = name.unwrap_or_else(|| format!("grain {i}"));
-            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(file, vertices, faces) };
+            let within = if alone { String::new() } else { format!("{name}: ") };
+            let place = Place { file, within: &within };
+            let grain = if round { Err(ROUND.to_owned()) } else { self.json_grain(place, vertices, faces) };
             grain.map_err(|reason| format!("{name}: {reason}"))
         };
-        listed(bytes)?.into_iter().enumerate().map(named).collect()
+        grains.into_iter().enumerate().map(named).collect()
     }
 
     fn json_grain(
         &mut self,
-        file: &str,
+        place: Place<'_>,
         vertices: Vec<[f64; 3]>,
         faces: Option<Vec<Vec<u32>>>,
     ) -> Result<Inlined, String> {
         let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
         let Some(faces) = faces else {
             let hull = convex_hull(&vertices).map_err(|error| error.to_string())?;
-            return self.hull(file, &hull, 0);
+            return self.hull(place, &hull, 0);
         };
         if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
             return Err(format!("a face names vertex {corner} of {}", vertices.len()));
@@ -331,26 +359,26 @@ impl Reader<'_> {
             let corners: Vec<Vec3> = face.iter().map(|&corner| vertices[corner as usize]).collect();
             triangles.extend(polygons.triangles(&corners).iter().map(|t| t.map(|corner| face[corner])));
         }
-        polygons.notes().for_each(|note| self.files.remark(file, &note));
+        polygons.notes().for_each(|note| self.remark(place, &note));
         let surface = TriangleMesh { triangles, vertices };
         if self.takes_hull {
-            return self.grain(file, surface);
+            return self.grain(place, surface);
         }
-        let mut bodies = self.without_hollows(file, import::bodies(&surface));
-        self.grain(file, if bodies.len() == 1 { bodies.remove(0) } else { surface })
+        let mut bodies = self.without_hollows(place, import::bodies(&surface));
+        self.grain(place, if bodies.len() == 1 { bodies.remove(0).1 } else { surface })
     }
 
     /// A closed surface, in fewer triangles where it has many; the hull of a convex one, or of any where hulls are taken.
-    fn grain(&mut self, name: &str, surface: TriangleMesh) -> Result<Inlined, String> {
+    fn grain(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<Inlined, String> {
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if self.takes_hull {
-            return self.hull(name, &hull, surface.triangles.len());
+            return self.hull(place, &hull, surface.triangles.len());
         }
         surface.check_closed().map_err(|error| error.to_string())?;
         if surface.volume() / hull.volume() >= CONVEX {
-            return self.hull(name, &hull, surface.triangles.len());
+            return self.hull(place, &hull, surface.triangles.len());
         }
-        let surface = self.reduced(name, surface)?;
+        let surface = self.reduced(place, surface)?;
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if surface.volume() / hull.volume() >= CONVEX {
             return convex(&hull);
@@ -358,6 +386,11 @@ impl Reader<'_> {
         let proved = Template::of_surface(surface.clone()).map_err(|error| error.to_string())?;
         thick_enough(&proved).map(|()| Inlined::Dents(surface))
     }
+}
+
+/// The error of a file's bytes, or of its name where that says another format than they have.
+fn misnamed(name: &str, bytes: &[u8], read_here: &[&str], error: &dyn fmt::Display) -> String {
+    import::misnamed(name, bytes, read_here).unwrap_or_else(|| error.to_string())
 }
 
 /// The vertices of a convex grain.

@@ -13,13 +13,14 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Why a surface was not reduced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotReduced {
-    /// All limits gave a surface that is too far, or crosses itself.
-    #[error(
-        "it cannot be reduced to that distance without crossing itself; give another tolerance, or mend the surface"
-    )]
-    Crosses,
+    /// The given surface crosses itself.
+    #[error("its surface crosses itself near {at:?}")]
+    Crosses {
+        /// A point near the crossing, in the frame of the surface, mm.
+        at: [f64; 3],
+    },
 }
 
 /// Limits of the root mean square quadric error that are tried, the largest first, as shares of the distance.
@@ -32,7 +33,8 @@ const FIRST_STEP: f64 = 0.2;
 impl TriangleMesh {
     /// The surface in fewer triangles, within `distance` mm of the given one, and the given one within that of it.
     ///
-    /// The surface must be closed. The result is closed, has as many handles and parts, and does not cross itself.
+    /// The surface must be closed. The result is closed, has as many handles and parts, and does not cross itself. It is the
+    /// given surface where no fewer triangles are proved to be near enough.
     ///
     /// # Errors
     /// See [`NotReduced`].
@@ -58,15 +60,25 @@ impl TriangleMesh {
             let crosses = || (SelfCrossing { mesh: reduced, facets: &found }).find().is_some();
             Proof::of(&given, &found, distance) && Proof::of(&found, &given, distance) && !(is_last && crosses())
         };
-        stages.into_iter().rev().find(is_accepted).ok_or(NotReduced::Crosses)
+        if let Some(reduced) = stages.into_iter().rev().find(is_accepted) {
+            return Ok(reduced);
+        }
+        match (SelfCrossing { mesh: self, facets: &given }).find() {
+            Some([first, _]) => Err(NotReduced::Crosses { at: first[0].into() }),
+            None => Ok(self.clone()),
+        }
     }
 }
 
-/// Most divisions of a triangle that is compared with a surface.
-const MOST_DIVISIONS: u32 = 7;
+/// Divisions of every triangle that is compared with a surface, where they are needed.
+const DIVISIONS: u32 = 7;
+/// Most divisions of a large triangle, whose parts are still larger than [`SMALL`] times the distance.
+const MOST_DIVISIONS: u32 = 14;
+const SMALL: f64 = 0.25;
 
-/// A proof that all points of a surface lie within `distance` mm of another: the distance of a triangle's middle grows by
-/// no more than the way from there.
+/// A proof that all points of a surface lie within `distance` mm of another. The distance of a triangle's middle grows by no
+/// more than the way from there. The distance from one triangle of the other surface is largest at a corner, since that
+/// triangle is convex: this ends at once where the surfaces lie in one plane.
 struct Proof<'a> {
     other: &'a Triangles,
     distance: f64,
@@ -87,12 +99,24 @@ impl<'a> Proof<'a> {
         if self.has_near(&middle, self.distance - radius) {
             return true;
         }
-        if divisions == MOST_DIVISIONS || !self.has_near(&middle, self.distance) {
+        let is_last = divisions >= DIVISIONS && (radius <= SMALL * self.distance || divisions == MOST_DIVISIONS);
+        if is_last || !self.has_near(&middle, self.distance) {
             return false;
+        }
+        if self.is_near_one(triangle, &middle) {
+            return true;
         }
         let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
         let quarters = [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]];
         quarters.iter().all(|quarter| self.holds(quarter, divisions + 1))
+    }
+
+    /// True where one triangle of the other surface, near the middle, has all corners within the distance.
+    fn is_near_one(&self, corners: &[Vec3; 3], middle: &Vec3) -> bool {
+        let most = self.distance * (1.0 - ROUNDING_OF_A_DISTANCE);
+        let holds = |t: u32| corners.iter().all(|corner| self.other.nearest_of(t, corner).1 <= most);
+        let around = Aabb { min: *middle, max: *middle }.grown(self.distance);
+        holds(self.last) || self.other.meeting(around).any(holds)
     }
 
     /// True where a triangle of the other surface comes within `reach` mm of a point.
@@ -350,18 +374,51 @@ mod tests {
     use crate::geometry::{Polyhedron, Round};
     use crate::random::Stream;
 
+    fn quartered(mesh: &TriangleMesh) -> TriangleMesh {
+        let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
+        let quarters = mesh.triangles.iter().map(corners).flat_map(|[a, b, c]| {
+            let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+            [a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]
+        });
+        TriangleMesh::welded(&quarters.collect::<Vec<_>>())
+    }
+
+    /// An upright prism over an L of 10 mm, each triangle divided so many times: large plane faces in small triangles.
+    fn angle(times: usize) -> TriangleMesh {
+        let outline = [[0.0, 0.0], [10.0, 0.0], [10.0, 4.0], [4.0, 4.0], [4.0, 10.0], [0.0, 10.0]];
+        let vertices = [0.0, 5.0].into_iter().flat_map(|z| outline.map(|[x, y]| Vec3::new(x, y, z))).collect();
+        let ends = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+        let below = ends.map(|[a, b, c]| [a, c, b]);
+        let above = ends.map(|t| t.map(|i| i + 6));
+        let sides = (0..6).flat_map(|i| [[i, (i + 1) % 6, (i + 1) % 6 + 6], [i, (i + 1) % 6 + 6, i + 6]]);
+        let mut mesh = TriangleMesh { vertices, triangles: below.into_iter().chain(above).chain(sides).collect() };
+        (0..times).for_each(|_| mesh = quartered(&mesh));
+        mesh
+    }
+
+    /// Found with a scan that stands on a plane foot: triangles of the foot were too large to be proved near it.
+    #[test]
+    fn large_plane_faces_are_reduced_to_few_triangles_at_any_distance() {
+        let scan = angle(4);
+        assert_eq!(scan.triangles.len(), 20 * 256);
+        for distance in [0.05, 0.005] {
+            let reduced = scan.reduced(distance).unwrap();
+            assert!(reduced.triangles.len() <= 40, "{distance}: {}", reduced.triangles.len());
+            assert!((reduced.volume() - scan.volume()).abs() < 1e-9 * scan.volume());
+        }
+        let block = angle(0);
+        assert_eq!(block.reduced(1e-6).unwrap(), block);
+        let mut crossing = block.clone();
+        crossing.vertices[3] = Vec3::new(-1.0, 11.0, 0.0);
+        let NotReduced::Crosses { at } = crossing.reduced(0.01).unwrap_err();
+        assert!(crossing.vertices.iter().any(|v| <[f64; 3]>::from(*v) == at), "{at:?}");
+    }
+
     /// A lumpy stone: the facets of a ball divided `times`, at radii that vary.
     fn stone(times: usize, noise: f64) -> TriangleMesh {
         let ball = Polyhedron::of_round(&Round::ball(10.0));
         let mut mesh = TriangleMesh { vertices: ball.vertices().to_vec(), triangles: ball.triangles().collect() };
-        for _ in 0..times {
-            let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
-            let quarters = mesh.triangles.iter().map(corners).flat_map(|[a, b, c]| {
-                let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-                [a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]
-            });
-            mesh = TriangleMesh::welded(&quarters.collect::<Vec<_>>());
-        }
+        (0..times).for_each(|_| mesh = quartered(&mesh));
         let mut stream = Stream::new(3);
         for vertex in &mut mesh.vertices {
             let u = vertex.normalize();

@@ -5,6 +5,7 @@
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
 mod columns;
+mod content;
 pub mod grains;
 pub mod harmonics;
 mod mend;
@@ -18,6 +19,7 @@ pub mod volume;
 mod words;
 
 pub use columns::Columns;
+pub use content::misnamed;
 pub use mend::without_flat_triangles;
 
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
@@ -30,6 +32,9 @@ pub enum ImportError {
     /// The name ends like no format that is read.
     #[error("its name must end in {}", list(&ENDINGS))]
     Ending,
+    /// The file has another format than its name says.
+    #[error("{0}")]
+    Misnamed(String),
     /// Text in two bytes a character.
     #[error("it is text in UTF-16; save it as ASCII or UTF-8")]
     Utf16,
@@ -169,9 +174,24 @@ pub fn read_bodies(name: &str, bytes: &[u8]) -> Result<(Vec<TriangleMesh>, Vec<S
     if parts.len() > 1 && parts.iter().any(|part| !part.are_closed) {
         parts = vec![Bodies::new(&facets.corners)];
     }
-    let notes = facets.notes.into_iter().chain(parts.iter().flat_map(|part| part.notes.clone())).collect();
+    let mut notes = facets.notes;
+    let (count, mut first) = (parts.iter().map(|part| part.bodies.len()).sum(), 0);
+    for part in &mut parts {
+        let within = numbers(first, part.bodies.len(), count);
+        notes.extend(part.notes.drain(..).map(|note| format!("{within}{note}")));
+        first += part.bodies.len();
+    }
     let bodies: Vec<TriangleMesh> = parts.into_iter().flat_map(|part| part.bodies).collect();
     if bodies.is_empty() { Err(ImportError::Empty) } else { Ok((bodies, notes)) }
+}
+
+/// Words for some of the `count` bodies in a file, from number `first`; none for all of them.
+pub fn numbers(first: usize, some: usize, count: usize) -> String {
+    match some {
+        _ if some == count => String::new(),
+        0 | 1 => format!("body {first} of {count}, counted from 0: "),
+        _ => format!("bodies {first} to {} of {count}, counted from 0: ", first + some - 1),
+    }
 }
 
 /// Bodies of a part of a file.
@@ -201,6 +221,11 @@ pub fn bodies(mesh: &TriangleMesh) -> Vec<TriangleMesh> {
 }
 
 fn facets(name: &str, bytes: &[u8]) -> Result<Facets, ImportError> {
+    let found = facets_as_named(name, bytes);
+    found.map_err(|error| misnamed(name, bytes, &ENDINGS).map_or(error, ImportError::Misnamed))
+}
+
+fn facets_as_named(name: &str, bytes: &[u8]) -> Result<Facets, ImportError> {
     let mut facets = match ending(name).as_deref() {
         Some("stl") => stl::read(bytes),
         Some("ply") => ply::read(bytes),

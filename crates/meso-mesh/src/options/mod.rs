@@ -245,8 +245,6 @@ impl MeshOptions {
     ///
     /// Chords add to stones and cut off spheres, so that aggregates other than convex polyhedra have exact volumes by default.
     pub fn for_bodies(&self, bodies: &[Aggregate]) -> Self {
-        let is_faceted =
-            |body: &Aggregate| body.kind != Kind::Aggregate || body.body.is_convex() && body.body.round().is_none();
         let volumes = match self.volumes {
             Some(asked) => asked,
             None if self.method.follows_surfaces() && !bodies.iter().all(is_faceted) => Volumes::Exact,
@@ -260,7 +258,12 @@ impl MeshOptions {
     /// # Errors
     /// A conforming mesh takes convex polyhedra.
     pub fn accepts_shape(&self, shape: &Shape) -> Result<(), MeshError> {
-        self.accepts(matches!(shape.kind, ShapeKind::Sphere | ShapeKind::Ellipsoid), shape.has_dents())
+        self.accepts(is_round(shape), shape.has_dents())
+    }
+
+    /// True where all grains of a `shape` are convex polyhedra.
+    pub fn are_faceted(shape: &Shape) -> bool {
+        !is_round(shape) && !shape.has_dents()
     }
 
     /// Refuses facets where bodies are round, and plane offsets where they have dents.
@@ -311,4 +314,13 @@ fn validate_count(key: &'static str, count: u32, most: u32) -> Result<(), MeshEr
         return Ok(());
     }
     Err(MeshError::option(key, count, format!("it must be 1 to {most}")))
+}
+
+/// True for an aggregate that is a convex polyhedron, and for every void and fibre.
+pub(crate) fn is_faceted(body: &Aggregate) -> bool {
+    body.kind != Kind::Aggregate || body.body.is_convex() && body.body.round().is_none()
+}
+
+fn is_round(shape: &Shape) -> bool {
+    matches!(shape.kind, ShapeKind::Sphere | ShapeKind::Ellipsoid)
 }

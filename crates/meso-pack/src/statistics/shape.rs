@@ -24,6 +24,8 @@ pub struct Shapes {
     pub wadell_sphericity: Option<Distribution>,
     /// Krumbein's intercept sphericity, the cube root of b c / a^2 (Krumbein 1941).
     pub krumbein_sphericity: Option<Distribution>,
+    /// Convexity: volume over that of the convex hull.
+    pub convexity: Option<Distribution>,
     /// Width of the smallest square hole passed, mm.
     pub sieve_size_mm: Option<Distribution>,
     /// Numbers by Zingg's classes.
@@ -55,6 +57,7 @@ pub struct Orientation {
 struct Measured {
     extents: [f64; 3],
     wadell: f64,
+    convexity: f64,
     sieve: f64,
 }
 
@@ -70,6 +73,7 @@ impl Shapes {
             krumbein_sphericity: distribution(&|m| {
                 libm::cbrt(m.extents[1] * m.extents[2]) / libm::cbrt(m.extents[0] * m.extents[0])
             }),
+            convexity: distribution(&|m| m.convexity),
             sieve_size_mm: distribution(&|m| m.sieve),
             zingg: zingg(&all),
         }
@@ -80,7 +84,8 @@ fn measure(aggregate: &Aggregate) -> Measured {
     let body = &aggregate.body;
     let six_volumes = libm::cbrt(6.0 * body.volume());
     let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
-    Measured { extents: extents(body), wadell, sieve: body.sieve_size() }
+    let hull = body.hull().expect("an aggregate has a volume");
+    Measured { extents: extents(body), wadell, convexity: body.volume() / hull.volume(), sieve: body.sieve_size() }
 }
 
 /// Moments of inertia that differ by this share of the largest are equal: vertices are rounded to single precision.

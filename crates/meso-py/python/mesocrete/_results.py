@@ -218,6 +218,8 @@ class Shapes(TypedDict):
     """Wadell's sphericity: surface of the ball of the same volume over the surface (Wadell 1932)."""
     krumbein_sphericity: Distribution | None
     """Krumbein's intercept sphericity, the cube root of b c / a^2 (Krumbein 1941)."""
+    convexity: Distribution | None
+    """Convexity: volume over that of the convex hull."""
     sieve_size_mm: Distribution | None
     """Width of the smallest square hole passed, mm."""
     zingg: Zingg

@@ -75,7 +75,11 @@ impl Sample<'_> {
         let voids = exact.voids(self.mesh, self.volume_mm3);
         let bodies = [
             ("aggregates", of(Phase::Aggregate), "refine the mesh, or pack with a larger gap"),
-            ("fibres", of(Phase::Fibre), "take elements of at most half their diameter, or the method conforming"),
+            (
+                "fibres",
+                of(Phase::Fibre),
+                "take elements of at most half their diameter, or for convex grains the method conforming",
+            ),
             ("voids", voids, "refine the mesh"),
         ];
         let off = bodies.into_iter().filter_map(|(name, volumes, remedy)| Some((name, volumes?, remedy)));

@@ -77,7 +77,10 @@ impl Footing {
             return Ok(());
         }
         match trial.of(&self.options).filter(|tried| tried.off.error().abs() > HOPELESS) {
-            Some(tried) => Err(trial.advised(tried.off.refused(&self.options, Some(trial.cube_mm())))),
+            Some(tried) => {
+                let are_faceted = MeshOptions::are_faceted(&trial.spec.shape);
+                Err(trial.advised(tried.off.refused(&self.options, are_faceted, Some(trial.cube_mm()))))
+            }
             None => Ok(()),
         }
     }

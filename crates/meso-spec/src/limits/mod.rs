@@ -10,6 +10,7 @@ use super::{Spec, SpecError};
 use grading::grading;
 pub(super) use inclusions::RANDOM_RODS;
 use meso_concrete::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
+use meso_concrete::short;
 use meso_concrete::specimen::{ContainerError, Specimen};
 use meso_concrete::watch::{Silent, Waiting, Watch};
 use meso_place::Placement;
@@ -100,7 +101,7 @@ pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
         return Ok(());
     }
     if (2.0..100.0).contains(&value) {
-        let share = number(value / 100.0);
+        let share = number(short(value / 100.0));
         return Err(SpecError::value(
             key,
             format!("is {}; {accepted}: for {} % write {share}", number(value), number(value)),

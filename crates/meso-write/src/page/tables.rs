@@ -71,13 +71,14 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
         out,
         "<h2>Shapes and gaps</h2>\n<table><tr><th><th>mean<th class=brief>sd<th>min<th class=brief>10 %<th>median<th class=brief>90 %<th>max"
     )?;
-    let rows: [(&str, &Option<Distribution>); 7] = [
+    let rows: [(&str, &Option<Distribution>); 8] = [
         ("length, mm", &shapes.length_mm),
         ("sieve size, mm", &shapes.sieve_size_mm),
         ("elongation, intermediate over longest axis", &shapes.elongation),
         ("flatness, shortest over intermediate axis", &shapes.flatness),
         ("sphericity after Wadell", &shapes.wadell_sphericity),
         ("sphericity after Krumbein", &shapes.krumbein_sphericity),
+        ("convexity, volume over that of the hull", &shapes.convexity),
         ("distance to the nearest neighbour, mm", &statistics.nearest_distance_mm),
     ];
     for (name, distribution) in rows {

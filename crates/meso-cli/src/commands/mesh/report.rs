@@ -178,7 +178,7 @@ impl MeshReport {
             if volumes.is_some_and(|[meshed, exact]| (meshed - exact).abs() > INCLUSIONS_OFF * exact) {
                 stderr::line(format!(
                     "the elements are too coarse for the {name}: use an --element-size-mm of at most half their diameter, or \
-                     --method conforming, which keeps them exactly"
+                     for convex grains --method conforming, which keeps them exactly"
                 ));
             }
         }

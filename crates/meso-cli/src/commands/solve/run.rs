@@ -9,7 +9,7 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{gpu, inputs, interrupt, stderr};
-use meso_concrete::thousands;
+use meso_concrete::{short, thousands};
 use meso_core::Model;
 use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
@@ -68,7 +68,7 @@ impl Args {
         let spec = self.spec(&watch)?;
         let options = self.settings(&spec)?;
         if !self.writing.quiet {
-            let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
+            let (kind, percent, gap) = (spec.specimen.kind(), short(100.0 * spec.fraction), spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
             let line = format!(
                 "packing a {kind} of {:.0} mm3: {percent} %, {} to {} mm, gaps of {gap} mm, seed {}",

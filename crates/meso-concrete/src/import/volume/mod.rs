@@ -7,7 +7,7 @@ mod npy;
 mod tif;
 mod vti;
 
-use super::{ending, list};
+use super::{ending, list, misnamed};
 use std::collections::BTreeMap;
 
 /// Endings of the names of files that are read, in lower case.
@@ -37,6 +37,9 @@ pub enum VolumeError {
     /// The name ends like no format that is read.
     #[error("its name must end in {}", list(&ENDINGS))]
     Ending,
+    /// The file has another format than its name says.
+    #[error("{0}")]
+    Misnamed(String),
     /// The file does not begin as its format does.
     #[error("this is not {0}")]
     Begin(&'static str),
@@ -78,12 +81,13 @@ pub enum VolumeError {
 /// # Errors
 /// See [`VolumeError`].
 pub fn read<N: LabelNumber>(name: &str, bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
-    match ending(name).as_deref() {
+    let found = match ending(name).as_deref() {
         Some("tif" | "tiff") => tif::read(bytes),
         Some("npy") => npy::read(bytes),
         Some("vti") => vti::read(bytes),
         _ => Err(VolumeError::Ending),
-    }
+    };
+    found.map_err(|error| misnamed(name, bytes, &ENDINGS).map_or(error, VolumeError::Misnamed))
 }
 
 impl<N: LabelNumber> Volume<N> {

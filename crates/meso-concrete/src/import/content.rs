@@ -1,0 +1,93 @@
+//! Which format a file has by its first bytes, for the error of one whose name says another.
+
+use super::words::{is, lines_of_words, number};
+use super::{ending, list};
+
+/// A format that people bring, whether it is read or not.
+struct Format {
+    /// With its article.
+    name: &'static str,
+    /// Endings of such files' names; the usual one first.
+    endings: &'static [&'static str],
+}
+
+const PLY: Format = Format { name: "a PLY", endings: &["ply"] };
+const OFF: Format = Format { name: "an OFF", endings: &["off"] };
+const STL: Format = Format { name: "an STL", endings: &["stl"] };
+const OBJ: Format = Format { name: "an OBJ", endings: &["obj"] };
+const JSON: Format = Format { name: "a JSON", endings: &["json"] };
+const COEFFICIENTS: Format = Format { name: "a harmonics", endings: &["dat", "anm", "txt"] };
+const TIFF: Format = Format { name: "a TIFF", endings: &["tif", "tiff"] };
+const NUMPY: Format = Format { name: "a NumPy", endings: &["npy"] };
+const VTK_IMAGE: Format = Format { name: "a VTK image", endings: &["vti"] };
+const GZIP: Format = Format { name: "a gzip", endings: &["gz"] };
+const ZIP: Format = Format { name: "a ZIP", endings: &["zip", "3mf", "npz"] };
+const GLTF: Format = Format { name: "a glTF", endings: &["glb"] };
+
+/// First bytes that are a format's own.
+const MAGIC: [(&[u8], Format); 12] = [
+    (b"ply\n", PLY),
+    (b"ply\r", PLY),
+    (b"\x93NUMPY", NUMPY),
+    (b"II*\0", TIFF),
+    (b"II+\0", TIFF),
+    (b"MM\0*", TIFF),
+    (b"MM\0+", TIFF),
+    (b"\x1f\x8b", GZIP),
+    (b"PK\x03\x04", ZIP),
+    (b"glTF", GLTF),
+    (b"{", JSON),
+    (b"[", JSON),
+];
+
+/// Explains a file that is not what its name says: its format, and the fix. `read_here` are the endings that its reader takes.
+/// `None` for a file of the format that its name says, or of an unknown one.
+pub fn misnamed(name: &str, bytes: &[u8], read_here: &[&str]) -> Option<String> {
+    let Format { name: format, endings } = format_of(bytes)?;
+    let said = ending(name).unwrap_or_default();
+    if endings.contains(&said.as_str()) {
+        return None;
+    }
+    let fix = match endings.iter().find(|ending| read_here.contains(ending)) {
+        Some(ending) => format!("let its name end in .{ending}"),
+        None if [GZIP.name, ZIP.name].contains(&format) => "unpack it first".to_owned(),
+        None => format!("which is not read here: name one that ends in {}", list(read_here)),
+    };
+    Some(format!("it begins as {format} file does; {fix}").replace("; which", ", which"))
+}
+
+fn format_of(bytes: &[u8]) -> Option<Format> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    // Records of 50 bytes follow their number; texts have none that fits.
+    let triangles = bytes.get(80..84).map(|count| count.iter().rev().fold(0, |n, byte| n << 8 | usize::from(*byte)));
+    let is_binary_stl = triangles.is_some_and(|count| count > 0 && 84 + 50 * count == bytes.len());
+    if is_binary_stl {
+        return Some(STL);
+    }
+    let magic = MAGIC.into_iter().find(|(magic, _)| text.starts_with(magic)).map(|(_, format)| format);
+    magic.or_else(|| format_of_text(text))
+}
+
+/// Bytes of a text that are looked at.
+const HEAD: usize = 4096;
+
+fn format_of_text(text: &[u8]) -> Option<Format> {
+    let head = &text[..text.len().min(HEAD)];
+    let holds = |part: &[u8]| head.windows(part.len()).any(|window| window == part);
+    if head.starts_with(b"<") {
+        return holds(b"ImageData").then_some(VTK_IMAGE);
+    }
+    let (_, words) = lines_of_words(head).next()?;
+    if is(words[0], "solid") && holds(b"facet") {
+        return Some(STL);
+    }
+    if ["OFF", "COFF", "NOFF", "CNOFF"].iter().any(|keyword| is(words[0], keyword)) {
+        return Some(OFF);
+    }
+    let is_coefficient = |words: &[&[u8]]| words.len() == 4 && words.iter().all(|word| number::<f64>(word).is_some());
+    if is_coefficient(&words) && is(words[0], "0") && is(words[1], "0") {
+        return Some(COEFFICIENTS);
+    }
+    let is_corner = |words: &[&[u8]]| words.len() >= 4 && is(words[0], "v") && number::<f64>(words[1]).is_some();
+    lines_of_words(head).any(|(_, words)| is_corner(&words)).then_some(OBJ)
+}
