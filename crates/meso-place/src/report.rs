@@ -2,9 +2,9 @@
 
 use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
-use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
+use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, Reduction, Shape, Template};
 use meso_concrete::specimen::Specimen;
-use meso_concrete::thousands;
+use meso_concrete::{short, thousands};
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -39,6 +39,9 @@ pub struct Report {
     /// Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub itz_thin: Vec<u32>,
+    /// The scans among the grains of the library that were reduced.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reduced: Vec<ReducedGrain>,
     /// The label volume that the aggregates come from, where they do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelReport>,
@@ -52,6 +55,24 @@ pub struct Report {
     /// Counters of each stage.
     #[serde(default)]
     pub work: Work,
+}
+
+/// A grain of the library that is a scan in fewer triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReducedGrain {
+    /// Position in the library, from 0.
+    pub grain: usize,
+    /// What that changed.
+    #[serde(flatten)]
+    pub reduction: Reduction,
+}
+
+impl ReducedGrain {
+    /// Those of a shape.
+    pub fn all(shape: &Shape) -> Vec<Self> {
+        let reduced = |(grain, template): (usize, &Template)| Some(Self { grain, reduction: template.reduced? });
+        shape.grains.iter().enumerate().filter_map(reduced).collect()
+    }
 }
 
 /// A label volume whose grains the aggregates are.
@@ -237,6 +258,7 @@ pub fn report(
         strategy: outcome.strategy.into(),
         itz_limited: tally.itz_limited.clone(),
         itz_thin: tally.itz_thin.clone(),
+        reduced: Vec::new(),
         labels: None,
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
@@ -271,6 +293,19 @@ impl Report {
                 format!("{} aggregates have {has} (ids {}{})", thousands(ids.len()), named(ids), more(ids))
             })
             .collect()
+    }
+
+    /// What the reductions of scans changed, in a sentence; `None` where there were none.
+    pub fn cost_of_reductions(&self) -> Option<String> {
+        let changes = || self.reduced.iter().map(|grain| 100.0 * grain.reduction.volume_change);
+        let (low, high) = (changes().reduce(f64::min)?, changes().reduce(f64::max)?);
+        let distance = self.reduced.iter().map(|grain| 100.0 * grain.reduction.distance).fold(0.0, f64::max);
+        let grains = thousands(self.reduced.len());
+        Some(format!(
+            "{grains} of the library's grains are scans in fewer triangles, within {} % of their length: volumes changed by {low:+.2} \
+             to {high:+.2} %",
+            short(distance)
+        ))
     }
 
     /// Why the fraction is not the one asked for; `None` where it is.
@@ -327,6 +362,7 @@ impl Report {
             phases: PhaseReport::all(&target.inclusions, inclusions, volume),
             itz_limited: Vec::new(),
             itz_thin: Vec::new(),
+            reduced: Vec::new(),
             labels: None,
             stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
             stop_detail: NOT_RECORDED.to_owned(),

@@ -7,7 +7,7 @@ use super::tree::{Node, Value};
 use crate::distinct;
 use meso_collision::geometry::{Polyhedron, TriangleMesh, Triangles, convex_hull};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::aggregate::Template;
+use meso_concrete::aggregate::{Reduction, Template};
 use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
 use meso_concrete::import::polygon::Polygons;
@@ -138,25 +138,36 @@ fn row(vertex: &Vec3) -> Node {
 }
 
 /// A grain as it is put into the spec.
-enum Inlined {
-    /// The vertices of a convex polyhedron.
-    Convex(Vec<Vec3>),
-    /// A closed surface with dents.
-    Dents(TriangleMesh),
+struct Inlined {
+    vertices: Vec<Vec3>,
+    /// Of a closed surface with dents; none of a convex polyhedron.
+    triangles: Vec<[u32; 3]>,
+    reduced: Option<Reduction>,
 }
 
 impl Inlined {
     fn node(&self, line: Option<usize>) -> Node {
-        let rows = |vertices: &[Vec3]| node(Value::Array(vertices.iter().map(row).collect()), line);
-        match self {
-            Self::Convex(vertices) => rows(vertices),
-            Self::Dents(TriangleMesh { vertices, triangles }) => {
-                let face = |t: &[u32; 3]| Node::list(t.iter().map(|&corner| Value::Integer(corner.into())));
-                let faces = node(Value::Array(triangles.iter().map(face).collect()), line);
-                let entries = [("vertices", rows(vertices)), ("faces", faces)];
-                node(Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into()), line)
-            }
+        let vertices = node(Value::Array(self.vertices.iter().map(row).collect()), line);
+        if self.triangles.is_empty() && self.reduced.is_none() {
+            return vertices;
         }
+        let table = |entries: Vec<(&str, Node)>| {
+            node(Value::Table(entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()), line)
+        };
+        let face = |t: &[u32; 3]| Node::list(t.iter().map(|&corner| Value::Integer(corner.into())));
+        let faces = || node(Value::Array(self.triangles.iter().map(face).collect()), line);
+        let reduced = |reduced: Reduction| {
+            table(vec![
+                ("scanned_triangles", node(Value::Integer(reduced.scanned_triangles as i128), line)),
+                ("triangles", node(Value::Integer(reduced.triangles as i128), line)),
+                ("distance", node(Value::Float(reduced.distance), line)),
+                ("volume_change", node(Value::Float(reduced.volume_change), line)),
+            ])
+        };
+        let mut entries = vec![("vertices", vertices)];
+        entries.extend((!self.triangles.is_empty()).then(|| ("faces", faces())));
+        entries.extend(self.reduced.map(|value| ("reduced", reduced(value))));
+        table(entries)
     }
 }
 
@@ -277,39 +288,48 @@ impl Reader<'_> {
         (share > 0.0).then(|| [share, share * Aabb::around(vertices).size().max()])
     }
 
-    /// Remarks on what a reduction to a distance left, and on the volumes before and after it.
-    fn told(&mut self, place: Place<'_>, left: &str, [share, distance]: [f64; 2], [before, after]: [f64; 2]) {
-        let (share, percent) = (short(100.0 * share), 100.0 * (after / before - 1.0));
+    /// Remarks on what a reduction left, its triangles from and to or corners, and what it changed.
+    fn told(&mut self, place: Place<'_>, left: &str, distance_mm: f64, reduction: Reduction) -> Reduction {
+        let Reduction { distance, volume_change, .. } = reduction;
+        let (share, percent) = (short(100.0 * distance), 100.0 * volume_change);
         let remark = format!(
-            "{left}, nowhere more than {distance:.3} mm away ({share} % of its length); its volume changed by {percent:+.2} %"
+            "{left}, nowhere more than {distance_mm:.3} mm away ({share} % of its length); its volume changed by {percent:+.2} %"
         );
         self.remark(place, &remark);
+        reduction
     }
 
-    /// A surface in fewer triangles, with a remark about what that changed; others as they are.
-    fn reduced(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<TriangleMesh, String> {
-        let Some(distance) = self.distance(&surface.vertices, surface.triangles.len()) else { return Ok(surface) };
-        let reduced = surface.reduced(distance[1]).map_err(|error| error.to_string())?;
-        if reduced.triangles.len() == surface.triangles.len() {
-            let (triangles, mm) = (surface.triangles.len(), distance[1]);
+    /// A surface in fewer triangles, and what that changed, with a remark; others as they are.
+    fn reduced(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<(TriangleMesh, Option<Reduction>), String> {
+        let scanned_triangles = surface.triangles.len();
+        let Some([distance, mm]) = self.distance(&surface.vertices, scanned_triangles) else { return Ok((surface, None)) };
+        let reduced = surface.reduced(mm).map_err(|error| error.to_string())?;
+        let triangles = reduced.triangles.len();
+        if triangles == scanned_triangles {
             self.remark(place, &format!("its {triangles} triangles stay: no fewer lie within {mm:.1e} mm of it"));
-            return Ok(surface);
+            return Ok((surface, None));
         }
-        let left = format!("{} triangles became {}", surface.triangles.len(), reduced.triangles.len());
-        self.told(place, &left, distance, [surface.volume(), reduced.volume()]);
-        Ok(reduced)
+        let left = format!("{scanned_triangles} triangles became {triangles}");
+        let volume_change = reduced.volume() / surface.volume() - 1.0;
+        let reduction = Reduction { scanned_triangles, triangles, distance, volume_change };
+        Ok((reduced, Some(self.told(place, &left, mm, reduction))))
     }
 
     /// The vertices of the hull of so many triangles, or some of them, with a remark, where there are many.
     fn hull(&mut self, place: Place<'_>, hull: &Polyhedron, triangles: usize) -> Result<Inlined, String> {
-        let triangles = triangles.max(hull.triangles().count());
-        let Some(distance) = self.distance(hull.vertices(), triangles) else { return convex(hull) };
-        let reduced = hull.reduced_hull(distance[1]).map_err(|error| error.to_string())?;
-        if reduced.vertices().len() < hull.vertices().len() {
-            let left = format!("{} corners of its hull became {}", hull.vertices().len(), reduced.vertices().len());
-            self.told(place, &left, distance, [hull.volume(), reduced.volume()]);
+        let of_hull = hull.triangles().count();
+        let Some([distance, mm]) = self.distance(hull.vertices(), triangles.max(of_hull)) else {
+            return convex(hull, None);
+        };
+        let reduced = hull.reduced_hull(mm).map_err(|error| error.to_string())?;
+        let [before, after] = [hull, &reduced].map(|hull| hull.vertices().len());
+        if after == before {
+            return convex(&reduced, None);
         }
-        convex(&reduced)
+        let left = format!("{before} corners of its hull became {after}");
+        let (triangles, volume_change) = (reduced.triangles().count(), reduced.volume() / hull.volume() - 1.0);
+        let reduction = Reduction { scanned_triangles: of_hull, triangles, distance, volume_change };
+        convex(&reduced, Some(self.told(place, &left, mm, reduction)))
     }
 
     /// The stone of a file of coefficients, and a remark about the volume that its triangles hold.
@@ -378,13 +398,14 @@ impl Reader<'_> {
         if surface.volume() / hull.volume() >= CONVEX {
             return self.hull(place, &hull, surface.triangles.len());
         }
-        let surface = self.reduced(place, surface)?;
+        let (surface, reduced) = self.reduced(place, surface)?;
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if surface.volume() / hull.volume() >= CONVEX {
-            return convex(&hull);
+            return convex(&hull, reduced);
         }
-        let proved = Template::of_surface(surface.clone()).map_err(|error| error.to_string())?;
-        thick_enough(&proved).map(|()| Inlined::Dents(surface))
+        thick_enough(&Template::of_surface(surface.clone()).map_err(|error| error.to_string())?)?;
+        let TriangleMesh { vertices, triangles } = surface;
+        Ok(Inlined { vertices, triangles, reduced })
     }
 }
 
@@ -393,11 +414,11 @@ fn misnamed(name: &str, bytes: &[u8], read_here: &[&str], error: &dyn fmt::Displ
     import::misnamed(name, bytes, read_here).unwrap_or_else(|| error.to_string())
 }
 
-/// The vertices of a convex grain.
-fn convex(hull: &Polyhedron) -> Result<Inlined, String> {
+/// A convex grain.
+fn convex(hull: &Polyhedron, reduced: Option<Reduction>) -> Result<Inlined, String> {
     let vertices = hull.vertices().to_vec();
     thick_enough(&Template::new(vertices.clone()).map_err(|error| error.to_string())?)?;
-    Ok(Inlined::Convex(vertices))
+    Ok(Inlined { vertices, triangles: Vec::new(), reduced })
 }
 
 /// Refuses stones that are nearly flat: they have next to no volume, and are thinner than all that is made of them.

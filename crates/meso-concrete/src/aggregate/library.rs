@@ -13,15 +13,33 @@ use std::fmt;
 
 /// One grain of a library, of any size: the vertices of a convex polyhedron, or a closed surface of triangles, mm.
 ///
-/// In a spec it is the list of its vertices, or `{ vertices, faces }` where it has dents.
+/// In a spec it is the list of its vertices, or `{ vertices, faces, reduced }`: with faces where it has dents, and with what a
+/// reduction changed where there was one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
+    /// What was changed where it is a scan in fewer triangles.
+    pub reduced: Option<Reduction>,
     vertices: Vec<Vec3>,
     /// Triangles of a surface with dents; none where the grain is the hull of its vertices.
     triangles: Vec<[u32; 3]>,
     /// Corners scaled to size 1 and turned to the principal axes.
     unit: Vec<Vec3>,
     dents: Option<Dents>,
+}
+
+/// What changed when a scan was reduced to fewer triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Reduction {
+    /// Triangles of the scan, or of its hull where that was taken.
+    pub scanned_triangles: usize,
+    /// Triangles that are left.
+    pub triangles: usize,
+    /// The surfaces lie within this distance of each other, over the length of the grain.
+    pub distance: f64,
+    /// Change of the volume, over that of the scan, or of its hull.
+    pub volume_change: f64,
 }
 
 /// A grain with dents whose longest distance of two vertices is 1, along its principal axes about a point inside of it.
@@ -80,7 +98,8 @@ impl Template {
         let axes = principal_axes(&mass.inertia);
         let length = longest_distance(body.vertices());
         let along = |v: &Vec3| axes.transpose() * (v - mass.centroid) / length;
-        Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices, triangles: Vec::new(), dents: None })
+        let unit = body.vertices().iter().map(along).collect();
+        Ok(Self { reduced: None, unit, vertices, triangles: Vec::new(), dents: None })
     }
 
     /// The grain inside a closed surface of any shape.
@@ -102,7 +121,7 @@ impl Template {
         }
         let dents = Dents::new(&mesh)?;
         let TriangleMesh { vertices, triangles } = mesh;
-        Ok(Self { unit: dents.body.vertices().to_vec(), vertices, triangles, dents: Some(dents) })
+        Ok(Self { reduced: None, unit: dents.body.vertices().to_vec(), vertices, triangles, dents: Some(dents) })
     }
 
     /// The surface of a grain with dents.
@@ -182,22 +201,26 @@ fn mean_width(vertices: &[Vec3]) -> f64 {
 impl Serialize for Template {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let rows = self.vertices.iter().map(|v| <[f64; 3]>::from(*v));
-        if self.triangles.is_empty() {
+        if self.triangles.is_empty() && self.reduced.is_none() {
             return serializer.collect_seq(rows);
         }
-        Closed { vertices: rows.collect(), faces: self.triangles.clone() }.serialize(serializer)
+        Table { vertices: rows.collect(), faces: self.triangles.clone(), reduced: self.reduced }.serialize(serializer)
     }
 }
 
-/// A surface with dents, as it stands in a spec.
+/// A grain with dents, or a reduced one, as it stands in a spec.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct Closed {
+struct Table {
     /// Corners, mm.
     vertices: Vec<[f64; 3]>,
-    /// Triangles of the surface, counter-clockwise seen from outside.
+    /// Triangles of the surface, counter-clockwise seen from outside; none where the grain is the hull of its vertices.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     faces: Vec<[u32; 3]>,
+    /// What was changed where it is a scan in fewer triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reduced: Option<Reduction>,
 }
 
 /// Reads both forms of a grain, each with its own errors.
@@ -216,12 +239,16 @@ impl<'de> Visitor<'de> for EitherForm {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, table: M) -> Result<Template, M::Error> {
-        let Closed { vertices, faces } = Closed::deserialize(MapAccessDeserializer::new(table))?;
+        let Table { vertices, faces, reduced } = Table::deserialize(MapAccessDeserializer::new(table))?;
         if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
             return Err(M::Error::custom(format!("a face names vertex {corner} of {}", vertices.len())));
         }
         let vertices = vertices.into_iter().map(Vec3::from).collect();
-        Template::of_surface(TriangleMesh { vertices, triangles: faces }).map_err(M::Error::custom)
+        let template = match faces.is_empty() {
+            true => Template::new(vertices).map_err(M::Error::custom),
+            false => Template::of_surface(TriangleMesh { vertices, triangles: faces }).map_err(M::Error::custom),
+        };
+        Ok(Template { reduced, ..template? })
     }
 }
 
@@ -238,7 +265,7 @@ impl schemars::JsonSchema for Template {
     }
 
     fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        let forms = [generator.subschema_for::<Vec<[f64; 3]>>(), generator.subschema_for::<Closed>()];
+        let forms = [generator.subschema_for::<Vec<[f64; 3]>>(), generator.subschema_for::<Table>()];
         schemars::json_schema!({ "anyOf": forms })
     }
 }

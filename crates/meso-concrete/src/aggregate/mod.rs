@@ -17,7 +17,7 @@ pub use grain::Kind;
 pub use inclusions::Inclusions;
 pub use inclusions::{Cone, Fibres, Voids};
 pub use itz::Itz;
-pub use library::{Dents, Template, TemplateError};
+pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
 
 use meso_collision::geometry::{OffsetError, Polyhedron};

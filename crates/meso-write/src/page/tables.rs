@@ -46,7 +46,7 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         escape(&report.strategy),
         thousands(report.discarded)
     )?;
-    for remark in report.remarks() {
+    for remark in report.remarks().into_iter().chain(report.cost_of_reductions()) {
         writeln!(out, "<p>{remark}.</p>")?;
     }
     phases(model, out)
