@@ -10,6 +10,7 @@ use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec};
 use meso_gmsh::Gmsh;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
 
 /// A dense packing of 24 mm with room to mesh between its grains.
 fn packed(gap_mm: f64) -> Model {
@@ -24,11 +25,12 @@ fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
 
 /// Whether gmsh is here.
 pub(crate) fn has_gmsh() -> bool {
-    let here = Gmsh::program("gmsh").check().is_ok();
-    if !here {
+    // Python's package takes 0.1 s of processor time to say its version.
+    static HERE: LazyLock<bool> = LazyLock::new(|| Gmsh::program("gmsh").check().is_ok());
+    if !*HERE {
         eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
     }
-    here
+    *HERE
 }
 
 /// The conforming mesh; `None` without gmsh.

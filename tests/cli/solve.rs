@@ -263,7 +263,7 @@ pub(crate) mod signals {
         "--frames",
         "4",
         "--time-step",
-        "4e-8",
+        "8e-8",
         "--accept-phase-error",
     ];
 

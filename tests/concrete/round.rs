@@ -126,7 +126,7 @@ fn a_library_refuses_a_model_of_round_grains_and_takes_its_stl() {
 #[test]
 fn a_fitted_lattice_of_round_grains_lies_on_them_without_inverted_cells() {
     for kind in KINDS {
-        let model = packed(kind, CUBE);
+        let model = packed(kind, "fraction = 0.4\nspecimen = { kind = 'cube', side_mm = 28 }");
         // Chords of 2 mm cut 3.3 % off balls of 5 to 20 mm and 5.8 % off ellipsoids, which are thinner; nodes moved
         // outwards restore it.
         let forms = [

@@ -1,6 +1,7 @@
 //! The ITZ of grains that the sides of a box cut, as those of a label volume: balls, against integrals over the whole balls.
 
 use crate::pack::models::model_of;
+use meso_core::aggregate::Grading;
 use meso_core::geometry::{Polyhedron, TriangleMesh, convex_hull};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
@@ -9,10 +10,10 @@ use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage
 use meso_core::{Model, saved};
 
 /// Edge of the box, and radius of the balls, mm.
-const SIDE: f64 = 24.0;
+const SIDE: f64 = 16.0;
 const RADIUS: f64 = 6.5;
 /// Middles of balls that one, two and three sides cut.
-const MIDDLES: [[f64; 3]; 3] = [[-2.5, 12.1, 11.9], [0.6, 23.2, 12.1], [1.3, 0.7, 23.6]];
+const MIDDLES: [[f64; 3]; 3] = [[-2.5, 8.1, 7.9], [0.6, 15.2, 8.1], [1.3, 0.7, 15.6]];
 const THICKNESSES: [f64; 2] = [0.3, 1.0];
 
 /// Points on a ball, on the circles and in the corners where the box cuts it; their hull is the cut ball but for 0.1 %.
@@ -52,6 +53,8 @@ fn cut_ball(middle: Vec3) -> Polyhedron {
 fn model(middle: [f64; 3], thickness: f64) -> Model {
     let mut model = model_of(vec![cut_ball(middle.into())]);
     model.spec.specimen = Specimen::cube(SIDE);
+    model.spec.grading = Grading { d_max_mm: 15.0, classes_mm: vec![5.0, 10.0, 15.0], ..model.spec.grading };
+    model.report.classes.truncate(2);
     model.aggregates[0].itz_thickness_mm = thickness;
     let mut bytes = Vec::new();
     saved::write(&model, &mut bytes).unwrap();
@@ -94,7 +97,7 @@ fn voxels_images_and_exact_volumes_have_no_itz_at_a_cut() {
         let (model, expected) = (model(middle, thickness), shell(middle, thickness));
         let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
         assert_near(exact.itz, expected, "the exact volume", case);
-        let mesh = meshed(&model, voxels, 0.3);
+        let mesh = meshed(&model, voxels, 0.32);
         assert_near(PhaseVolumes::of_mesh(&mesh).itz, expected, "voxels", case);
         let options =
             ImageOptions { voxel_size_mm: 1.0, quantity: Quantity::Share, of: ShareOf::Itz, region: Region::Whole };

@@ -82,7 +82,7 @@ class Ground:
         self.command, self.folder = command, folder
         self.template = folder / "template"
         self.template.mkdir()
-        (self.template / "spec.toml").write_text(SPEC.format(seed=1, side=40), encoding="utf-8")
+        (self.template / "spec.toml").write_text(SPEC.format(seed=1, side=30), encoding="utf-8")
         (self.template / "study.toml").write_text(STUDY, encoding="utf-8")
         (self.template / "s").mkdir()
         self.whole(["pack", "spec.toml", "-q", "-o", "m.json"], self.template)

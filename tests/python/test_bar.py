@@ -56,9 +56,9 @@ def percent_of(bar):
 
 @pytest.fixture(scope="session")
 def large_surface(command, tmp_path_factory):
-    """A folder with a packing in a ball of 307,200 triangles: each face of a cube in 160 x 160 squares, drawn to the sphere."""
+    """A folder with a packing in a ball of 120,000 triangles: each face of a cube in 100 x 100 squares, drawn to the sphere."""
     folder = tmp_path_factory.mktemp("surface")
-    grid = np.tan(np.linspace(-1, 1, 161) * np.pi / 4)
+    grid = np.tan(np.linspace(-1, 1, 101) * np.pi / 4)
     u, v = np.meshgrid(grid, grid, indexing="ij")
     triangles = []
     for axis, side in itertools.product(range(3), (-1, 1)):

@@ -38,7 +38,7 @@ def commands_of_the_readme():
 
 
 def test_the_commands_run(run, tmp_path):
-    """In a specimen of 60 mm, which takes seconds; as they stand in the slow tier."""
+    """In a specimen of 40 mm, which takes seconds; as they stand in the slow tier."""
     commands, _ = commands_of_the_readme()
     assert len(commands) >= 4
     for command in commands:
@@ -48,7 +48,7 @@ def test_the_commands_run(run, tmp_path):
         if command == ["init"]:
             spec = (tmp_path / "SPEC.toml").read_text(encoding="utf-8")
             assert "side_mm = 150" in spec
-            (tmp_path / "SPEC.toml").write_text(spec.replace("side_mm = 150", "side_mm = 60"), encoding="utf-8")
+            (tmp_path / "SPEC.toml").write_text(spec.replace("side_mm = 150", "side_mm = 40"), encoding="utf-8")
     assert {"SPEC.toml", "model.json", "mesh.inp"} <= {path.name for path in tmp_path.iterdir()}
 
 

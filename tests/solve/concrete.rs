@@ -20,7 +20,7 @@ fn concrete_softens_and_its_energies_balance() {
     for meshed in [
         concrete(1.0, Method::FITTED, 2.5, ItzForm::Smeared),
         concrete(1.0, Method::VOXEL, 1.5, ItzForm::Smeared),
-        concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
+        concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive),
     ] {
         let result = solve(&meshed, &damaged_plasticity()).result;
         let figures = result.figures;

@@ -63,9 +63,9 @@ fn fast() -> Test {
     Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 50, ..damaged_plasticity() }
 }
 
-fn curves(meshes: &[Meshed], materials: &Materials, test: &Test) -> Vec<u64> {
-    let rows = meshes.iter().flat_map(|meshed| meshed.solve(materials, test).curve);
-    rows.flat_map(|row| row.values()).map(f64::to_bits).collect()
+fn curve(meshed: &Meshed, materials: &Materials, test: &Test) -> Vec<u64> {
+    let rows = meshed.solve(materials, test).curve;
+    rows.iter().flat_map(|row| row.values()).map(f64::to_bits).collect()
 }
 
 #[test]
@@ -76,17 +76,17 @@ fn every_key_of_materials_changes_deck_and_engine() {
     // A deck cannot follow the laws whose tables these are.
     let laws = [("meso.", LawName::Meso), ("cdpm2.", LawName::Cdpm2), ("", LawName::Cdp)].map(|(table, law)| {
         let test = Test { law, ..fast() };
-        let curve = curves(&meshes, &usual, &test);
-        (table, test, curve)
+        let usual = meshes.each_ref().map(|meshed| curve(meshed, &usual, &test));
+        (table, test, usual)
     });
     let keys = keys(&serde_json::to_value(&usual).unwrap(), "");
     assert!(keys.len() >= 26, "{keys:?}");
     for key in &keys {
         let materials = changed(key);
         assert_ne!(materials, usual, "{key}");
-        let (table, test, curve) = laws.iter().find(|(table, ..)| key.starts_with(table)).unwrap();
+        let (table, test, curves) = laws.iter().find(|(table, ..)| key.starts_with(table)).unwrap();
         assert_eq!(decks(&meshes, &materials) != deck, table.is_empty(), "{key} in the decks");
-        let moves = curves(&meshes, &materials, test) != *curve;
+        let moves = meshes.iter().zip(curves).any(|(meshed, usual)| curve(meshed, &materials, test) != *usual);
         assert_eq!(moves, !DECK_ALONE.contains(&key.as_str()), "{key} in the engine");
     }
 }
@@ -97,5 +97,5 @@ fn friction_in_cracks_is_the_engine_s_alone() {
     let meshes = meshes();
     let usual = Materials::default();
     let test = |friction| Test { interface: Interface { friction }, ..fast() };
-    assert!(curves(&meshes, &usual, &test(0.0)) != curves(&meshes, &usual, &test(0.6)));
+    assert!(meshes.iter().any(|meshed| curve(meshed, &usual, &test(0.0)) != curve(meshed, &usual, &test(0.6))));
 }
