@@ -14,7 +14,10 @@ TARGET = Path(__file__).parent / "python" / "mesocrete" / "_results.py"
 
 # Where the structs stand, in the order in which they are written; a dict's own keys follow in `EXTENDED`.
 SOURCES = {
-    "meso-place/src/report.rs": ["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "LabelReport", "Report"],
+    "meso-concrete/src/aggregate/library.rs": ["Reduction"],
+    "meso-place/src/report.rs": [
+        *["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "ReducedGrain", "LabelReport", "Report"],
+    ],
     "meso-pack/src/statistics/distribution.rs": ["Distribution"],
     "meso-pack/src/statistics/shape.rs": ["Zingg", "Shapes", "Orientation"],
     "meso-pack/src/statistics/wall.rs": ["WallEffect"],
@@ -40,6 +43,7 @@ SOURCES = {
 CHANGED = {
     "Report": ("Report", {"seconds"}, []),
     "Work": ("Work", set(), []),
+    "ReducedGrain": ("ReducedGrain", {"reduction"}, []),
     "Check": ("CheckResult", set(), [("sound", "bool", "True where nothing was found.")]),
     "Figures": ("CurveFigures", set(), []),
     "Effective": ("Effective", {"resolution"}, []),
@@ -60,6 +64,7 @@ CHANGED = {
 }
 # A dict that has the keys of another, too.
 BASES = {
+    "ReducedGrain": "Reduction",
     "Summary": "Setup, CurveFigures, BeyondPeak, Lateral",
     "Effective": "Resolution",
     "Stiffness": "Resolution",

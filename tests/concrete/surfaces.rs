@@ -1,9 +1,11 @@
 //! Surface files as other programs write them: STL, PLY, OBJ and OFF, as specimens and as grains.
 
 use meso_core::geometry::convex_hull;
-use meso_core::math::Vec3;
+use meso_core::math::{Vec3, longest_distance};
+use meso_core::packing::ReducedGrain;
 use meso_core::spec::{Files, Spec};
 use meso_core::specimen::Specimen;
+use meso_core::{Silent, pack, saved};
 use std::io;
 
 type Facet = [[f64; 3]; 3];
@@ -502,6 +504,46 @@ fn remarks_about_one_of_several_bodies_have_its_number() {
         .into_bytes(),
     );
     assert!(said.starts_with("egg: ") && said.contains(" triangles became "), "{said}");
+}
+
+#[test]
+fn the_report_and_the_saved_spec_have_what_a_reduction_cost() {
+    let scan = egg();
+    let text = |options: &str| {
+        format!(
+            "fraction = 0.1\nspecimen = {{ kind = 'cube', side_mm = 30 }}\n[grading]\nd_min_mm = 4\nd_max_mm = 8\n\
+             [shape]\nlibrary = 'a.stl'\n{options}"
+        )
+    };
+    let two = stl_binary(&[&cube(20.0, 4.0)[..], &scan].concat(), b"");
+    let volume =
+        |mesh: &[Facet]| mesh.iter().map(|t| t.map(Vec3::from)).map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum::<f64>();
+    for (options, is_hull) in [("tolerance = 0.02", false), ("hull = true", true)] {
+        let (spec, said) = read(&text(options), two.clone()).unwrap();
+        let model = pack(&spec, &Silent).unwrap();
+        let [ReducedGrain { grain, reduction }] = model.report.reduced[..] else {
+            panic!("{:?}", model.report.reduced)
+        };
+        assert!(said.contains(&format!("its volume changed by {:+.2} %", 100.0 * reduction.volume_change)), "{said}");
+        assert_eq!((grain, reduction.distance), (1, if is_hull { 0.005 } else { 0.02 }));
+        let template = &spec.shape.grains[1];
+        if !is_hull {
+            let length = longest_distance(template.vertices());
+            let left = template.relative_volume() * length.powi(3) / volume(&scan) - 1.0;
+            assert!((left - reduction.volume_change).abs() < 1e-6, "{left} {reduction:?}");
+            assert_eq!(reduction.scanned_triangles, scan.len());
+        }
+        assert!(reduction.triangles < reduction.scanned_triangles / 10 && reduction.volume_change.abs() < 0.05);
+        let mut bytes = Vec::new();
+        saved::write(&model, &mut bytes).unwrap();
+        let read = saved::read(&bytes).unwrap();
+        assert!(read.spec == spec && read.report.reduced == model.report.reduced);
+        let sentence = read.report.cost_of_reductions().unwrap();
+        assert!(sentence.starts_with("scans in fewer triangles, 1 of the library's grains: within "), "{sentence}");
+    }
+    let (spec, _) = read(&text(""), stl_binary(&cube(20.0, 4.0), b"")).unwrap();
+    let report = pack(&spec, &Silent).unwrap().report;
+    assert!(report.reduced.is_empty() && report.cost_of_reductions().is_none());
 }
 
 #[test]

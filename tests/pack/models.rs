@@ -63,6 +63,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         phases: Vec::new(),
         itz_limited: Vec::new(),
         itz_thin: Vec::new(),
+        reduced: Vec::new(),
         labels: None,
         stop_reason: StopReason::AttemptsExhausted,
         stop_detail: "made by hand".into(),

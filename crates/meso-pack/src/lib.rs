@@ -15,7 +15,9 @@ pub mod statistics;
 
 /// The *place*: its options, and the report of a packing.
 pub mod packing {
-    pub use meso_place::{ClassReport, LabelReport, PhaseReport, Placement, Report, Seconds, SpecimenReport};
+    pub use meso_place::{
+        ClassReport, LabelReport, PhaseReport, Placement, ReducedGrain, Report, Seconds, SpecimenReport,
+    };
     pub use meso_place::{StopReason, Strategy, Work};
 }
 

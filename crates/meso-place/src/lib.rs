@@ -25,7 +25,9 @@ use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
 pub use place::place;
 pub use report::report;
-pub use report::{ClassReport, LabelReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport, StopReason, Work};
+pub use report::{
+    ClassReport, LabelReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport, StopReason, Work,
+};
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.

@@ -302,8 +302,8 @@ impl Report {
         let distance = self.reduced.iter().map(|grain| 100.0 * grain.reduction.distance).fold(0.0, f64::max);
         let grains = thousands(self.reduced.len());
         Some(format!(
-            "{grains} of the library's grains are scans in fewer triangles, within {} % of their length: volumes changed by {low:+.2} \
-             to {high:+.2} %",
+            "scans in fewer triangles, {grains} of the library's grains: within {} % of their length; their volumes changed by \
+             {low:+.2} to {high:+.2} %",
             short(distance)
         ))
     }

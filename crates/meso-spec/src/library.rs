@@ -300,9 +300,15 @@ impl Reader<'_> {
     }
 
     /// A surface in fewer triangles, and what that changed, with a remark; others as they are.
-    fn reduced(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<(TriangleMesh, Option<Reduction>), String> {
+    fn reduced(
+        &mut self,
+        place: Place<'_>,
+        surface: TriangleMesh,
+    ) -> Result<(TriangleMesh, Option<Reduction>), String> {
         let scanned_triangles = surface.triangles.len();
-        let Some([distance, mm]) = self.distance(&surface.vertices, scanned_triangles) else { return Ok((surface, None)) };
+        let Some([distance, mm]) = self.distance(&surface.vertices, scanned_triangles) else {
+            return Ok((surface, None));
+        };
         let reduced = surface.reduced(mm).map_err(|error| error.to_string())?;
         let triangles = reduced.triangles.len();
         if triangles == scanned_triangles {

@@ -204,7 +204,8 @@ impl Serialize for Template {
         if self.triangles.is_empty() && self.reduced.is_none() {
             return serializer.collect_seq(rows);
         }
-        Table { vertices: rows.collect(), faces: self.triangles.clone(), reduced: self.reduced }.serialize(serializer)
+        GrainTable { vertices: rows.collect(), faces: self.triangles.clone(), reduced: self.reduced }
+            .serialize(serializer)
     }
 }
 
@@ -212,7 +213,7 @@ impl Serialize for Template {
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct GrainTable {
     /// Corners, mm.
     vertices: Vec<[f64; 3]>,
     /// Triangles of the surface, counter-clockwise seen from outside; none where the grain is the hull of its vertices.
@@ -239,7 +240,7 @@ impl<'de> Visitor<'de> for EitherForm {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, table: M) -> Result<Template, M::Error> {
-        let Table { vertices, faces, reduced } = Table::deserialize(MapAccessDeserializer::new(table))?;
+        let GrainTable { vertices, faces, reduced } = GrainTable::deserialize(MapAccessDeserializer::new(table))?;
         if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
             return Err(M::Error::custom(format!("a face names vertex {corner} of {}", vertices.len())));
         }
@@ -265,7 +266,7 @@ impl schemars::JsonSchema for Template {
     }
 
     fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        let forms = [generator.subschema_for::<Vec<[f64; 3]>>(), generator.subschema_for::<Table>()];
+        let forms = [generator.subschema_for::<Vec<[f64; 3]>>(), generator.subschema_for::<GrainTable>()];
         schemars::json_schema!({ "anyOf": forms })
     }
 }

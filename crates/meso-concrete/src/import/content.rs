@@ -36,8 +36,9 @@ const MAGIC: [(&[u8], Format); 12] = [
     (b"\x1f\x8b", GZIP),
     (b"PK\x03\x04", ZIP),
     (b"glTF", GLTF),
-    (b"{", JSON),
-    (b"[", JSON),
+    // A brace or a bracket opens.
+    (b"\x7b", JSON),
+    (b"\x5b", JSON),
 ];
 
 /// Explains a file that is not what its name says: its format, and the fix. `read_here` are the endings that its reader takes.

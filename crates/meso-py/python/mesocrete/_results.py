@@ -36,6 +36,19 @@ Table = TypedDict(
 """Every aggregate, void and fibre as a row."""
 
 
+class Reduction(TypedDict):
+    """What changed when a scan was reduced to fewer triangles."""
+
+    scanned_triangles: int
+    """Triangles of the scan, or of its hull where that was taken."""
+    triangles: int
+    """Triangles that are left."""
+    distance: float
+    """The surfaces lie within this distance of each other, over the length of the grain."""
+    volume_change: float
+    """Change of the volume, over that of the scan, or of its hull."""
+
+
 class SpecimenReport(TypedDict):
     """Kind and volume of the specimen."""
 
@@ -109,6 +122,13 @@ class Seconds(TypedDict):
     """Writing files."""
 
 
+class ReducedGrain(Reduction):
+    """A grain of the library that is a scan in fewer triangles."""
+
+    grain: int
+    """Position in the library, from 0."""
+
+
 class LabelReport(TypedDict):
     """A label volume whose grains the aggregates are."""
 
@@ -163,6 +183,8 @@ class Report(TypedDict):
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
     itz_thin: NotRequired[list[int]]
     """Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ."""
+    reduced: NotRequired[list[ReducedGrain]]
+    """The scans among the grains of the library that were reduced."""
     labels: NotRequired[LabelReport | None]
     """The label volume that the aggregates come from, where they do."""
     stop_reason: str

@@ -52,15 +52,6 @@ class ConstantAspectRatio(TypedDict, total=False):
 AspectRatio = NormalAspectRatio | UniformAspectRatio | ConstantAspectRatio
 
 
-class Closed(TypedDict, total=False):
-    """A surface with dents, as it stands in a spec."""
-
-    faces: Sequence[Sequence[int]]
-    """Triangles of the surface, counter-clockwise seen from outside."""
-    vertices: Sequence[_Numbers]
-    """Corners, mm."""
-
-
 class Cone(TypedDict, total=False):
     """The directions within an angle of one direction, all equally likely."""
 
@@ -166,6 +157,17 @@ class Grading(TypedDict, total=False):
     """How sizes are distributed within a class."""
 
 
+class GrainTable(TypedDict, total=False):
+    """A grain with dents, or a reduced one, as it stands in a spec."""
+
+    faces: Sequence[Sequence[int]]
+    """Triangles of the surface, counter-clockwise seen from outside; none where the grain is the hull of its vertices."""
+    reduced: Reduction | None
+    """What was changed where it is a scan in fewer triangles."""
+    vertices: Sequence[_Numbers]
+    """Corners, mm."""
+
+
 class Itz(TypedDict, total=False):
     """Law of the ITZ thickness: uniform between two limits, per aggregate."""
 
@@ -191,6 +193,19 @@ class Placement(TypedDict, total=False):
     """Stop after this many seconds with the best packing found."""
     wall_gap_mm: float
     """Smallest distance between an aggregate and the specimen's surface, mm. At periodic faces it is the distance of the aggregates' outermost points, as far as a translation of the whole packing can give it."""
+
+
+class Reduction(TypedDict, total=False):
+    """What changed when a scan was reduced to fewer triangles."""
+
+    distance: float
+    """The surfaces lie within this distance of each other, over the length of the grain."""
+    scanned_triangles: int
+    """Triangles of the scan, or of its hull where that was taken."""
+    triangles: int
+    """Triangles that are left."""
+    volume_change: float
+    """Change of the volume, over that of the scan, or of its hull."""
 
 
 class Shape(TypedDict, total=False):
@@ -347,7 +362,7 @@ class MeshFileSpecimen(TypedDict, total=False):
 Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen
 
 
-Template = Sequence[_Numbers] | Closed
+Template = Sequence[_Numbers] | GrainTable
 
 
 class Voids(TypedDict, total=False):
