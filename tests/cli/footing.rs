@@ -105,11 +105,11 @@ fn an_automatic_element_size_keeps_the_phases_and_is_named_in_the_deck() {
     );
 }
 
-/// The case: a gap of 2 mm, as the warning advised, stood at 46 % for minutes in a cube of 50 mm.
+/// The case: a gap of 2 mm, as the warning advised, stood at 46 % for minutes.
 #[test]
 fn a_jam_is_named_within_20_seconds_and_ends_with_the_time_limit() {
-    let folder = wrong();
-    let asked = ["solve", "wrong.toml", "--min-gap-mm", "2", "--time-limit", "12", "--element-size-mm", "2.5"];
+    let folder = of_50_mm();
+    let asked = ["solve", "wrong.toml", "--min-gap-mm", "2", "--time-limit", "18", "--element-size-mm", "2.5"];
     let run = folder.run(&[&asked[..], &["--accept-phase-error"], &SHORT].concat());
     let line =
         run.stderr.lines().find(|line| line.starts_with("jammed after ")).unwrap_or_else(|| panic!("{}", run.stderr));

@@ -300,11 +300,10 @@ impl Report {
         let changes = || self.reduced.iter().map(|grain| 100.0 * grain.reduction.volume_change);
         let (low, high) = (changes().reduce(f64::min)?, changes().reduce(f64::max)?);
         let distance = self.reduced.iter().map(|grain| 100.0 * grain.reduction.distance).fold(0.0, f64::max);
-        let grains = thousands(self.reduced.len());
+        let (grains, percent) = (thousands(self.reduced.len()), short(distance));
+        let range = if low == high { format!("{low:+.2} %") } else { format!("{low:+.2} to {high:+.2} %") };
         Some(format!(
-            "scans in fewer triangles, {grains} of the library's grains: within {} % of their length; their volumes changed by \
-             {low:+.2} to {high:+.2} %",
-            short(distance)
+            "scans in fewer triangles, {grains} of the library's grains: within {percent} % of their length; volume changed by {range}"
         ))
     }
 
