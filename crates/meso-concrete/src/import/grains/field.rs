@@ -179,6 +179,10 @@ impl Depths {
 
     fn of(&self, share: f32) -> f32 {
         let last = self.shares.len() - 1;
+        // Most nodes are far from the surface.
+        if share <= self.shares[0] || share >= self.shares[last] {
+            return if share <= self.shares[0] { -REACH } else { REACH } as f32;
+        }
         let above = self.shares.partition_point(|known| *known < share).clamp(1, last);
         let [low, high] = [self.shares[above - 1], self.shares[above]];
         let part = ((share - low) / (high - low)).clamp(0.0, 1.0);
