@@ -26,6 +26,8 @@ pub(super) struct Lattice {
 pub(super) struct Field {
     /// First node along x, y, z.
     pub(super) from: [usize; 3],
+    /// Edges of the lattice's cells in voxels.
+    pub(super) spacing: [f64; 3],
     counts: [usize; 3],
     /// Whether the box ends at the volume's lower and upper walls.
     walls: [[bool; 2]; 3],
@@ -77,7 +79,7 @@ impl Lattice {
     }
 
     /// Edges of the lattice's cells in voxels.
-    pub(super) fn spacing(&self) -> [f64; 3] {
+    fn spacing(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.voxels[axis] as f64 / self.counts[axis] as f64)
     }
 
@@ -95,7 +97,7 @@ impl Lattice {
         let lead = own.iter().zip(&others).map(|(own, others)| self.depths.of((1.0 + own - others) / 2.0)).collect();
         let own = own.iter().map(|own| self.depths.of(*own)).collect();
         let walls = [0, 1, 2].map(|axis| [from[axis] == 0, to[axis] == self.counts[axis]]);
-        Field { from, counts, walls, own, lead }
+        Field { from, spacing, counts, walls, own, lead }
     }
 
     /// The blurred indicator of some voxels: along x, then y, then z.

@@ -8,7 +8,7 @@
 //!    last with all of them.
 
 use super::field::{Field, Lattice};
-use super::labelled::LabelledGrains;
+use super::labelled::{LabelledGrain, LabelledGrains};
 use crate::parallel;
 use crate::watch::{Stage, Watch};
 use meso_collision::dents::SelfCrossing;
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// How surfaces are made; all lengths in voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothOptions {
-    /// Distance of the nodes of marching tetrahedra.
+    /// Distance of the nodes of marching tetrahedra; at most 1 for grains of fewer than 12 voxels along an axis.
     pub step: f64,
     /// Standard deviation of the blur.
     pub smoothing: f64,
@@ -51,6 +51,9 @@ pub enum SurfacesError {
 
 /// Gap between grains that touch in the labels, in voxels, before edges collapse.
 const GAP: f64 = 0.5;
+/// A grain of fewer voxels along an axis has nodes one voxel apart: chords two voxels long cut off much of it, which its
+/// neighbours leave no room to make up for.
+const SMALL: usize = 12;
 /// Share of the work that the first try of all grains takes.
 const FIRST_ROUND: f64 = 0.8;
 /// Tries of a grain, by their shares of the tolerance.
@@ -71,13 +74,16 @@ pub struct GrainSurfaces<'a> {
     spacing_mm: Vec3,
     options: SmoothOptions,
     lattice: Lattice,
+    /// For grains of fewer than [`SMALL`] voxels.
+    fine: Lattice,
 }
 
 impl<'a> GrainSurfaces<'a> {
     /// Surfaces of `parts`, whose voxels have these edges.
     pub fn new(parts: &'a LabelledGrains, spacing_mm: [f64; 3], options: SmoothOptions) -> Self {
-        let lattice = Lattice::new(parts.counts, options.step, options.smoothing);
-        Self { parts, spacing_mm: spacing_mm.into(), options, lattice }
+        let lattice = |step: f64| Lattice::new(parts.counts, step, options.smoothing);
+        let (lattice, fine) = (lattice(options.step), lattice(options.step.min(1.0)));
+        Self { parts, spacing_mm: spacing_mm.into(), options, lattice, fine }
     }
 
     /// The surface of every grain, mm; `None` where a grain is too thin to be seen after the blur.
@@ -129,7 +135,10 @@ impl<'a> GrainSurfaces<'a> {
 
     /// The surface of a grain from its next try on that does not cross itself, and that try.
     fn solid(&self, grain: usize, first: usize) -> Option<(Solid, usize)> {
-        let field = self.lattice.field(self.parts, grain as u32 + 1);
+        let LabelledGrain { from, to, .. } = &self.parts.grains[grain];
+        let is_small = (0..3).any(|axis| to[axis] - from[axis] < SMALL);
+        let lattice = if is_small { &self.fine } else { &self.lattice };
+        let field = lattice.field(self.parts, grain as u32 + 1);
         let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
         let solids = (first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
         let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
@@ -173,7 +182,7 @@ impl<'a> GrainSurfaces<'a> {
 
     fn marched(&self, field: &Field, level: f64, margin: f64) -> TriangleMesh {
         let mut mesh = field.nodes(level as f32, margin as f32).surface();
-        let scale = Vec3::from(self.lattice.spacing()).component_mul(&self.spacing_mm);
+        let scale = Vec3::from(field.spacing).component_mul(&self.spacing_mm);
         let from = Vec3::from_fn(|axis, _| field.from[axis] as f64 - 0.5);
         mesh.vertices.iter_mut().for_each(|v| *v = self.in_walls((*v + from).component_mul(&scale), |_| 0.0));
         mesh
