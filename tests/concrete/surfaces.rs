@@ -559,7 +559,7 @@ fn shares_in_remarks_have_no_digits_of_rounding() {
     assert!(error.contains("for 55.3 % write 0.553"), "{error}");
 }
 
-/// The same cube in every format of surfaces that is read, by its ending.
+/// One cube in every format of surfaces that is read, by its ending.
 fn in_all_formats() -> [(&'static str, Vec<u8>); 7] {
     let facets = cube(0.0, 5.0);
     [

@@ -68,7 +68,7 @@ pub struct ReducedGrain {
 }
 
 impl ReducedGrain {
-    /// Those of a shape.
+    /// All reduced grains in the library of `shape`.
     pub fn all(shape: &Shape) -> Vec<Self> {
         let reduced = |(grain, template): (usize, &Template)| Some(Self { grain, reduction: template.reduced? });
         shape.grains.iter().enumerate().filter_map(reduced).collect()

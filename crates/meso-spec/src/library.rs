@@ -140,7 +140,7 @@ fn row(vertex: &Vec3) -> Node {
 /// A grain as it is put into the spec.
 struct Inlined {
     vertices: Vec<Vec3>,
-    /// Of a closed surface with dents; none of a convex polyhedron.
+    /// Triangles of a closed surface with dents; none where the grain is the hull of its vertices.
     triangles: Vec<[u32; 3]>,
     reduced: Option<Reduction>,
 }

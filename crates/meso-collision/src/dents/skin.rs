@@ -210,6 +210,7 @@ impl Skin {
     /// where `reach` is negative.
     fn depth_within(&self, point: &Vec3, reach: f64, around: Option<&Depth>) -> Depth {
         let (mut near, mut best, skin) = (Vec::new(), (f64::INFINITY, 0), self.triangles());
+        let step = around.map_or(0.0, |around| (around.point - point).norm());
         let mut look = |triangle: u32| {
             let distance = skin.nearest_of(triangle, point).1;
             best = if (distance, triangle) < best { (distance, triangle) } else { best };
@@ -220,7 +221,6 @@ impl Skin {
         };
         match around {
             Some(around) => {
-                let step = (around.point - point).norm();
                 let mut farthest = f64::INFINITY;
                 let mut may_be_near = around.triangles.iter();
                 while let Some((_, triangle)) = may_be_near.next().filter(|near| near.0 - step <= farthest) {
@@ -230,7 +230,7 @@ impl Skin {
             None => (0..skin.corners().len() as u32).for_each(|triangle| _ = look(triangle)),
         }
         let (distance, nearest) = best;
-        let is_inside = match around.filter(|around| (around.point - point).norm() < around.depth.abs()) {
+        let is_inside = match around.filter(|around| step < around.depth.abs()) {
             Some(around) => around.depth > 0.0,
             None => self.is_below(nearest, point, distance).unwrap_or_else(|| self.surface.contains(point)),
         };

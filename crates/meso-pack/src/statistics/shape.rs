@@ -84,8 +84,9 @@ fn measure(aggregate: &Aggregate) -> Measured {
     let body = &aggregate.body;
     let six_volumes = libm::cbrt(6.0 * body.volume());
     let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
-    let hull = body.hull().expect("an aggregate has a volume");
-    Measured { extents: extents(body), wadell, convexity: body.volume() / hull.volume(), sieve: body.sieve_size() }
+    let of_hull = || body.volume() / body.hull().expect("an aggregate has a volume").volume();
+    let convexity = if body.is_convex() { 1.0 } else { of_hull() };
+    Measured { extents: extents(body), wadell, convexity, sieve: body.sieve_size() }
 }
 
 /// Moments of inertia that differ by this share of the largest are equal: vertices are rounded to single precision.

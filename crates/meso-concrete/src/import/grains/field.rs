@@ -185,9 +185,9 @@ impl Depths {
         if share <= self.shares[0] || share >= self.shares[last] {
             return if share <= self.shares[0] { -REACH } else { REACH } as f32;
         }
-        let above = self.shares.partition_point(|known| *known < share).clamp(1, last);
+        let above = self.shares.partition_point(|known| *known < share);
         let [low, high] = [self.shares[above - 1], self.shares[above]];
-        let part = ((share - low) / (high - low)).clamp(0.0, 1.0);
+        let part = (share - low) / (high - low);
         ((above - 1) as f32 + part) / KNOWN as f32 - REACH as f32
     }
 }
