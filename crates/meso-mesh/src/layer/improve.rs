@@ -10,11 +10,11 @@
 //! cell. Where their collapse leaves cells as poor as those that it mends, the rails of these join the group, for [`WAVES`]
 //! times: with all rails around gone the body's cells are nearly the old ones, none of which was poor.
 //!
-//! Smoothing looks for the largest angle, and may move a node farther than the layer is thick. So an inner end that moved goes
-//! back towards its exact position, as far as that leaves no angle too small ([`give_back`]). At last all inner ends move by one
+//! Smoothing looks for the largest angle, and may move a node farther than the layer is thick. So inner ends then go nearer to
+//! their targets, as far as that leaves no angle too small ([`give_back`]). At last all inner ends move by one
 //! share of their rails, which brings the layers' volume to the exact one ([`balance`]).
 
-use super::by_node;
+use super::approach::nearer;
 use super::periodic::{Faces, Flat};
 use super::prisms::Layer;
 use crate::cells::Phase;
@@ -42,8 +42,8 @@ const TRIED: f64 = 0.1;
 const MOST: f64 = 0.1;
 /// The layers' volume is right when less than this share of it is missing.
 const CLOSE: f64 = 1e-4;
-/// Shares of the way back that are tried.
-const BACK: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+/// Rounds in which inner ends go back towards their targets.
+const BACK: usize = 4;
 /// Cells added up together.
 const RUN: usize = 1 << 12;
 
@@ -89,8 +89,8 @@ pub(crate) fn improve(
     }
     let moved = smoothing.shifted;
     let mut shifted = vec![false; mesh.points.len()];
-    moved.iter().for_each(|(node, _)| shifted[*node as usize] = true);
-    give_back(mesh, &movable, moved);
+    moved.iter().for_each(|node| shifted[*node as usize] = true);
+    give_back(mesh, &movable, layer);
     if let Some(exact) = exact_mm3 {
         balance(mesh, phase, &movable, exact);
     }
@@ -106,8 +106,8 @@ struct Smoothing<'a> {
     phase: &'a [Phase],
     movable: &'a Movable,
     size: f64,
-    /// Nodes that moved, with their positions before.
-    shifted: Vec<(u32, Vec3)>,
+    /// Nodes that moved.
+    shifted: Vec<u32>,
 }
 
 impl Improver for Smoothing<'_> {
@@ -124,7 +124,7 @@ impl Improver for Smoothing<'_> {
         for &node in &nodes {
             if let Some(position) = self.better(node, &incidence) {
                 let moved = Mover(self.movable, node).moved(&position);
-                self.shifted.extend(moved.iter().map(|(node, _)| (*node, self.mesh.position(*node))));
+                self.shifted.extend(moved.iter().map(|(node, _)| *node));
                 apply(self.mesh, moved);
             }
         }
@@ -183,23 +183,23 @@ impl Stars {
     }
 }
 
-/// Moves the inner ends that left their positions, `moved`, back towards these, as far as that leaves no angle too small.
-fn give_back(mesh: &mut TetMesh, movable: &Movable, mut moved: Vec<(u32, Vec3)>) {
-    moved.retain(|(node, _)| movable.are_inner_ends(*node));
-    // Stable: a node's first position is the one before all moves.
-    by_node(&mut moved);
-    moved.dedup_by_key(|(node, _)| *node);
-    let incidence = Incidence::around(&mesh.cells, mesh.points.len(), moved.iter().map(|(node, _)| *node));
-    for (node, from) in moved {
-        // All images at once, when their first comes up.
-        if movable.faces.images(node)[0] != node || incidence.cells(node).is_empty() {
-            continue;
-        }
-        let x = mesh.position(node);
-        let mut stars = Stars::of(mesh, movable, &incidence, node);
-        let mut nearer = BACK.iter().map(|share| x + (from - x) * *share);
-        if let Some(position) = nearer.find(|position| stars.allow(movable, position)) {
-            apply(mesh, Mover(movable, node).moved(&position));
+/// Moves the inner ends that are not at their targets nearer to these, as far as that leaves no angle too small.
+fn give_back(mesh: &mut TetMesh, movable: &Movable, layer: &Layer) {
+    let ends = layer.rails.iter().map(|rail| rail[0]).zip(&layer.targets);
+    // All images at once, when their first comes up.
+    let is_away = |(node, target): &(u32, &Vec3)| {
+        mesh.position(*node) != **target && movable.faces.images(*node)[0] == *node && movable.are_inner_ends(*node)
+    };
+    let away: Vec<(u32, &Vec3)> = ends.filter(is_away).collect();
+    let images = away.iter().flat_map(|(node, _)| movable.faces.images(*node));
+    let incidence = Incidence::around(&mesh.cells, mesh.points.len(), images);
+    for _ in 0..BACK {
+        for &(node, target) in away.iter().filter(|(node, _)| !incidence.cells(*node).is_empty()) {
+            let mut stars = Stars::of(mesh, movable, &incidence, node);
+            let (x, flat) = (mesh.position(node), movable.faces.flat(node));
+            if let Some(position) = nearer(&x, target, |step| flat.along(step), |x| stars.allow(movable, x)) {
+                apply(mesh, Mover(movable, node).moved(&position));
+            }
         }
     }
 }

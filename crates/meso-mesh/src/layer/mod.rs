@@ -15,6 +15,7 @@
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of each other move by the same displacement ([`periodic`]).
 
+mod approach;
 mod improve;
 mod offset;
 mod periodic;
@@ -24,6 +25,7 @@ mod unfold;
 
 use crate::cells::{NO_BODY, Owners, Phase, copies, faces};
 use crate::tet::TetMesh;
+use approach::approach;
 pub(super) use improve::improve;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
@@ -41,6 +43,9 @@ pub(super) enum Onto {
     /// The triangles of a mesh of this size of elements, mm, which may cut across edges and dents.
     Triangles(f64),
 }
+
+/// A node is short of its target where more than this share of its way is left.
+const SHORT: f64 = 0.05;
 
 /// Sorts vectors by their nodes; those of one node stay in their order.
 fn by_node(vectors: &mut [(u32, Vec3)]) {
@@ -97,12 +102,16 @@ pub(super) fn add(
     if offsets.back_onto_rays(&stuck, &mesh.points, &owner, &constraint, &mut targets) {
         untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
     }
-    let backtracking = step_back(mesh, &targets, &layer, &constraint);
-    let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
-    let (short_nodes, pinched_nodes) =
-        (count(&|copy| backtracking.is_short(copy)), count(&|copy| backtracking.is_pinched(copy)));
-    parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
+    let mut at = step_back(mesh, &targets, &layer, &constraint);
+    approach(mesh, &layer, &constraint, &targets, &mut at);
+    let pinched: Vec<bool> = parallel::map_short(at.len(), |node| at[node] == mesh.points[node]);
+    let left = |node: usize| (targets[node] - at[node]).norm() / (targets[node] - mesh.points[node]).norm();
+    let all = || copies.iter().map(|(.., copy)| copy as usize);
+    let pinched_nodes = all().filter(|&copy| pinched[copy]).count();
+    let short_nodes = all().filter(|&copy| pinched[copy] || left(copy) > SHORT).count();
+    let targets = all().filter(|&copy| !pinched[copy]).map(|copy| targets[copy]).collect();
+    mesh.points = at;
     let thinned_aggregates = offsets.thinner(&bodies, thickness);
-    let rails = append(mesh, phase, &layer, &copies, &backtracking);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, caps: bodies.caps() }
+    let rails = append(mesh, phase, &layer, &copies, &pinched);
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, targets, caps: bodies.caps() }
 }

@@ -81,6 +81,13 @@ impl PeriodicConstraint {
         self.lead(node) == node
     }
 
+    /// The nodes that move as `lead` does, with it.
+    pub(super) fn tied(&self, lead: u32) -> Vec<u32> {
+        let mut images = self.faces.images(lead);
+        images.retain(|&node| self.lead(node) == lead);
+        images
+    }
+
     /// The node's image class; its own number where it has no images.
     pub(super) fn class(&self, node: u32) -> u32 {
         self.faces.class(node).map_or(node, |(class, _)| class)

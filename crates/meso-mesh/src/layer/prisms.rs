@@ -1,5 +1,5 @@
 //! The prisms between interface triangles and their offsets, cut into the layer's tetrahedra; and how far these open, so that no
-//! tetrahedron turns over: nodes are untangled, then they step back.
+//! tetrahedron turns over: nodes are untangled, then they step back, and go as far forward again as they can ([`approach`](super::approach)).
 //!
 //! Untangling: the flat tetrahedra that a mesher leaves under a surface stand on nodes that go to different faces' offsets, and
 //! small faces' projections come out of order: a few microns turn such a cell over, and a few set it right. Each node of a bad
@@ -47,23 +47,23 @@ pub(super) fn prism(
     })
 }
 
-/// Adds the layer's cells, and takes back the copies that did not move, with the cells on their rails; the rails that are left.
+/// Adds the layer's cells, and takes back the copies that are `pinched`, with the cells on their rails; the rails that are left.
 pub(super) fn append(
     mesh: &mut TetMesh,
     phase: &mut Vec<Phase>,
     layer: &[LayerCell],
     copies: &Copies,
-    back: &StepsBack,
+    pinched: &[bool],
 ) -> Vec<[u32; 2]> {
     let mut rails = Vec::new();
-    for cell in layer.iter().filter(|cell| !back.is_pinched(cell.rail[0])) {
+    for cell in layer.iter().filter(|cell| !pinched[cell.rail[0] as usize]) {
         mesh.push(cell.nodes, cell.owner);
         phase.push(Phase::Itz);
     }
     let mut number: Vec<u32> = (0..mesh.points.len() as u32).collect();
     let mut next = (mesh.points.len() - copies.iter().len()) as u32;
     for (_, node, copy) in copies.iter() {
-        if back.is_pinched(copy) {
+        if pinched[copy as usize] {
             number[copy as usize] = node;
         } else {
             mesh.points[next as usize] = mesh.points[copy as usize];
@@ -87,6 +87,8 @@ pub(crate) struct Layer {
     pub(crate) pinched_nodes: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,
+    /// Where the inner ends were to go.
+    pub(super) targets: Vec<Vec3>,
     /// The caps of the bodies, a bit for each of the [`SIDES`](crate::cells::SIDES).
     pub(super) caps: Vec<u8>,
 }
@@ -205,11 +207,11 @@ const STEP_BACK: f64 = 0.7;
 const STEPS: u8 = 10;
 
 /// Steps back of every node.
-pub(super) struct StepsBack(Vec<u8>);
+struct StepsBack(Vec<u8>);
 
 impl StepsBack {
     /// The node's position between the old one and its target.
-    pub(super) fn position(&self, node: u32, from: &Vec3, target: &Vec3) -> Vec3 {
+    fn position(&self, node: u32, from: &Vec3, target: &Vec3) -> Vec3 {
         match self.0[node as usize] {
             0 => *target,
             STEPS => *from,
@@ -217,25 +219,20 @@ impl StepsBack {
         }
     }
 
-    /// The node stopped before its target.
-    pub(super) fn is_short(&self, node: u32) -> bool {
-        self.0[node as usize] > 0
-    }
-
-    /// The node did not move.
-    pub(super) fn is_pinched(&self, node: u32) -> bool {
+    /// The node does not move.
+    fn is_pinched(&self, node: u32) -> bool {
         self.0[node as usize] == STEPS
     }
 }
 
-/// Shares of the displacements from `mesh`'s points to `targets` such that all its cells and `layer`'s keep a positive
-/// volume; tied nodes have the same share. A node without a displacement counts as stepped back all the way.
+/// Positions between `mesh`'s points and `targets` at which all its cells and `layer`'s keep a positive volume, but for those on
+/// rails whose ends are one; tied nodes step back together.
 pub(super) fn step_back(
     mesh: &TetMesh,
     targets: &[Vec3],
     layer: &[LayerCell],
     constraint: &PeriodicConstraint,
-) -> StepsBack {
+) -> Vec<Vec3> {
     let moves = |node: u32| targets[node as usize] != mesh.points[node as usize] && !constraint.is_pinned(node);
     let mut back = StepsBack((0..targets.len() as u32).map(|node| if moves(node) { 0 } else { STEPS }).collect());
     let moving = |cell: &[u32; 4]| cell.iter().any(|&node| moves(node));
@@ -258,7 +255,7 @@ pub(super) fn step_back(
         bad.dedup();
         bad.retain(|&node| !back.is_pinched(node));
         if bad.is_empty() {
-            return back;
+            return parallel::map_short(targets.len(), |node| position(node as u32));
         }
         bad.iter().for_each(|&node| back.0[node as usize] += 1);
         constraint.share(&mut back.0);
