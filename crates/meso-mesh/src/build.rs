@@ -177,6 +177,7 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
             let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, exact_mm3, options.element_size_mm);
             notes.shifted_itz_nodes = improved.shifted;
             notes.pinched_itz_nodes += improved.collapsed;
+            notes.thinned_itz_nodes += improved.thinned;
         }
     }
     let TetMesh { points, cells, owner } = mesh;

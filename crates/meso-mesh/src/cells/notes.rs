@@ -40,9 +40,9 @@ pub struct Notes {
     pub off_surface_nodes: usize,
     /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
     pub thinned_itz_aggregates: usize,
-    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
+    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over or has too sharp an angle.
     pub thinned_itz_nodes: usize,
-    /// The nodes where the layer has no thickness at all.
+    /// Those of them where the layer has no thickness at all.
     pub pinched_itz_nodes: usize,
     /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
     pub shifted_itz_nodes: usize,

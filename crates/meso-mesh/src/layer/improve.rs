@@ -53,6 +53,8 @@ pub(crate) struct Improved {
     pub(crate) shifted: usize,
     /// Rails that collapsed.
     pub(crate) collapsed: usize,
+    /// Those of them whose inner ends had not stopped short before.
+    pub(crate) thinned: usize,
 }
 
 /// Works on a mesh with elements of about `size` mm and this `layer`, whose exact volume is `exact_mm3` where it is known.
@@ -68,14 +70,13 @@ pub(crate) fn improve(
     let movable = Movable::new(mesh, phase, periodic, layer);
     let mut suspects: Vec<u32> = mesh.numbers().collect();
     let mut smoothing = Smoothing { mesh, phase, movable: &movable, size, shifted: Vec::new() };
-    let mut collapsed = 0;
     for _ in 0..ROUNDS {
         if suspects.is_empty() {
             break;
         }
         suspects = improve_cells(&mut smoothing, suspects, TURNS);
         let poor = smoothing.poor(&suspects);
-        collapsed += collapse(smoothing.mesh, &movable, &poor);
+        collapse(smoothing.mesh, &movable, &poor);
         suspects.retain(|&cell| !smoothing.mesh.is_removed(cell));
     }
     for _ in 0..LAST_ROUNDS {
@@ -83,7 +84,7 @@ pub(crate) fn improve(
         if poor.is_empty() {
             break;
         }
-        collapsed += collapse_groups(smoothing.mesh, &movable, &poor, &mut suspects);
+        collapse_groups(smoothing.mesh, &movable, &poor, &mut suspects);
         suspects.retain(|&cell| !smoothing.mesh.is_removed(cell));
         suspects = improve_cells(&mut smoothing, ascending(suspects), TURNS);
     }
@@ -96,8 +97,15 @@ pub(crate) fn improve(
     }
     let mut kept = mesh.drop_removed().into_iter();
     phase.retain(|_| kept.next() == Some(true));
+    let mut there = vec![false; mesh.points.len()];
+    mesh.cells.as_flattened().iter().for_each(|&node| there[node as usize] = true);
     mesh.drop_lone_nodes();
-    Improved { shifted: rails.iter().filter(|rail| shifted[rail[0] as usize]).count(), collapsed }
+    let collapsed = || rails.iter().zip(&layer.short).filter(|(rail, _)| !there[rail[0] as usize]);
+    Improved {
+        shifted: rails.iter().filter(|[inner, _]| there[*inner as usize] && shifted[*inner as usize]).count(),
+        collapsed: collapsed().count(),
+        thinned: collapsed().filter(|(_, short)| !**short).count(),
+    }
 }
 
 /// Moves the nodes of poor cells; mortar is not the layer's.
@@ -327,11 +335,10 @@ impl Mover<'_> {
     }
 }
 
-/// Collapses the rails of the `poor` cells, with their images, where that leaves better ones. Returns how many rails did.
-fn collapse(mesh: &mut TetMesh, movable: &Movable, poor: &[u32]) -> usize {
+/// Collapses the rails of the `poor` cells, with their images, where that leaves better ones.
+fn collapse(mesh: &mut TetMesh, movable: &Movable, poor: &[u32]) {
     let nodes = movable.inner_ends(mesh, poor);
     let incidence = Incidence::around(&mesh.cells, mesh.points.len(), nodes.iter().copied());
-    let mut collapsed = 0;
     for &node in &nodes {
         let images = movable.faces.images(node);
         // All at once, when their first comes up.
@@ -344,10 +351,8 @@ fn collapse(mesh: &mut TetMesh, movable: &Movable, poor: &[u32]) -> usize {
         let after = rails.iter().map(|rail| rail.after(mesh, before)).fold(-1.0, f64::max);
         if before > movable.limit && after < before {
             rails.iter().for_each(|rail| mesh.contract(rail.node, rail.end, &rail.cells));
-            collapsed += rails.len();
         }
     }
-    collapsed
 }
 
 /// The inner end of a rail with the cells around it.
@@ -379,24 +384,15 @@ impl Rail {
     }
 }
 
-/// Collapses groups of rails around the `poor` cells, with their images, where that leaves better ones. Returns how many rails
-/// did, and adds the cells around them to `suspects`.
-fn collapse_groups(mesh: &mut TetMesh, movable: &Movable, poor: &[u32], suspects: &mut Vec<u32>) -> usize {
+/// Collapses groups of rails around the `poor` cells, with their images, where that leaves better ones, and adds the
+/// cells around them to `suspects`.
+fn collapse_groups(mesh: &mut TetMesh, movable: &Movable, poor: &[u32], suspects: &mut Vec<u32>) {
     let mut groups: Vec<Group> = poor.iter().map(|&cell| Group { nodes: movable.inner_ends(mesh, &[cell]) }).collect();
-    let mut collapsed = 0;
     for _ in 0..WAVES {
         let nodes = groups.iter().flat_map(|group| group.nodes.iter().copied());
         let incidence = Incidence::around(&mesh.cells, mesh.points.len(), nodes);
-        groups.retain_mut(|group| match group.tried(mesh, movable, &incidence, suspects) {
-            Tried::Collapsed => {
-                collapsed += group.nodes.len();
-                false
-            }
-            Tried::Grown => true,
-            Tried::InVain => false,
-        });
+        groups.retain_mut(|group| group.grows(mesh, movable, &incidence, suspects));
     }
-    collapsed
 }
 
 /// Inner ends of rails.
@@ -404,29 +400,16 @@ struct Group {
     nodes: Vec<u32>,
 }
 
-/// The fate of a group.
-enum Tried {
-    Collapsed,
-    Grown,
-    InVain,
-}
-
 impl Group {
-    /// Collapses, or grows by the rails of the cells that forbid it.
-    fn tried(
-        &mut self,
-        mesh: &mut TetMesh,
-        movable: &Movable,
-        incidence: &Incidence,
-        suspects: &mut Vec<u32>,
-    ) -> Tried {
+    /// Collapses, or grows by the rails of the cells that forbid it; whether it grew, to be tried again.
+    fn grows(&mut self, mesh: &mut TetMesh, movable: &Movable, incidence: &Incidence, suspects: &mut Vec<u32>) -> bool {
         let mut cells = ascending(self.nodes.iter().flat_map(|&node| incidence.cells(node)).copied());
         cells.retain(|&cell| !mesh.is_removed(cell));
         // Another group may have taken some of them.
         self.nodes.retain(|node| cells.iter().any(|&cell| mesh.cell(cell).contains(node)));
         let before = mesh.worst(cells.iter().copied());
         if before <= movable.limit {
-            return Tried::InVain;
+            return false;
         }
         let then = |cell: u32| self.collapsed(movable, mesh.cell(cell));
         let cos2 = |nodes: [u32; 4]| min_dihedral_cos2(mesh.corners(nodes));
@@ -441,12 +424,12 @@ impl Group {
                 }
             }
             suspects.extend(cells);
-            return Tried::Collapsed;
+            return false;
         }
         let count = self.nodes.len();
         let more = movable.inner_ends(mesh, &forbidding);
         self.nodes = ascending(self.nodes.drain(..).chain(more));
-        if self.nodes.len() > count { Tried::Grown } else { Tried::InVain }
+        self.nodes.len() > count
     }
 
     /// The cell's nodes after the collapse; `None` where it is gone with a rail of its own.

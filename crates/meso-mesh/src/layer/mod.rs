@@ -106,12 +106,13 @@ pub(super) fn add(
     approach(mesh, &layer, &constraint, &targets, &mut at);
     let pinched: Vec<bool> = parallel::map_short(at.len(), |node| at[node] == mesh.points[node]);
     let left = |node: usize| (targets[node] - at[node]).norm() / (targets[node] - mesh.points[node]).norm();
-    let all = || copies.iter().map(|(.., copy)| copy as usize);
-    let pinched_nodes = all().filter(|&copy| pinched[copy]).count();
-    let short_nodes = all().filter(|&copy| pinched[copy] || left(copy) > SHORT).count();
-    let targets = all().filter(|&copy| !pinched[copy]).map(|copy| targets[copy]).collect();
+    let moved = || copies.iter().map(|(.., copy)| copy as usize).filter(|&copy| !pinched[copy]);
+    let short: Vec<bool> = moved().map(|copy| left(copy) > SHORT).collect();
+    let targets: Vec<Vec3> = moved().map(|copy| targets[copy]).collect();
+    let pinched_nodes = copies.iter().len() - targets.len();
+    let short_nodes = pinched_nodes + short.iter().filter(|short| **short).count();
     mesh.points = at;
     let thinned_aggregates = offsets.thinner(&bodies, thickness);
     let rails = append(mesh, phase, &layer, &copies, &pinched);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, targets, caps: bodies.caps() }
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, targets, short, caps: bodies.caps() }
 }

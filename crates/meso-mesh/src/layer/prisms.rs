@@ -81,7 +81,7 @@ pub(super) fn append(
 pub(crate) struct Layer {
     /// Aggregates too small for their thickness.
     pub(crate) thinned_aggregates: usize,
-    /// Interface nodes that stopped short of their target.
+    /// Interface nodes that stopped short of their target, or did not move.
     pub(crate) short_nodes: usize,
     /// Interface nodes that did not move: there the layer has no thickness.
     pub(crate) pinched_nodes: usize,
@@ -89,6 +89,8 @@ pub(crate) struct Layer {
     pub(super) rails: Vec<[u32; 2]>,
     /// Where the inner ends were to go.
     pub(super) targets: Vec<Vec3>,
+    /// Which of them stopped short.
+    pub(super) short: Vec<bool>,
     /// The caps of the bodies, a bit for each of the [`SIDES`](crate::cells::SIDES).
     pub(super) caps: Vec<u8>,
 }
