@@ -25,7 +25,8 @@ use meso_concrete::{parallel, stop};
 /// after which smoothing makes room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
 const CONTRACTIONS: [f64; 3] = [GUARD_DEG, 3.0, 1.0];
 /// The smallest dihedral angle that remeshed cells may have, degrees: each where there are none with the one before.
-const REMESHINGS: [f64; 3] = [GUARD_DEG, 9.0, 8.0];
+const REMESHINGS: [f64; 3] = [GUARD_DEG, 9.0, LAST_DEG];
+const LAST_DEG: f64 = 8.0;
 /// Rounds of smoothing with the nodes on their surfaces, then off them.
 const ROUNDS: usize = 12;
 
@@ -196,6 +197,8 @@ const POSITIONS: usize = 48;
 const APART: f64 = 0.05;
 /// Rounds of moves and swaps at each position. More moves before each round's swaps find less.
 const PATCH_ROUNDS: usize = 30;
+/// Rounds after which more poor cells than rounds that are left end an attempt, but for the last ones.
+const HOPEFUL: usize = 5;
 
 /// Other cells in the place of some.
 struct Remeshed {
@@ -333,10 +336,14 @@ impl Patch {
 
     /// Whether smoothing and swaps leave no cell worse than `limit`.
     fn comes_out(&mut self, whole: &Nodes, limit: f64) -> bool {
-        for _ in 0..PATCH_ROUNDS {
+        for round in 0..PATCH_ROUNDS {
             let poor = self.poor(limit);
             if poor.is_empty() {
                 return true;
+            }
+            let is_hopeless = round >= HOPEFUL && poor.len() > PATCH_ROUNDS - round;
+            if is_hopeless && limit < cos2_of(LAST_DEG) {
+                return false;
             }
             let moved = self.smooth(whole, &poor);
             if !self.swap(limit) && !moved {
