@@ -50,11 +50,11 @@ pub fn misnamed(name: &str, bytes: &[u8], read_here: &[&str]) -> Option<String> 
         return None;
     }
     let fix = match endings.iter().find(|ending| read_here.contains(ending)) {
-        Some(ending) => format!("let its name end in .{ending}"),
-        None if [GZIP.name, ZIP.name].contains(&format) => "unpack it first".to_owned(),
-        None => format!("which is not read here: name one that ends in {}", list(read_here)),
+        Some(ending) => format!("; let its name end in .{ending}"),
+        None if [GZIP.name, ZIP.name].contains(&format) => "; unpack it first".to_owned(),
+        None => format!(", which is not read here: name one that ends in {}", list(read_here)),
     };
-    Some(format!("it begins as {format} file does; {fix}").replace("; which", ", which"))
+    Some(format!("it begins as {format} file does{fix}"))
 }
 
 fn format_of(bytes: &[u8]) -> Option<Format> {

@@ -36,7 +36,7 @@ use std::sync::Arc;
 /// smoothing : float
 ///     Width of the blur that smooths surfaces, in voxels.
 /// step : float
-///     Distance of the points between which a surface is found, in voxels.
+///     Distance of the points between which a surface is found, in voxels; at most 1 on grains of fewer than 12 along an axis.
 /// progress : bool or callable, optional
 ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
 ///     the work ends with a `RuntimeError`.

@@ -42,7 +42,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "VOXELS", default_value = "1", value_parser = values::number)]
     #[arg(allow_negative_numbers = true, hide_short_help = true)]
     pub(super) smoothing: f64,
-    /// Distance of the points between which a surface is found, in voxels
+    /// Distance of the points between which a surface is found, in voxels; at most 1 on small grains
     #[arg(long, value_name = "VOXELS", default_value = "2", value_parser = values::number)]
     #[arg(allow_negative_numbers = true, hide_short_help = true)]
     pub(super) step: f64,

@@ -61,13 +61,12 @@ fn print(model: &Model, labels: &LabelReport) {
         ));
     }
     if labels.dropped > 0 {
-        let percent = 100.0 * labels.dropped_fraction;
-        let dropped = thousands(labels.dropped);
-        stderr::line(format!("{dropped} grains are too small, {percent:.3} % of the voxels; they are mortar"));
+        let (dropped, share) = (thousands(labels.dropped), percent(labels.dropped_fraction));
+        stderr::line(format!("{dropped} grains are too small, {share} of the voxels; they are mortar"));
     }
     if labels.filled > 0 {
-        let (filled, percent) = (thousands(labels.filled), 100.0 * labels.filled_fraction);
-        stderr::line(format!("hollows in {filled} grain(s), {percent:.3} % of the voxels, were filled"));
+        let (filled, share) = (thousands(labels.filled), percent(labels.filled_fraction));
+        stderr::line(format!("hollows in {filled} grain(s), {share} of the voxels, were filled"));
     }
     // The labels are in order. One label alone is the phase of all grains.
     let names = labels.labels.chunk_by(|a, b| a == b);
@@ -77,4 +76,10 @@ fn print(model: &Model, labels: &LabelReport) {
         let (several, parts) = (thousands(several), thousands(of_several));
         stderr::line(format!("{several} label(s) have separate parts; each of these {parts} parts is a grain"));
     }
+}
+
+/// A share in per cent; one that three decimals would show as nothing is less than the least of these.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 0.001 { "less than 0.001 %".to_owned() } else { format!("{percent:.3} %") }
 }
