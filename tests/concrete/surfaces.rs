@@ -1,6 +1,7 @@
 //! Surface files as other programs write them: STL, PLY, OBJ and OFF, as specimens and as grains.
 
 use meso_core::aggregate::Reduction;
+use meso_core::check::check;
 use meso_core::geometry::convex_hull;
 use meso_core::math::{Vec3, longest_distance};
 use meso_core::packing::ReducedGrain;
@@ -540,6 +541,7 @@ fn the_report_and_the_saved_spec_have_what_a_reduction_cost() {
         saved::write(&model, &mut bytes).unwrap();
         let read = saved::read(&bytes).unwrap();
         assert!(read.spec == spec && read.report.reduced == model.report.reduced);
+        assert!(check(&read).is_sound(), "{:?}", check(&read).findings);
         let sentence = read.report.cost_of_reductions().unwrap();
         assert!(sentence.starts_with("scans in fewer triangles, 1 of the library's grains: within "), "{sentence}");
     }

@@ -7,7 +7,7 @@ use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, mark_caps, parallel};
-use meso_place::{GrainTally, PackingTarget, Pose, ReducedGrain, Report, Request, Seconds, Strategy};
+use meso_place::{GrainTally, PackingTarget, Pose, Report, Request, Seconds, Strategy};
 use meso_spec::{Spec, SpecError};
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -50,7 +50,6 @@ pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
     let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     let report = meso_place::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
-    let report = Report { reduced: ReducedGrain::all(&spec.shape), ..report };
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
 }
 
@@ -80,8 +79,8 @@ pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
 
 /// Target of a packing of `spec`.
 pub(crate) fn target(spec: &Spec) -> PackingTarget<'_> {
-    let Spec { specimen, fraction, grading, seed, .. } = spec;
-    PackingTarget { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }
+    let Spec { specimen, fraction, grading, shape, seed, .. } = spec;
+    PackingTarget { specimen, fraction: *fraction, grading, shape, inclusions: spec.inclusions(), seed: *seed }
 }
 
 /// Upper bounds on a body in the specimen, its distance to the walls kept.

@@ -19,7 +19,7 @@ pub use face_shift::keep_off_faces;
 use meso_collision::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhedron};
 use meso_collision::math::{Rotation, Vec3};
 use meso_concrete::aggregate::grain::{self, Grain};
-use meso_concrete::aggregate::{Grading, Inclusions, Kind};
+use meso_concrete::aggregate::{Grading, Inclusions, Kind, Shape};
 use meso_concrete::specimen::{Largest, Specimen};
 use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
@@ -88,6 +88,8 @@ pub struct PackingTarget<'a> {
     pub fraction: f64,
     /// Shares of the size classes.
     pub grading: &'a Grading,
+    /// The shapes of the aggregates.
+    pub shape: &'a Shape,
     /// Voids and fibres asked for.
     pub inclusions: Inclusions,
     /// Seed of the positions.

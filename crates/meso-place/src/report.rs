@@ -69,7 +69,7 @@ pub struct ReducedGrain {
 
 impl ReducedGrain {
     /// All reduced grains in the library of `shape`.
-    pub fn all(shape: &Shape) -> Vec<Self> {
+    fn all(shape: &Shape) -> Vec<Self> {
         let reduced = |(grain, template): (usize, &Template)| Some(Self { grain, reduction: template.reduced? });
         shape.grains.iter().enumerate().filter_map(reduced).collect()
     }
@@ -258,7 +258,7 @@ pub fn report(
         strategy: outcome.strategy.into(),
         itz_limited: tally.itz_limited.clone(),
         itz_thin: tally.itz_thin.clone(),
-        reduced: Vec::new(),
+        reduced: ReducedGrain::all(target.shape),
         labels: None,
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
@@ -361,7 +361,7 @@ impl Report {
             phases: PhaseReport::all(&target.inclusions, inclusions, volume),
             itz_limited: Vec::new(),
             itz_thin: Vec::new(),
-            reduced: Vec::new(),
+            reduced: ReducedGrain::all(target.shape),
             labels: None,
             stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
             stop_detail: NOT_RECORDED.to_owned(),
