@@ -1,5 +1,5 @@
 //! The prisms between interface triangles and their offsets, cut into the layer's tetrahedra; and how far these open, so that no
-//! tetrahedron turns over: nodes are untangled, then they step back, and go as far forward again as they can ([`approach`](super::approach)).
+//! tetrahedron turns over: nodes are untangled, then they step back, and go as far forward again as they can ([`approach`](mod@super::approach)).
 //!
 //! Untangling: the flat tetrahedra that a mesher leaves under a surface stand on nodes that go to different faces' offsets, and
 //! small faces' projections come out of order: a few microns turn such a cell over, and a few set it right. Each node of a bad
