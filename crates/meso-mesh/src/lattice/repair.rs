@@ -197,8 +197,7 @@ const POSITIONS: usize = 48;
 const APART: f64 = 0.05;
 /// Rounds of moves and swaps at each position. More moves before each round's swaps find less.
 const PATCH_ROUNDS: usize = 30;
-/// Rounds after which more poor cells than rounds that are left end an attempt, but for the last, patient ones (spheres that nearly
-/// touch the sides, in elements of 0.7 mm: 27 to 15 s).
+/// Rounds after which more poor cells than rounds left end an attempt, but at [`LAST_DEG`] (spheres at 0.7 mm: 27 to 15 s).
 const HOPEFUL: usize = 5;
 
 /// Other cells in the place of some.
