@@ -26,7 +26,7 @@ LEANING = re.compile(r"(?:The same|Those|That of|Of|As \[`)\b|As \[`")
 
 
 # Figures above their bars, as they were last reached.
-REACHED = {"lines outside unit tests": 91_382}
+REACHED = {"lines outside unit tests": 91_390}
 
 
 class Figure(NamedTuple):

@@ -171,7 +171,7 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
         notes.cores_mm3 = exact.map(|exact| exact.aggregate);
         let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto, exact_mm3);
         notes.thinned_itz_aggregates = layer.thinned_aggregates;
-        notes.thinned_itz_nodes = layer.short_nodes;
+        notes.thinned_itz_nodes = layer.short_nodes();
         notes.pinched_itz_nodes = layer.pinched_nodes;
         if is_lattice {
             let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, exact_mm3, options.element_size_mm);

@@ -42,7 +42,7 @@ pub struct Notes {
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over or has too sharp an angle.
     pub thinned_itz_nodes: usize,
-    /// Those of them where the layer has no thickness at all.
+    /// Nodes of the solid ITZ where it has no thickness at all; they count among the thinned ones, too.
     pub pinched_itz_nodes: usize,
     /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
     pub shifted_itz_nodes: usize,

@@ -81,7 +81,7 @@ struct Around<'a> {
     mesh: &'a TetMesh,
     constraint: &'a PeriodicConstraint,
     of_mesh: Incidence,
-    /// Those of the layer that have one of the nodes.
+    /// The layer's cells that have one of the nodes.
     layer: Vec<LayerCell>,
     of_layer: Incidence,
 }

@@ -16,7 +16,7 @@
 
 use super::approach::nearer;
 use super::periodic::{Faces, Flat};
-use super::prisms::Layer;
+use super::prisms::{Layer, RailEnds};
 use crate::cells::Phase;
 use crate::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, cos2_of, directions, improve as improve_cells,
@@ -53,7 +53,7 @@ pub(crate) struct Improved {
     pub(crate) shifted: usize,
     /// Rails that collapsed.
     pub(crate) collapsed: usize,
-    /// Those of them whose inner ends had not stopped short before.
+    /// Rails that collapsed though their inner ends had not stopped short before.
     pub(crate) thinned: usize,
 }
 
@@ -66,7 +66,6 @@ pub(crate) fn improve(
     exact_mm3: Option<f64>,
     size: f64,
 ) -> Improved {
-    let rails = layer.rails.as_slice();
     let movable = Movable::new(mesh, phase, periodic, layer);
     let mut suspects: Vec<u32> = mesh.numbers().collect();
     let mut smoothing = Smoothing { mesh, phase, movable: &movable, size, shifted: Vec::new() };
@@ -100,11 +99,12 @@ pub(crate) fn improve(
     let mut there = vec![false; mesh.points.len()];
     mesh.cells.as_flattened().iter().for_each(|&node| there[node as usize] = true);
     mesh.drop_lone_nodes();
-    let collapsed = || rails.iter().zip(&layer.short).filter(|(rail, _)| !there[rail[0] as usize]);
+    let (left, collapsed): (Vec<&RailEnds>, Vec<&RailEnds>) =
+        layer.rails.iter().partition(|rail| there[rail.inner as usize]);
     Improved {
-        shifted: rails.iter().filter(|[inner, _]| there[*inner as usize] && shifted[*inner as usize]).count(),
-        collapsed: collapsed().count(),
-        thinned: collapsed().filter(|(_, short)| !**short).count(),
+        shifted: left.iter().filter(|rail| shifted[rail.inner as usize]).count(),
+        collapsed: collapsed.len(),
+        thinned: collapsed.iter().filter(|rail| !rail.is_short).count(),
     }
 }
 
@@ -193,20 +193,20 @@ impl Stars {
 
 /// Moves the inner ends that are not at their targets nearer to these, as far as that leaves no angle too small.
 fn give_back(mesh: &mut TetMesh, movable: &Movable, layer: &Layer) {
-    let ends = layer.rails.iter().map(|rail| rail[0]).zip(&layer.targets);
     // All images at once, when their first comes up.
-    let is_away = |(node, target): &(u32, &Vec3)| {
-        mesh.position(*node) != **target && movable.faces.images(*node)[0] == *node && movable.are_inner_ends(*node)
+    let is_away = |rail: &&RailEnds| {
+        let RailEnds { inner, target, .. } = rail;
+        mesh.position(*inner) != *target && movable.faces.images(*inner)[0] == *inner && movable.are_inner_ends(*inner)
     };
-    let away: Vec<(u32, &Vec3)> = ends.filter(is_away).collect();
-    let images = away.iter().flat_map(|(node, _)| movable.faces.images(*node));
+    let away: Vec<&RailEnds> = layer.rails.iter().filter(is_away).collect();
+    let images = away.iter().flat_map(|rail| movable.faces.images(rail.inner));
     let incidence = Incidence::around(&mesh.cells, mesh.points.len(), images);
     for _ in 0..BACK {
-        for &(node, target) in away.iter().filter(|(node, _)| !incidence.cells(*node).is_empty()) {
-            let mut stars = Stars::of(mesh, movable, &incidence, node);
-            let (x, flat) = (mesh.position(node), movable.faces.flat(node));
+        for &RailEnds { inner, target, .. } in away.iter().filter(|rail| !incidence.cells(rail.inner).is_empty()) {
+            let mut stars = Stars::of(mesh, movable, &incidence, *inner);
+            let (x, flat) = (mesh.position(*inner), movable.faces.flat(*inner));
             if let Some(position) = nearer(&x, target, |step| flat.along(step), |x| stars.allow(movable, x)) {
-                apply(mesh, Mover(movable, node).moved(&position));
+                apply(mesh, Mover(movable, *inner).moved(&position));
             }
         }
     }
@@ -276,9 +276,9 @@ impl Movable {
     fn new(mesh: &TetMesh, phase: &[Phase], periodic: [bool; 3], layer: &Layer) -> Self {
         let mut outer = vec![NO_RAIL; mesh.points.len()];
         let mut fixed = vec![false; mesh.points.len()];
-        for &[inner, end] in &layer.rails {
-            outer[inner as usize] = end;
-            fixed[end as usize] = true;
+        for rail in &layer.rails {
+            outer[rail.inner as usize] = rail.outer;
+            fixed[rail.outer as usize] = true;
         }
         for (cell, _) in mesh.cells.iter().zip(phase).filter(|(_, phase)| **phase == Phase::Mortar) {
             cell.iter().for_each(|&node| fixed[node as usize] = true);

@@ -44,9 +44,6 @@ pub(super) enum Onto {
     Triangles(f64),
 }
 
-/// A node is short of its target where more than this share of its way is left.
-const SHORT: f64 = 0.05;
-
 /// Sorts vectors by their nodes; those of one node stay in their order.
 fn by_node(vectors: &mut [(u32, Vec3)]) {
     vectors.sort_by_key(|(node, _)| *node);
@@ -104,15 +101,9 @@ pub(super) fn add(
     }
     let mut at = step_back(mesh, &targets, &layer, &constraint);
     approach(mesh, &layer, &constraint, &targets, &mut at);
-    let pinched: Vec<bool> = parallel::map_short(at.len(), |node| at[node] == mesh.points[node]);
-    let left = |node: usize| (targets[node] - at[node]).norm() / (targets[node] - mesh.points[node]).norm();
-    let moved = || copies.iter().map(|(.., copy)| copy as usize).filter(|&copy| !pinched[copy]);
-    let short: Vec<bool> = moved().map(|copy| left(copy) > SHORT).collect();
-    let targets: Vec<Vec3> = moved().map(|copy| targets[copy]).collect();
-    let pinched_nodes = copies.iter().len() - targets.len();
-    let short_nodes = pinched_nodes + short.iter().filter(|short| **short).count();
+    let pinched = parallel::map_short(at.len(), |node| at[node] == mesh.points[node]);
     mesh.points = at;
     let thinned_aggregates = offsets.thinner(&bodies, thickness);
-    let rails = append(mesh, phase, &layer, &copies, &pinched);
-    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, targets, short, caps: bodies.caps() }
+    let rails = append(mesh, phase, &layer, &copies, &targets, &pinched);
+    Layer { thinned_aggregates, pinched_nodes: copies.iter().len() - rails.len(), rails, caps: bodies.caps() }
 }

@@ -1,5 +1,6 @@
 //! The prisms between interface triangles and their offsets, cut into the layer's tetrahedra; and how far these open, so that no
-//! tetrahedron turns over: nodes are untangled, then they step back, and go as far forward again as they can ([`approach`](mod@super::approach)).
+//! tetrahedron turns over: nodes are untangled, then they step back, and go as far forward again as they can
+//! ([`approach`](mod@super::approach)).
 //!
 //! Untangling: the flat tetrahedra that a mesher leaves under a surface stand on nodes that go to different faces' offsets, and
 //! small faces' projections come out of order: a few microns turn such a cell over, and a few set it right. Each node of a bad
@@ -47,14 +48,18 @@ pub(super) fn prism(
     })
 }
 
+/// A node is short of its target where more than this share of its way is left.
+const SHORT: f64 = 0.05;
+
 /// Adds the layer's cells, and takes back the copies that are `pinched`, with the cells on their rails; the rails that are left.
 pub(super) fn append(
     mesh: &mut TetMesh,
     phase: &mut Vec<Phase>,
     layer: &[LayerCell],
     copies: &Copies,
+    targets: &[Vec3],
     pinched: &[bool],
-) -> Vec<[u32; 2]> {
+) -> Vec<RailEnds> {
     let mut rails = Vec::new();
     for cell in layer.iter().filter(|cell| !pinched[cell.rail[0] as usize]) {
         mesh.push(cell.nodes, cell.owner);
@@ -62,13 +67,15 @@ pub(super) fn append(
     }
     let mut number: Vec<u32> = (0..mesh.points.len() as u32).collect();
     let mut next = (mesh.points.len() - copies.iter().len()) as u32;
-    for (_, node, copy) in copies.iter() {
+    for (_, outer, copy) in copies.iter() {
         if pinched[copy as usize] {
-            number[copy as usize] = node;
+            number[copy as usize] = outer;
         } else {
-            mesh.points[next as usize] = mesh.points[copy as usize];
+            let ([from, at], target) = ([outer, copy].map(|node| mesh.position(node)), targets[copy as usize]);
+            let is_short = (target - at).norm() > SHORT * (target - from).norm();
+            mesh.points[next as usize] = at;
             number[copy as usize] = next;
-            rails.push([next, node]);
+            rails.push(RailEnds { inner: next, outer, target, is_short });
             next += 1;
         }
     }
@@ -81,18 +88,28 @@ pub(super) fn append(
 pub(crate) struct Layer {
     /// Aggregates too small for their thickness.
     pub(crate) thinned_aggregates: usize,
-    /// Interface nodes that stopped short of their target, or did not move.
-    pub(crate) short_nodes: usize,
     /// Interface nodes that did not move: there the layer has no thickness.
     pub(crate) pinched_nodes: usize,
-    /// Inner and outer ends.
-    pub(super) rails: Vec<[u32; 2]>,
-    /// Where the inner ends were to go.
-    pub(super) targets: Vec<Vec3>,
-    /// Which of them stopped short.
-    pub(super) short: Vec<bool>,
+    pub(super) rails: Vec<RailEnds>,
     /// The caps of the bodies, a bit for each of the [`SIDES`](crate::cells::SIDES).
     pub(super) caps: Vec<u8>,
+}
+
+impl Layer {
+    /// Interface nodes that stopped short of their target, or did not move.
+    pub(crate) fn short_nodes(&self) -> usize {
+        self.pinched_nodes + self.rails.iter().filter(|rail| rail.is_short).count()
+    }
+}
+
+/// The ends of a rail.
+pub(super) struct RailEnds {
+    pub(super) inner: u32,
+    pub(super) outer: u32,
+    /// Where the inner end was to go.
+    pub(super) target: Vec3,
+    /// The inner end stopped short of its target.
+    pub(super) is_short: bool,
 }
 
 /// A tetrahedron of the layer; it holds both ends of one rail.
