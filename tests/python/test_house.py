@@ -13,7 +13,7 @@ import house  # noqa: E402
 @pytest.mark.parametrize("figure", house.figures(), ids=lambda figure: figure.name)
 def test_the_source_keeps_its_bars(figure: house.Figure) -> None:
     """A figure above its bar names the places that it counts."""
-    assert figure.count <= figure.most, "\n".join(figure.places)
+    assert figure.count <= figure.bar, "\n".join(figure.places)
 
 
 def test_the_text_of_a_law_exists_once() -> None:
