@@ -86,11 +86,12 @@ fn ready<'a>(case: &Case<'a>) -> Run<'a> {
     materials.plasticity.meridian_ratio = 0.8;
     // Few steps, so that softening is soon there: what a step costs does not hang on its length.
     let steps = 1000.0;
-    let (law, smoothing, instruction_set) = (case.law, Some(case.smoothing), Some(case.set));
-    let test = Test { law, smoothing, instruction_set, rows: 1_000_000, ..Test::default() };
+    let (law, smoothing) = (case.law, Some(case.smoothing));
+    let test = Test { law, smoothing, rows: 1_000_000, ..Test::default() };
     let duration = test.duration_s(&Geometry::of(specimen));
     let test = Test { time_step_s: Some(duration / steps), ..test };
-    let mut run = Run::new(Sample::of(mesh, specimen, options), &materials, &test).expect("a test");
+    let run = Run::new(Sample::of(mesh, specimen, options), &materials, &test).expect("a test");
+    let mut run = run.with_instructions(case.set);
     go(&mut run, 1 + (case.from * steps) as u64);
     run
 }

@@ -33,7 +33,7 @@ RESULTS = ROOT / "benches" / "results" / "coverage.csv"
 COLUMNS = ["what", "lines", "covered", "percent", "machine", "date", "commit"]
 
 # Whose lines are counted, and the targets of their tests.
-CORE = {"meso-collision": ["collision"], "meso-concrete": [], "meso-place": [], "meso-spec": [], "meso-pack": [], "meso-mesh": [], "meso-view": [], "meso-write": [], "meso-core": ["core"]}
+CORE = {"meso-collision": ["collision"], "meso-concrete": [], "meso-place": [], "meso-spec": [], "meso-pack": [], "meso-mesh": [], "meso-trial": [], "meso-view": [], "meso-write": [], "meso-core": ["core"]}
 SOLVER = {"meso-element": ["laws"], "meso-solve": ["solve"]}
 
 # Of a file, how often each line with code was run.

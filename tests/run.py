@@ -36,7 +36,7 @@ PEERS = {
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
 TESTED = ["--workspace", "--exclude", "meso-bench"]
-CORE = [f"meso-{name}" for name in ("collision", "concrete", "pack", "mesh", "write")]
+CORE = [f"meso-{name}" for name in ("collision", "concrete", "place", "spec", "pack", "mesh", "trial", "write")]
 # The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
 ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in CORE)
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]

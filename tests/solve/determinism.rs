@@ -3,7 +3,7 @@
 use crate::samples::{Meshed, brittle, concrete, damaged_plasticity};
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::watch::Silent;
-use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Smoothing, Test};
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Run, Smoothing, Test};
 use std::cell::RefCell;
 
 /// Keeps the bytes of all fields of every frame.
@@ -26,10 +26,16 @@ pub(crate) fn rows(response: &Response) -> Vec<u8> {
 
 /// Bytes of the curve and of the fields.
 fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
+    bytes_by(meshed, test, threads, InstructionSet::best())
+}
+
+/// Bytes of the curve and of the fields, by one instruction set.
+fn bytes_by(meshed: &Meshed, test: &Test, threads: usize, set: InstructionSet) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let fields = Fields::default();
-        let response = meshed.watched(&brittle(), test, &Silent, &fields);
+        let mut run = Run::new(meshed.sample(), &brittle(), test).unwrap().with_instructions(set);
+        let response = run.to_end(&Silent, &fields);
         assert!(response.result.figures.peak_mpa > 1.0 && response.curve.len() > 50, "{:?}", response.result);
         [rows(&response), fields.0.into_inner()].concat()
     })
@@ -62,14 +68,14 @@ fn curves_and_fields_are_identical_on_1_2_and_16_threads() {
 fn curves_and_fields_are_identical_on_every_instruction_set() {
     let sets: Vec<_> = InstructionSet::available().into_iter().filter(|set| *set != InstructionSet::Portable).collect();
     for (meshed, test) in cases() {
-        let run = |set| bytes(&meshed, &Test { instruction_set: Some(set), ..test.clone() }, 1);
+        let run = |set| bytes_by(&meshed, &test, 1, set);
         let portable = run(InstructionSet::Portable);
         assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
     }
     let [(lattice, _), ..] = cases();
     for law in [LawName::Cdpm2, LawName::Meso] {
         let test = Test { law, ..fast() };
-        let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..test.clone() }, 1);
+        let run = |set| bytes_by(&lattice, &test, 1, set);
         let portable = run(InstructionSet::Portable);
         assert!(sets.iter().all(|&set| portable == run(set)), "{law:?} {sets:?}");
     }

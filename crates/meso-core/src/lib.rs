@@ -25,6 +25,7 @@ pub use meso_concrete::{aggregate, images, import, specimen, watch};
 pub use meso_mesh as mesh;
 pub use meso_mesh::materials;
 pub use meso_pack::{Model, Spec, SpecError, check, labelled, model, pack, packing, recipes, saved, spec, statistics};
+pub use meso_trial as trial;
 pub use meso_write::{export, formats, methods, page, voxel_image};
 
 // The README's Rust example is tested, too.

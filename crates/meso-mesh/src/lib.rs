@@ -39,7 +39,6 @@ mod error;
 pub mod figures;
 mod lattice;
 mod layer;
-pub mod loads;
 pub mod location;
 pub mod materials;
 mod options;

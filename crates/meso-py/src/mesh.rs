@@ -282,7 +282,8 @@ impl PyMesh {
                 let sample = Sample::of(&mesh, &spec.specimen, &slf.get().2);
                 let loads =
                     test.suits_deck(&spec.specimen).and_then(|()| test.loads(&sample, deck.loading.time_increment_s));
-                (deck.analysis, deck.loads) = (Analysis::Test, Some(loads.map_err(|error| response::wrong(&error))?));
+                (deck.analysis, deck.loads) =
+                    (Analysis::Test, Some(loads.map_err(|error| response::wrong(&error.into()))?));
             }
             files::check_deck(&mesh, &deck, &path, keys > 0)?;
             deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));

@@ -1,9 +1,8 @@
 //! Why a test cannot be run.
 
-use meso_concrete::{OutOfRange, Ranges};
-
-/// Checks values by their names in a [`Test`](crate::Test).
-pub(crate) const TEST: Ranges = Ranges("test");
+use meso_concrete::OutOfRange;
+pub(crate) use meso_trial::TEST;
+use meso_trial::TrialError;
 
 /// Why a test is refused before its first step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,5 +24,14 @@ pub enum SolveError {
 impl SolveError {
     pub(crate) fn mesh(why: impl Into<String>) -> Self {
         Self::Mesh(why.into())
+    }
+}
+
+impl From<TrialError> for SolveError {
+    fn from(error: TrialError) -> Self {
+        match error {
+            TrialError::Value(wrong) => Self::Value(wrong),
+            TrialError::Mesh(why) => Self::Mesh(why),
+        }
     }
 }

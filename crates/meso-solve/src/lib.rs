@@ -12,8 +12,6 @@ mod error;
 pub mod footing;
 mod march;
 pub mod results;
-mod sample;
-mod test;
 
 pub use error::SolveError;
 pub use march::{
@@ -21,10 +19,9 @@ pub use march::{
     Run, Summary, checkpoint_note, device,
 };
 pub use meso_element::{InstructionSet, LawName, law, real};
-pub use sample::{Geometry, Sample, gross_section_mm2};
-pub use test::{
-    Along, Below, Control, Course, Expansion, Gauge, Interface, Rule, Setup, Side, Smoothing, Strip, SupportSpec, Test,
-    TestKind, Turn, TurnOf,
+pub use meso_trial::{
+    Along, Below, Control, Course, Expansion, Gauge, Geometry, Interface, Rule, Sample, Setup, Side, Smoothing, Strip,
+    SupportSpec, Test, TestKind, TrialError, Turn, TurnOf, gross_section_mm2,
 };
 
 use meso_concrete::watch::Watch;

@@ -17,6 +17,7 @@ use crate::real::Real;
 use crate::uniform::{Tets, Uniform};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
+pub use meso_trial::{PHASES, STRAINS};
 
 /// Elements of a block.
 pub const BLOCK: usize = 2048;
@@ -166,9 +167,6 @@ pub struct Common {
     pub free: Option<Free>,
 }
 
-/// Number of strains in [`Free`]: one for each phase, then one for each phase below the layer at the surface.
-pub const STRAINS: usize = 2 * PHASES;
-
 /// Linear strains that phases have without stress.
 ///
 /// The mortar's strain is subtracted from displacements in f64, before they become f32. A body that expands evenly then has
@@ -205,9 +203,6 @@ impl Free {
         self.over = strains.map(|strain| strain - self.ground);
     }
 }
-
-/// Materials of phases, before those of stones that break.
-pub const PHASES: usize = 5;
 
 impl Common {
     /// Place of the material of a cell with this phase and owner.

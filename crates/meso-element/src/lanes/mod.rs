@@ -13,7 +13,6 @@ mod x86;
 use crate::real::Real;
 use meso_collision::simd::Isa;
 use portable::Portable;
-use serde::{Deserialize, Serialize};
 
 /// Elements side by side.
 pub const LANES: usize = 8;
@@ -71,9 +70,7 @@ pub trait Task {
 }
 
 /// An instruction set that the engine has code for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
     /// Instructions of every machine; NEON on arm64.
     Portable,

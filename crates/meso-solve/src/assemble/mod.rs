@@ -13,14 +13,13 @@ use crate::assemble::order::{along_curve, key};
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{Numbered, Patches};
 use crate::assemble::weight::Weight;
-pub(crate) use crate::assemble::weight::area;
 use crate::error::SolveError;
-use crate::test::Smoothing;
 use meso_collision::math::{Aabb, Vec3};
 use meso_element::block::{BLOCK, Batch, Block};
 use meso_element::hex::BoxShape;
 use meso_element::uniform::Uniform;
 use meso_mesh::{CellKind, Mesh, Phase};
+use meso_trial::Smoothing;
 use rayon::prelude::*;
 
 /// A mesh in the engine's order.

@@ -1,9 +1,9 @@
 //! Input of an assembly.
 
-use crate::sample::Sample;
-use crate::test::Smoothing;
 use meso_element::block::{Common, PHASES};
 use meso_mesh::Phase;
+use meso_trial::Sample;
+use meso_trial::Smoothing;
 
 /// A mesh and the choices that its elements depend on.
 pub(crate) struct Parts<'a> {

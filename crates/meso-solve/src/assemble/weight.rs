@@ -8,6 +8,7 @@ use crate::error::SolveError;
 use meso_collision::math::{Mat3, Vec3};
 use meso_element::face::DAMPED;
 use meso_mesh::{CellKind, Mesh, Phase};
+use meso_trial::nodes::area;
 use rayon::prelude::*;
 
 /// Patches whose needs are known at once.
@@ -129,14 +130,6 @@ fn tetrahedron(mesh: &Mesh, cell: u32) -> Result<(Mat3, f64), SolveError> {
         return Err(SolveError::mesh(format!("the tetrahedron at {at:?} has the volume {volume} mm3; mesh anew")));
     }
     Ok((metric, volume))
-}
-
-/// Area of a face along its outward normal, mm2: half the cross product of two edges, or of the diagonals.
-pub(crate) fn area(mesh: &Mesh, nodes: &[u32]) -> Vec3 {
-    let p = |i: usize| mesh.points[nodes[i] as usize];
-    let twice =
-        if nodes.len() == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
-    0.5 * twice
 }
 
 /// Unit normal of a cohesive face, out of the aggregate, and the area of each pair of its nodes, mm2.

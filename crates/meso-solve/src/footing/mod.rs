@@ -5,7 +5,6 @@
 //!    shows it already (`trial`), else before the first step. The error names a size of elements that was tried.
 //! 3. `Sample::doubts` and `Sample::flags` say what is left to know about a mesh before any step.
 
-mod doubts;
 mod trial;
 
 pub use trial::element_size;

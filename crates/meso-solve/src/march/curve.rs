@@ -1,8 +1,8 @@
 //! The stress-strain curve and its figures.
 
 use crate::error::TEST;
-use crate::test::{Gauge, Test};
 use meso_concrete::OutOfRange;
+use meso_trial::{Gauge, Test};
 use serde::{Deserialize, Serialize};
 
 /// A row of the curve: means over the steps since the row before, energies at its end.

@@ -1,13 +1,13 @@
 //! Gauges: weighted sums of nodes' displacements.
 
-use crate::assemble::area;
 use crate::error::{SolveError, TEST};
 use crate::march::supports::contact::ACROSS;
-use crate::sample::Sample;
-use crate::test::load::Gauge;
 use meso_collision::math::Aabb;
 use meso_mesh::Mesh;
 use meso_mesh::cells::Sides;
+use meso_trial::Gauge;
+use meso_trial::Sample;
+use meso_trial::nodes::area;
 
 /// A gauge on the engine's nodes.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The path of a test over its time: straight on, or through the turns of its history.
 
-use crate::test::Test;
-use crate::test::load::{Turn, TurnOf};
+use meso_trial::Test;
+use meso_trial::{Turn, TurnOf};
 
 /// The path of the supports, mm; it grows in the test's own sense.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use crate::test::{Control, Gauge, Setup, Smoothing, TestKind, TurnOf};
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
+use meso_trial::{Control, Gauge, Setup, Smoothing, TestKind, TurnOf};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

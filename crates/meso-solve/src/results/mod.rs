@@ -12,9 +12,9 @@ pub use shots::{Shooting, Shot, Taken};
 pub use snapshot::{Moment, Snapshot};
 
 use crate::march::{Extra, Response, Row};
-use crate::sample::Sample;
 use meso_mesh::{Mesh, MeshOptions, PhaseVolumes};
 use meso_pack::Model;
+use meso_trial::Sample;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

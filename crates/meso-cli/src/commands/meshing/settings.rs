@@ -14,7 +14,7 @@ use meso_core::specimen::Specimen;
 use meso_core::{Model, Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::footing::{self, Footing};
-use meso_solve::{LawName, Sample, SolveError, Test};
+use meso_solve::{LawName, Sample, Test, TrialError};
 use std::path::Path;
 
 // A doc comment here would become the command's own description.
@@ -137,7 +137,7 @@ impl Meshing {
         self.validate_deck(&deck, options, writes_deck)?;
         let test = self.deck.test()?;
         if let Some(test) = &test {
-            let suits = test.validate().map_err(SolveError::from).and_then(|()| test.suits_deck(&spec.specimen));
+            let suits = test.validate().map_err(TrialError::from).and_then(|()| test.suits_deck(&spec.specimen));
             suits.map_err(|error| Failure::Usage(error.to_string()))?;
         }
         Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck, test })

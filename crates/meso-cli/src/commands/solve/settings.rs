@@ -163,7 +163,7 @@ impl Args {
     pub(super) fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
         let settings = self.mesh.settings(self.purpose(), spec)?;
         let (test, options) = (self.test()?, &settings.footing.options);
-        test.suits(&spec.specimen).map_err(|error| self.wrong(&error))?;
+        test.suits(&spec.specimen).map_err(|error| self.wrong(&error.into()))?;
         room::accept_in_memory(
             "the test",
             options.bytes_of_test(&spec.specimen),
@@ -171,7 +171,7 @@ impl Args {
         )?;
         let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
         let steps = test.steps(&measures, options.element_size_mm, is_cohesive);
-        steps.map(|_| settings).map_err(|error| self.wrong(&error))
+        steps.map(|_| settings).map_err(|error| self.wrong(&error.into()))
     }
 
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.

@@ -165,7 +165,7 @@ impl Run<'_> {
 
     /// Differs between tests with another state or another future: the SHA-256 of all that determines them.
     fn fingerprint(&self) -> [u8; SEAL] {
-        let test = crate::test::Test { instruction_set: None, ..self.test.clone() };
+        let test = &self.test;
         let mut hash = Sha256::new();
         let common = Common { free: None, ..self.common.clone() };
         hash.update(format!("{test:?} {:?} {common:?}", self.outline));

@@ -16,13 +16,13 @@ use crate::march::nodes::Sums;
 use crate::march::servo::Servo;
 use crate::march::supports::contact::{Contact, Face, Load, Motion};
 use crate::march::supports::{MOST, Supports};
-use crate::test::Control;
-use crate::test::load::Rule;
 use meso_element::block::{Batch, Block, Free, Group};
 use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
+use meso_trial::Control;
+use meso_trial::Rule;
 
 /// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///

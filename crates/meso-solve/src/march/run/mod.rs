@@ -21,9 +21,6 @@ use crate::march::path::{Leg, Path};
 use crate::march::servo::{Follower, Servo};
 use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, MOST, Moment, Supports};
-use crate::sample::Sample;
-use crate::test::load::TurnOf;
-use crate::test::{Control, Setup, Smoothing, Test};
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
@@ -31,6 +28,9 @@ use meso_element::face::CohesionValues;
 use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
+use meso_trial::Sample;
+use meso_trial::TurnOf;
+use meso_trial::{Control, Setup, Smoothing, Test};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
@@ -142,7 +142,7 @@ impl<'a> Run<'a> {
         matter::validate(materials, test.law)?;
         let (mesh, geometry) = (sample.mesh, sample.geometry());
         let mut common = common(&sample, &materials.in_mesh(mesh), test)?;
-        let plan = test.plan(&geometry)?;
+        let rig = test.rig(&geometry)?;
         let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
         let below = test.expansion().map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
@@ -153,16 +153,16 @@ impl<'a> Run<'a> {
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
-        let (length_mm, axis) = (plan.length_mm, plan.axis);
-        let setup = Setup::of(test, &geometry, plan.supports.clone());
-        let supports = Supports::new(&sample, plan, &number, &mass, e_mpa)?;
+        let (length_mm, axis) = (rig.length_mm, rig.axis);
+        let setup = Setup::of(test, &geometry, rig.supports.clone());
+        let supports = Supports::new(&sample, rig, &number, &mass, e_mpa)?;
         let setter = Setter { sample: &sample, axis, sign: supports.sign, has_path: test.has_path(), number: &number };
         let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
         sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];
-        let set = test.instruction_set.map_or_else(InstructionSet::best, InstructionSet::or_best);
+        let set = InstructionSet::best();
         let path = Path::new(test, length_mm, dt * steps as f64, test.lead_s(&geometry, supports.lead()));
         let steps = path.steps(steps, dt);
         let stride = (steps / u64::from(test.rows)).max(1);
@@ -189,6 +189,11 @@ impl<'a> Run<'a> {
             device: None,
         };
         Ok(run)
+    }
+
+    /// Takes the steps with the instruction set `set` where this machine has it; the results are the same bytes.
+    pub fn with_instructions(self, set: InstructionSet) -> Self {
+        Self { set: set.or_best(), ..self }
     }
 
     /// Steps of the whole test at the plates' full speed; the servo adds some.

@@ -4,7 +4,7 @@
 //! that this takes is the plate's. Friction takes away as much of its sliding as Coulomb's cone allows.
 
 use crate::march::supports::MOST;
-use crate::test::load::Rule;
+use meso_trial::Rule;
 
 /// A node that can meet a plate.
 #[derive(Clone, Copy, Debug)]

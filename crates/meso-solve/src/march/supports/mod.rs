@@ -4,15 +4,14 @@
 //! quarter of that beside a plate at rest, and no wave runs from one plate alone.
 
 pub(crate) mod contact;
-mod deck;
-pub(crate) mod nodes;
 
 use crate::error::{SolveError, TEST};
 use crate::march::supports::contact::{Contact, Face, Load, Motion, Moved};
-use crate::sample::Sample;
-use crate::test::load::{Rule, SupportSpec};
-use crate::test::named::Plan;
 use meso_mesh::cells::Sides;
+use meso_trial::Rig;
+use meso_trial::Sample;
+use meso_trial::nodes;
+use meso_trial::{Rule, SupportSpec};
 
 /// Supports of a test, at most.
 pub(crate) const MOST: usize = 8;
@@ -76,32 +75,29 @@ pub(crate) struct Moment {
 }
 
 impl Supports {
-    /// Supports of `plan`; `number` gives the engine's numbers of the mesh's nodes, and `mass` their mass.
+    /// Supports of `rig`; `number` gives the engine's numbers of the mesh's nodes, and `mass` their mass.
     ///
     /// # Errors
     /// No face of the specimen looks to a support, or no node lies under a strip.
-    pub(crate) fn new(
-        sample: &Sample,
-        plan: Plan,
-        number: &[u32],
-        mass: &[f64],
-        e_mpa: f64,
-    ) -> Result<Self, SolveError> {
-        let (most, count) = (format!("at most {MOST} supports are taken"), plan.supports.len());
+    pub(crate) fn new(sample: &Sample, rig: Rig, number: &[u32], mass: &[f64], e_mpa: f64) -> Result<Self, SolveError> {
+        let (most, count) = (format!("at most {MOST} supports are taken"), rig.supports.len());
         TEST.require("supports", count, count <= MOST, most)?;
         let sides = Sides::of(sample.mesh);
         let (mut contacts, mut loads) = (Vec::new(), Vec::new());
         let mut all = Vec::with_capacity(count);
-        for (place, support) in (0..).zip(&plan.supports) {
-            let mut fixture = Fixture::new(support, plan.axis);
+        for (place, support) in (0..).zip(&rig.supports) {
+            let mut fixture = Fixture::new(support, rig.axis);
             if support.rule == Rule::Pressure {
-                loads.extend(nodes::loads(sample.mesh, &sides, support, place, number)?);
+                let forces = nodes::forces(sample.mesh, &sides, support)?.into_iter();
+                loads.extend(forces.map(|(node, force)| Load { node: number[node as usize], support: place, force }));
                 fixture.area_mm2 = nodes::pressed_mm2(sample.mesh, &sides, support)?;
             } else {
-                let own = nodes::contacts(sample, &sides, support, place, number)?;
+                let under = nodes::under(sample, &sides, support)?.into_iter();
+                let contact = |(node, gap)| Contact { node: number[node as usize], support: place, gap };
+                let own: Vec<Contact> = under.map(contact).collect();
                 fixture.area_mm2 = nodes::area_mm2(sample.mesh, &sides, support);
                 let heavy = PLATE_MASS * own.iter().map(|contact| mass[contact.node as usize]).sum::<f64>();
-                let stiffness = e_mpa * fixture.area_mm2 / plan.length_mm;
+                let stiffness = e_mpa * fixture.area_mm2 / rig.length_mm;
                 fixture.inertia = [heavy, 2.0 * PLATE_DAMPING * (stiffness * heavy).sqrt()];
                 contacts.extend(own);
             }
@@ -113,7 +109,7 @@ impl Supports {
         loads.sort_by_key(|load| (load.node, load.support));
         let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(|fixture| fixture.moves).sum::<f64>();
         let sign = if way(1) - way(0) > 0.0 { 1.0 } else { -1.0 };
-        let Plan { length_mm, section_mm2, breaking_mm2, .. } = plan;
+        let Rig { length_mm, section_mm2, breaking_mm2, .. } = rig;
         Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share: section_mm2 / breaking_mm2 })
     }
 

@@ -9,7 +9,7 @@ use super::{DeckOptions, elastic};
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::cells::Mesh;
-use meso_mesh::loads::{Hold, Loads, RigidSupport};
+use meso_trial::{Hold, Loads, RigidSupport};
 use std::io::{self, Write};
 
 /// Distance from the nearest row, over the specimen's size, within which nodes are on it.

@@ -5,7 +5,7 @@ use super::{Analysis, DeckOptions, supports};
 use meso_collision::math::Aabb;
 use meso_mesh::cells::Mesh;
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::loads::{Loads, RigidSupport};
+use meso_trial::{Loads, RigidSupport};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

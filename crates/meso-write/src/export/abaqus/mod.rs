@@ -25,8 +25,8 @@ use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::loads::Loads;
 use meso_mesh::materials::{Materials, Strength};
+use meso_trial::Loads;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

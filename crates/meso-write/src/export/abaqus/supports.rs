@@ -10,7 +10,7 @@ use crate::export::lines::Lines;
 use meso_collision::math::Aabb;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh};
-use meso_mesh::loads::{Hold, Loads, RigidSupport};
+use meso_trial::{Hold, Loads, RigidSupport};
 use std::io::{self, Write};
 
 /// Intervals of a leg's speed in the table of an amplitude: their mean is 1.5e-5 off the leg's way.

@@ -4,9 +4,9 @@ use crate::march::frame::Frame;
 use crate::march::observer::Observer;
 use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
-use crate::test::Expansion;
 use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
+use meso_trial::Expansion;
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 pub(super) const RUNAWAY: f64 = 4.0;

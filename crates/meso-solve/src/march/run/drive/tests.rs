@@ -5,14 +5,14 @@ use crate::dice::dice;
 use crate::march::frame::Frame;
 use crate::march::response::Ended;
 use crate::march::run::Run;
-use crate::sample::Sample;
-use crate::test::{Smoothing, Test};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_element::LawName;
 use meso_mesh::materials::{Elastic, Materials};
 use meso_mesh::{self as mesh, Mesh, MeshOptions, Method, Phase, Tools};
+use meso_trial::Sample;
+use meso_trial::{Smoothing, Test};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A specimen of mortar and its mesh; tetrahedra are irregular: their inner nodes are moved by up to 0.2 mm.

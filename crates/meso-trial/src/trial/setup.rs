@@ -1,7 +1,7 @@
 //! Record of a test in its results: loads, measures, turns, supports and gauges.
 
 use crate::sample::Geometry;
-use crate::test::{Expansion, Gauge, SupportSpec, Test, TestKind, Turn, TurnOf};
+use crate::trial::{Expansion, Gauge, SupportSpec, Test, TestKind, Turn, TurnOf};
 use serde::{Deserialize, Serialize};
 
 /// The loads and measures that a test has, its turns, supports and gauges; none of plain compression and tension.
@@ -36,7 +36,7 @@ pub struct Setup {
 
 impl Setup {
     /// The record of a test with some `supports` on a specimen of this `geometry`.
-    pub(crate) fn of(test: &Test, geometry: &Geometry, supports: Vec<SupportSpec>) -> Self {
+    pub fn of(test: &Test, geometry: &Geometry, supports: Vec<SupportSpec>) -> Self {
         if !test.has_extra() {
             return Self::default();
         }
@@ -88,7 +88,7 @@ impl SupportSpec {
 }
 
 /// The word that a spec or a flag has for a value.
-pub(crate) fn word(value: &impl serde::Serialize) -> String {
+pub fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
@@ -103,7 +103,7 @@ mod tests {
     fn the_record_of_a_test_has_its_loads_and_supports_and_plain_compression_has_none() {
         let of = |kind| {
             let test = Test { kind, ..Test::default() };
-            Setup::of(&test, &CUBE, test.plan(&CUBE).unwrap().supports)
+            Setup::of(&test, &CUBE, test.rig(&CUBE).unwrap().supports)
         };
         let confined = of(TestKind::Triaxial);
         assert_eq!((confined.pressure_mpa, confined.stress_ratio, confined.strip_mm), (Some(5.0), None, None));

@@ -1,6 +1,6 @@
 //! The sample of a test: a mesh, and the facts about its specimen that the mesh does not hold.
 
-use crate::error::SolveError;
+use crate::error::TrialError;
 use meso_collision::math::Aabb;
 use meso_concrete::Ranges;
 use meso_concrete::specimen::{Container, Specimen};
@@ -74,18 +74,19 @@ impl<'a> Sample<'a> {
     }
 
     /// Geometry that a test depends on.
-    pub(crate) fn geometry(&self) -> Geometry {
+    pub fn geometry(&self) -> Geometry {
         let size_mm = Aabb::around(&self.mesh.points).size().into();
         let [notch_mm, upper_notch_mm] = self.notches_mm;
         Geometry { size_mm, section_mm2: self.section_mm2, notch_mm, upper_notch_mm }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), SolveError> {
+    /// Refuses a mesh without cells or of second order, and measures that are no positive numbers.
+    pub fn validate(&self) -> Result<(), TrialError> {
         if self.mesh.kind == CellKind::QuadraticTetrahedron {
-            return Err(SolveError::mesh("its tetrahedra are of second order; mesh with order 1"));
+            return Err(TrialError::mesh("its tetrahedra are of second order; mesh with order 1"));
         }
         if self.mesh.cell_count() == 0 {
-            return Err(SolveError::mesh("it has no cells"));
+            return Err(TrialError::mesh("it has no cells"));
         }
         for (key, value) in [
             ("section_mm2", self.section_mm2),
@@ -99,20 +100,20 @@ impl<'a> Sample<'a> {
     }
 
     /// Compares the whole mesh with the specimen: where it is larger, forces over the gross section are no stresses.
-    pub(crate) fn validate_volume(&self) -> Result<(), SolveError> {
+    pub fn validate_volume(&self) -> Result<(), TrialError> {
         let share = self.meshed_mm3() / self.volume_mm3;
         if (share - 1.0).abs() <= FAR_FROM_SPECIMEN {
             return Ok(());
         }
         let share = 100.0 * share;
-        Err(SolveError::mesh(format!(
+        Err(TrialError::mesh(format!(
             "its cells fill {share:.1} % of the specimen's volume, so that strength and modulus would be off by as much; take \
              smaller elements, or the method lattice, whose surface follows the specimen"
         )))
     }
 
     /// Share of the notches' volume by which the mesh differs from the specimen; 0 without notches.
-    pub(crate) fn notch_error(&self) -> f64 {
+    pub fn notch_error(&self) -> f64 {
         if self.notches_mm3 > 0.0 { (self.meshed_mm3() - self.volume_mm3) / self.notches_mm3 } else { 0.0 }
     }
 

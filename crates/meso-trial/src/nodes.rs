@@ -1,10 +1,8 @@
 //! The nodes of a mesh under a support.
 
-use crate::assemble::area;
-use crate::error::{SolveError, TEST};
-use crate::march::supports::contact::{Contact, Load};
+use crate::error::{TEST, TrialError};
 use crate::sample::Sample;
-use crate::test::load::{Rule, Side, SupportSpec};
+use crate::trial::{Rule, Side, SupportSpec};
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::Mesh;
 use meso_mesh::cells::Sides;
@@ -12,22 +10,16 @@ use meso_mesh::cells::Sides;
 /// Least width of a strip, in elements: some nodes of any mesh lie under it.
 const LEAST_WIDTH: f64 = 1.5;
 
-/// Contacts of a support, by the mesh's order.
+/// Nodes under a support in the mesh's order, each with its distance from the support before the test, mm.
 ///
 /// # Errors
 /// No face of the specimen looks to it, or no node lies under its strip.
-pub(super) fn contacts(
-    sample: &Sample,
-    sides: &Sides,
-    support: &SupportSpec,
-    place: u32,
-    number: &[u32],
-) -> Result<Vec<Contact>, SolveError> {
+pub fn under(sample: &Sample, sides: &Sides, support: &SupportSpec) -> Result<Vec<(u32, f64)>, TrialError> {
     let mesh = sample.mesh;
     let bit = side(support)?;
     let (axis, is_upper) = (bit / 2, bit % 2 == 1);
     if sides.faces()[bit].is_empty() {
-        return Err(SolveError::mesh(no_face(support, axis, is_upper)));
+        return Err(TrialError::mesh(no_face(support, axis, is_upper)));
     }
     let aabb = Aabb::around(&mesh.points);
     let plane = if is_upper { aabb.max } else { aabb.min }[axis];
@@ -39,22 +31,22 @@ pub(super) fn contacts(
             (point[across] - centre[across] - strip.at_mm).abs() <= half + 1e-9 * half
         })
     };
-    let contact = |node: u32| {
+    let met = |node: u32| {
         let point = &mesh.points[node as usize];
         // A strip takes the shape of a round side.
         let gap = if support.strip.is_some() { 0.0 } else { (point[axis] - plane).abs() };
-        is_under(point).then_some(Contact { node: number[node as usize], support: place, gap })
+        is_under(point).then_some((node, gap))
     };
-    let contacts: Vec<Contact> = sides.members(bit).filter_map(contact).collect();
-    if contacts.is_empty() {
+    let nodes: Vec<(u32, f64)> = sides.members(bit).filter_map(met).collect();
+    if nodes.is_empty() {
         let why = format!("no node of the specimen lies under {:?}; widen its strip or move it", support.name);
-        return Err(SolveError::mesh(why));
+        return Err(TrialError::mesh(why));
     }
-    Ok(contacts)
+    Ok(nodes)
 }
 
 /// Number of the side under a plate.
-fn side(support: &SupportSpec) -> Result<usize, SolveError> {
+fn side(support: &SupportSpec) -> Result<usize, TrialError> {
     let why = "it must be one of the six sides: only a pressure acts on the mantle";
     support.on.bit().ok_or_else(|| TEST.error(format!("supports.{}.on", support.name), "mantle", why).into())
 }
@@ -65,41 +57,37 @@ fn no_face(support: &SupportSpec, axis: usize, is_upper: bool) -> String {
     format!("no face points to its {side} plate{which}; take a specimen with plane faces across {name}")
 }
 
-/// Loads of a pressure.
+/// Forces of a pressure of 1 MPa on the mesh's nodes, N, without those that it does not touch.
 ///
 /// # Errors
 /// No face of the specimen lies on its side.
-pub(super) fn loads(
-    mesh: &Mesh,
-    sides: &Sides,
-    support: &SupportSpec,
-    place: u32,
-    number: &[u32],
-) -> Result<Vec<Load>, SolveError> {
-    let faces = pressed_faces(mesh, sides, support)?;
+pub fn forces(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> Result<Vec<(u32, [f64; 3])>, TrialError> {
     let mut force = vec![[0.0; 3]; mesh.points.len()];
-    for (cell, face) in faces {
+    for (cell, face) in pressed_faces(mesh, sides, support)? {
         let nodes: Vec<u32> = mesh.by_owner().face(cell, face).collect();
         let share = -area(mesh, &nodes) / nodes.len() as f64;
         nodes.iter().for_each(|&node| (0..3).for_each(|k| force[node as usize][k] += share[k]));
     }
-    let pressed = (0..).zip(force).filter(|(_, force)| *force != [0.0; 3]);
-    Ok(pressed.map(|(node, force): (usize, _)| Load { node: number[node], support: place, force }).collect())
+    Ok((0..).zip(force).filter(|(_, force)| *force != [0.0; 3]).collect())
+}
+
+/// Area of a face along its outward normal, mm2: half the cross product of two edges, or of the diagonals.
+pub fn area(mesh: &Mesh, nodes: &[u32]) -> Vec3 {
+    let p = |i: usize| mesh.points[nodes[i] as usize];
+    let twice =
+        if nodes.len() == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
+    0.5 * twice
 }
 
 /// Faces that a pressure acts on.
 ///
 /// # Errors
 /// No face of the specimen lies on its side.
-pub(super) fn pressed_faces(
-    mesh: &Mesh,
-    sides: &Sides,
-    support: &SupportSpec,
-) -> Result<Vec<(u32, usize)>, SolveError> {
+pub fn pressed_faces(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> Result<Vec<(u32, usize)>, TrialError> {
     let faces = faces(mesh, sides, support.on);
     if faces.is_empty() {
         let why = format!("no face lies on the side of {:?}; take a specimen with one", support.name);
-        return Err(SolveError::mesh(why));
+        return Err(TrialError::mesh(why));
     }
     Ok(faces)
 }
@@ -108,13 +96,13 @@ pub(super) fn pressed_faces(
 ///
 /// # Errors
 /// See [`pressed_faces`].
-pub(super) fn pressed_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> Result<f64, SolveError> {
+pub fn pressed_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> Result<f64, TrialError> {
     let of = |(cell, face)| area(mesh, &mesh.by_owner().face(cell, face).collect::<Vec<_>>()).norm();
     Ok(pressed_faces(mesh, sides, support)?.into_iter().map(of).sum())
 }
 
 /// Area of the faces under a plate across its axis, mm2; a strip has none.
-pub(super) fn area_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> f64 {
+pub fn area_mm2(mesh: &Mesh, sides: &Sides, support: &SupportSpec) -> f64 {
     let Some(bit) = support.on.bit().filter(|_| support.strip.is_none() && support.rule != Rule::Pressure) else {
         return 0.0;
     };

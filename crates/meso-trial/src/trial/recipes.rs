@@ -1,6 +1,6 @@
 //! Commented TEST.toml files to start from, one for each named test.
 
-use crate::test::{Test, TestKind, TurnOf, named};
+use crate::trial::{Test, TestKind, TurnOf, named};
 
 impl TestKind {
     /// Supports and loads of the test in a sentence.
@@ -83,7 +83,7 @@ const COMMON: &str = "\
 #[cfg(test)]
 mod tests {
     use crate::sample::Geometry;
-    use crate::test::{Test, TestKind};
+    use crate::trial::{Test, TestKind};
 
     const ALL: [TestKind; 9] = [
         TestKind::Compression,
@@ -100,7 +100,7 @@ mod tests {
         Geometry { size_mm: [120.0, 30.0, 32.0], section_mm2: 3600.0, notch_mm: 8.0, upper_notch_mm: 8.0 };
 
     fn read(text: &str) -> Test {
-        let test: Test = meso_core::spec::options_from_toml(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let test: Test = meso_spec::options_from_toml(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         test.validate().unwrap_or_else(|error| panic!("{error}\n{text}"));
         test
     }
@@ -110,7 +110,7 @@ mod tests {
     fn a_recipe_is_the_named_test() {
         for kind in ALL {
             let (named, recipe) = (Test { kind, ..Test::default() }, read(&kind.recipe()));
-            assert_eq!(recipe.plan(&BEAM).unwrap(), named.plan(&BEAM).unwrap(), "{kind:?}");
+            assert_eq!(recipe.rig(&BEAM).unwrap(), named.rig(&BEAM).unwrap(), "{kind:?}");
             assert_eq!((recipe.turns(), recipe.gauges()), (named.turns(), named.gauges()), "{kind:?}");
             assert_eq!((recipe.strain(), recipe.expansion()), (named.strain(), named.expansion()), "{kind:?}");
             assert_eq!((recipe.law, recipe.control), (named.law, named.control), "{kind:?}");

@@ -2,12 +2,16 @@
 
 use crate::error::TEST;
 use crate::sample::Sample;
-use crate::test::load::{Side, WIDEST_MM};
-use crate::test::{LEAST_STRAIN, Test};
+use crate::trial::load::{Side, WIDEST_MM};
+use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::OutOfRange;
-use meso_element::block::{PHASES, STRAINS};
 use serde::{Deserialize, Serialize};
+
+/// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
+pub const PHASES: usize = 5;
+/// Number of strains: one for each phase, then one for each phase below the layer at the surface.
+pub const STRAINS: usize = 2 * PHASES;
 
 /// Strains that phases have without stress; they grow before the path begins.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -218,7 +222,7 @@ impl Expansion {
     }
 
     /// Strains of the phases in the layer, then below it, at shares of the time and of the growth that are over.
-    pub(crate) fn at(&self, past: f64, share: f64) -> [f64; STRAINS] {
+    pub fn at(&self, past: f64, share: f64) -> [f64; STRAINS] {
         let time = past * self.courses().map(Course::end).fold(0.0, f64::max);
         // The ITZ follows the mortar unless it has its own course.
         let zones = self.zones().map(|[mortar, itz, rest @ ..]| [mortar, itz.or(mortar), rest[0], rest[1], rest[2]]);
@@ -227,23 +231,23 @@ impl Expansion {
     }
 
     /// Strains of the phases at the end, in the layer or the whole specimen.
-    pub(crate) fn at_end(&self) -> [f64; PHASES] {
+    pub fn at_end(&self) -> [f64; PHASES] {
         let [mortar, itz, aggregate, none, fibre, ..] = self.at(1.0, 1.0);
         [mortar, itz, aggregate, none, fibre]
     }
 
     /// The largest strain of any phase at any time.
-    pub(crate) fn most(&self) -> f64 {
+    pub fn most(&self) -> f64 {
         self.courses().flat_map(Course::strains).fold(0.0, |most, strain| most.max(strain.abs()))
     }
 
     /// Whether all strains grow together in the whole specimen.
-    pub(crate) fn is_plain(&self) -> bool {
+    pub fn is_plain(&self) -> bool {
         self.layer_mm.is_none() && self.courses().all(|course| matches!(course, Course::To(_)))
     }
 
     /// Checks every value against its range.
-    pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
+    pub fn validate(&self) -> Result<(), OutOfRange> {
         self.clone().courses_mut().into_iter().try_for_each(|(key, course)| course.validate(key))?;
         let depth = self.layer_mm.unwrap_or(1.0);
         TEST.require("expansion.layer_mm", depth, (1e-3..=WIDEST_MM).contains(&depth), "it must be 1e-3 to 1e4")?;
@@ -272,7 +276,7 @@ impl Expansion {
     ///
     /// # Errors
     /// A layer without a cell.
-    pub(crate) fn below_the_layer(&self, sample: &Sample) -> Result<Vec<bool>, OutOfRange> {
+    pub fn below_the_layer(&self, sample: &Sample) -> Result<Vec<bool>, OutOfRange> {
         let Some(depth) = self.layer_mm else { return Ok(Vec::new()) };
         let mesh = sample.mesh;
         let bounds = Aabb::around(&mesh.points);
@@ -302,7 +306,7 @@ impl Expansion {
 
 impl Test {
     /// Refuses strains that a deck cannot have: its one amplitude drives all of them.
-    pub(crate) fn suits_amplitude(&self) -> Result<(), OutOfRange> {
+    pub fn suits_amplitude(&self) -> Result<(), OutOfRange> {
         let is_plain = self.expansion().is_none_or(|expansion| expansion.is_plain());
         let why =
             "a deck's strains grow together in whole phases; give numbers without layer_mm, or take mesocrete solve";

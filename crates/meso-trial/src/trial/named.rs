@@ -1,24 +1,25 @@
 //! Named tests as supports, and the scales of their curves.
 
-use crate::error::{SolveError, TEST};
+use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
-use crate::test::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
-use crate::test::{Control, Test, TestKind};
+use crate::trial::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+use crate::trial::{Control, Test, TestKind};
 use meso_concrete::specimen::Specimen;
 use std::f64::consts::PI;
 
 /// The supports of a test, and the scales from path and force to strain and stress.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Plan {
-    pub(crate) supports: Vec<SupportSpec>,
+pub struct Rig {
+    /// In the order of their columns.
+    pub supports: Vec<SupportSpec>,
     /// The axis that the supports move along: 0, 1 or 2.
-    pub(crate) axis: usize,
+    pub axis: usize,
     /// Path over this is the strain, mm.
-    pub(crate) length_mm: f64,
+    pub length_mm: f64,
     /// Force over this is the stress, mm2.
-    pub(crate) section_mm2: f64,
+    pub section_mm2: f64,
     /// Area that breaks, mm2: energies are given over it.
-    pub(crate) breaking_mm2: f64,
+    pub breaking_mm2: f64,
 }
 
 /// Width of a splitting strip over the diameter: EN 12390-6 has strips of 10 mm on cylinders of 100 and 150 mm.
@@ -31,17 +32,17 @@ const PLATES: f64 = 0.1;
 /// specimen like a wedge. A cylinder of 24 mm split at 0.88 of its strength in tension with 0.1, and at 1.02 with 0.5 and 1.
 const STICKING: f64 = 0.5;
 /// Linear strain of the aggregates in an expansion test that names none.
-pub(crate) const SWELLING: f64 = 1e-4;
+pub(super) const SWELLING: f64 = 1e-4;
 /// Width of a roller over the beam's depth.
 const ROLLER: f64 = 0.05;
 /// Span over depth of a beam, at most (EN 14651: 500 mm over 150 mm).
 const SPAN: f64 = 10.0 / 3.0;
 
 impl Test {
-    /// The plan of the test on a specimen of this `geometry`.
-    pub(crate) fn plan(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+    /// The rig of the test on a specimen of this `geometry`.
+    pub fn rig(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [.., z] = geometry.size_mm;
-        let of = |supports: Vec<SupportSpec>, axis, length_mm, section_mm2| Plan {
+        let of = |supports: Vec<SupportSpec>, axis, length_mm, section_mm2| Rig {
             supports,
             axis,
             length_mm,
@@ -71,16 +72,16 @@ impl Test {
     ///
     /// # Errors
     /// A specimen without the notch, the room or the sides that the test needs, with a remedy.
-    pub fn suits(&self, specimen: &Specimen) -> Result<(), SolveError> {
+    pub fn suits(&self, specimen: &Specimen) -> Result<(), TrialError> {
         let geometry = Geometry::of(specimen);
         if self.kind == TestKind::Splitting && self.supports.is_empty() && geometry.notch_mm > 0.0 {
             let why = "the specimen has a notch where it splits; take a cylinder, cube or box";
             return Err(TEST.error("kind", "splitting", why).into());
         }
-        let plan = self.plan(&geometry)?;
+        let rig = self.rig(&geometry)?;
         self.suits_notch(&geometry)?;
         self.gauges().iter().try_for_each(|gauge| gauge.suits(&geometry.size_mm))?;
-        plan.supports.iter().try_for_each(|support| support.suits(&geometry.size_mm))?;
+        rig.supports.iter().try_for_each(|support| support.suits(&geometry.size_mm))?;
         let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
         let flat = [(TestKind::Biaxial, "biaxial"), (TestKind::Shear, "shear")];
         if let Some((_, name)) = flat.into_iter().find(|(kind, _)| *kind == self.kind && is_round) {
@@ -98,7 +99,7 @@ impl Test {
     }
 
     /// Finds out whether the specimen has the notch that a gauge or a turn measures.
-    fn suits_notch(&self, geometry: &Geometry) -> Result<(), SolveError> {
+    fn suits_notch(&self, geometry: &Geometry) -> Result<(), TrialError> {
         if geometry.notch_mm > 0.0 {
             return Ok(());
         }
@@ -116,7 +117,7 @@ impl Test {
     }
 
     /// The axis of the sides whose supports follow the path.
-    fn moving_axis(&self) -> Result<usize, SolveError> {
+    fn moving_axis(&self) -> Result<usize, TrialError> {
         if !self.has_path() {
             return Ok(2);
         }
@@ -165,7 +166,7 @@ impl Test {
     }
 
     /// Strips along y on the sides across x: 2 F / (pi l d) is the stress.
-    fn split(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+    fn split(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [x, y, z] = geometry.size_mm;
         let width_mm = self.strip_mm.unwrap_or(STRIP * x);
         let accepted = format!("a strip must leave half of the side free; take {} mm at most", 0.5 * y);
@@ -174,7 +175,7 @@ impl Test {
         let strip = Some(Strip { axis: Along::Y, at_mm: 0.0, width_mm });
         let friction = self.friction();
         let pressed = |name, on, moves| SupportSpec { strip, friction, moves, ..SupportSpec::new(name, on) };
-        Ok(Plan {
+        Ok(Rig {
             supports: vec![pressed("left", Side::XMin, 0.5), pressed("right", Side::XMax, -0.5)],
             axis: 0,
             length_mm: x,
@@ -185,7 +186,7 @@ impl Test {
 
     /// Plates glued to the upper side left of the middle and to the lower side right of it, as on the double-notched specimens
     /// of Reinhardt and Xu (2000): force over the plane between the notches is the stress, and way over the height the strain.
-    fn sheared(&self, geometry: &Geometry) -> Plan {
+    fn sheared(&self, geometry: &Geometry) -> Rig {
         let [x, y, z] = geometry.size_mm;
         let half = |name, on, at: f64, moves| SupportSpec {
             strip: Some(Strip { axis: Along::X, at_mm: at * x, width_mm: 0.5 * x }),
@@ -195,12 +196,12 @@ impl Test {
         };
         let supports = vec![half("bottom", Side::ZMin, 0.25, 0.5), half("top", Side::ZMax, -0.25, -0.5)];
         let section_mm2 = y * (z - geometry.notch_mm - geometry.upper_notch_mm);
-        Plan { supports, axis: 2, length_mm: z, section_mm2, breaking_mm2: section_mm2 }
+        Rig { supports, axis: 2, length_mm: z, section_mm2, breaking_mm2: section_mm2 }
     }
 
     /// A beam on two rollers, pressed by a third one: 3 F l / (2 b h^2) is the stress, and 6 h w / l^2 the strain, h being
     /// the depth above the notch.
-    fn bent(&self, geometry: &Geometry) -> Result<Plan, SolveError> {
+    fn bent(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [x, y, z] = geometry.size_mm;
         let span = self.span_mm(geometry);
         let fits = span < x && self.span_mm.is_none_or(|span| span >= z);
@@ -218,7 +219,7 @@ impl Test {
             ..SupportSpec::new(name, on)
         };
         let height = z - geometry.notch_mm;
-        Ok(Plan {
+        Ok(Rig {
             supports: vec![
                 roller("left", Side::ZMin, -0.5 * span, 0.0),
                 roller("right", Side::ZMin, 0.5 * span, 0.0),
@@ -232,13 +233,13 @@ impl Test {
     }
 
     /// Distance of a beam's rollers, mm.
-    pub(crate) fn span_mm(&self, geometry: &Geometry) -> f64 {
+    pub fn span_mm(&self, geometry: &Geometry) -> f64 {
         let [x, _, z] = geometry.size_mm;
         self.span_mm.unwrap_or((SPAN * z).min(0.9 * x))
     }
 
     /// Width of the strips of a splitting test, mm; none for other tests and supports of a file.
-    pub(crate) fn splitting_strip_mm(&self, geometry: &Geometry) -> Option<f64> {
+    pub fn splitting_strip_mm(&self, geometry: &Geometry) -> Option<f64> {
         let is_split = self.kind == TestKind::Splitting && self.supports.is_empty();
         is_split.then(|| self.strip_mm.unwrap_or(STRIP * geometry.size_mm[0]))
     }
@@ -261,7 +262,7 @@ impl Test {
 
 impl SupportSpec {
     /// A smooth plate at rest.
-    pub(crate) fn new(name: &str, on: Side) -> Self {
+    pub fn new(name: &str, on: Side) -> Self {
         Self {
             name: name.to_owned(),
             on,
@@ -276,7 +277,7 @@ impl SupportSpec {
 }
 
 /// Gauges of a named test.
-pub(crate) fn gauges(kind: TestKind) -> Vec<Gauge> {
+pub(super) fn gauges(kind: TestKind) -> Vec<Gauge> {
     match kind {
         TestKind::Compression | TestKind::Tension | TestKind::Splitting | TestKind::Shear => Vec::new(),
         TestKind::Expansion => [("strain_x", Along::X), ("strain_y", Along::Y), ("strain_z", Along::Z)]
@@ -293,7 +294,7 @@ pub(crate) fn gauges(kind: TestKind) -> Vec<Gauge> {
 const CYCLES: [f64; 4] = [0.2, 0.35, 0.5, 0.7];
 
 /// Turns of a cyclic test that ends at `strain`; it turns back at 1 MPa.
-pub(crate) fn cycles(strain: f64) -> Vec<Turn> {
+pub(super) fn cycles(strain: f64) -> Vec<Turn> {
     // The plates stay on: a plate that returns strikes the specimen.
     let back = Turn { at: 1.0, of: TurnOf::Stress };
     let there = |share: f64| Turn { at: share * strain, of: TurnOf::Strain };

@@ -1,16 +1,87 @@
-//! Supports and loads of a test as a deck has them.
+//! Supports and loads of a mesh as a test puts them together, and a deck writes them.
 
-use super::nodes;
-use crate::error::{SolveError, TEST};
+use crate::error::{TEST, TrialError};
+use crate::law::LawName;
+use crate::nodes;
 use crate::sample::Sample;
-use crate::test::load::{Rule, SupportSpec, Turn, TurnOf};
-use crate::test::named::Plan;
-use crate::test::{Control, Test, word};
+use crate::trial::{Control, Rig, Rule, SupportSpec, Test, Turn, TurnOf, word};
 use meso_collision::math::Aabb;
 use meso_concrete::specimen::Specimen;
-use meso_element::LawName;
 use meso_mesh::cells::Sides;
-use meso_mesh::loads::{Hold, Loads, Pressure, RigidSupport};
+
+/// Supports and loads of a mesh, and their path in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loads {
+    /// Name of the test.
+    pub test: String,
+    /// Plates, strips and rollers.
+    pub supports: Vec<RigidSupport>,
+    /// Pressures on outer faces.
+    pub pressures: Vec<Pressure>,
+    /// Linear strains by the numbers of phases, which grow before the path begins; 3 is no phase of a mesh.
+    pub strains: Option<[f64; 5]>,
+    /// Places where the path turns, mm, its end last; none of a test that moves no support.
+    pub path_mm: Vec<f64>,
+    /// Axis along which the supports move: 0, 1 or 2.
+    pub axis: usize,
+    /// Path over this is the strain, mm.
+    pub length_mm: f64,
+    /// Force over this is the stress, mm2.
+    pub section_mm2: f64,
+    /// Whether the path presses the specimen.
+    pub presses: bool,
+    /// Time in which loads grow before the path begins, s; 0 without such loads.
+    pub lead_s: f64,
+    /// Time of the path, s.
+    pub duration_s: f64,
+    /// Time increment that mass scaling keeps, s.
+    pub time_increment_s: f64,
+    /// Whether all phases are elastic, so that statics give the answer.
+    pub is_elastic: bool,
+}
+
+/// A rigid support of some nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidSupport {
+    /// Its name.
+    pub name: String,
+    /// Axis of its side: 0, 1 or 2.
+    pub axis: usize,
+    /// Whether its side is the upper one across the axis.
+    pub is_upper: bool,
+    /// The mesh's nodes under it.
+    pub nodes: Vec<u32>,
+    /// Its action on the nodes.
+    pub hold: Hold,
+    /// Its way along the axis for each mm of the path.
+    pub moves: f64,
+    /// Force that presses it on the specimen when the path begins, N; 0 for none.
+    pub force_n: f64,
+    /// Its force over the force of the test; `None` where it follows the path.
+    pub force_ratio: Option<f64>,
+    /// Whether it is a strip beside the middle, which the specimen turns on.
+    pub is_beside: bool,
+}
+
+/// Action of a support on its nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// It presses and rubs with this coefficient of friction.
+    Plate(f64),
+    /// It is glued on.
+    Glued,
+}
+
+/// A pressure on outer faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pressure {
+    /// Its name.
+    pub name: String,
+    /// Cells, and the number of the face of each.
+    pub faces: Vec<(u32, usize)>,
+    /// The pressure when the path begins, MPa.
+    pub mpa: f64,
+}
 
 /// Distance of a node from the plane of its side, over the specimen's size, beyond which the side is round.
 const ROUND: f64 = 1e-6;
@@ -23,23 +94,23 @@ impl Test {
     ///
     /// # Errors
     /// A control or a turn that such plates cannot follow, with a remedy; supports that meet no node.
-    pub fn loads(&self, sample: &Sample, time_increment_s: f64) -> Result<Loads, SolveError> {
+    pub fn loads(&self, sample: &Sample, time_increment_s: f64) -> Result<Loads, TrialError> {
         self.validate()?;
         self.suits_amplitude()?;
         let geometry = sample.geometry();
-        let plan = self.plan(&geometry)?;
+        let rig = self.rig(&geometry)?;
         let sides = Sides::of(sample.mesh);
-        let mut path_mm = self.path_mm(plan.length_mm)?;
-        let rigid = plan.supports.iter().filter(|support| support.rule != Rule::Pressure);
+        let mut path_mm = self.path_mm(rig.length_mm)?;
+        let rigid = rig.supports.iter().filter(|support| support.rule != Rule::Pressure);
         let supports: Vec<RigidSupport> =
-            rigid.map(|support| self.support(sample, &sides, &plan, support)).collect::<Result<_, _>>()?;
-        let pressed = plan.supports.iter().filter(|support| support.rule == Rule::Pressure);
+            rigid.map(|support| self.support(sample, &sides, &rig, support)).collect::<Result<_, _>>()?;
+        let pressed = rig.supports.iter().filter(|support| support.rule == Rule::Pressure);
         let pressures: Vec<Pressure> =
             pressed.map(|support| pressure(sample, &sides, support)).collect::<Result<_, _>>()?;
         // Plates in a ratio of forces share the path as their forces do.
         let size_mm = geometry.size_mm;
         let shared =
-            |support: &RigidSupport| support.force_ratio.unwrap_or(0.0) * size_mm[support.axis] / plan.length_mm;
+            |support: &RigidSupport| support.force_ratio.unwrap_or(0.0) * size_mm[support.axis] / rig.length_mm;
         let shares: f64 = supports.iter().filter(|support| support.is_upper).map(shared).sum();
         path_mm.iter_mut().for_each(|place| *place *= 1.0 + shares);
         let is_cohesive = !sample.mesh.cohesive.is_empty();
@@ -48,7 +119,7 @@ impl Test {
         let stretch = if self.duration_s.is_some() { 1.0 } else { (time_increment_s / own).max(1.0) };
         let is_pressed = supports.iter().any(|support| support.force_n != 0.0) || !pressures.is_empty();
         let way = |end: bool| {
-            let own = supports.iter().filter(|support| support.axis == plan.axis && support.is_upper == end);
+            let own = supports.iter().filter(|support| support.axis == rig.axis && support.is_upper == end);
             own.map(|support| support.moves).sum::<f64>()
         };
         Ok(Loads {
@@ -58,9 +129,9 @@ impl Test {
             pressures,
             strains: self.expansion().map(|expansion| expansion.at_end()),
             path_mm,
-            axis: plan.axis,
-            length_mm: plan.length_mm,
-            section_mm2: plan.section_mm2,
+            axis: rig.axis,
+            length_mm: rig.length_mm,
+            section_mm2: rig.section_mm2,
             lead_s: self.lead_s(&geometry, is_pressed) * stretch,
             duration_s: self.duration_s(&geometry) * stretch,
             time_increment_s,
@@ -72,14 +143,14 @@ impl Test {
     ///
     /// # Errors
     /// See [`suits`](Self::suits) and [`loads`](Self::loads).
-    pub fn suits_deck(&self, specimen: &Specimen) -> Result<(), SolveError> {
+    pub fn suits_deck(&self, specimen: &Specimen) -> Result<(), TrialError> {
         self.suits(specimen)?;
         self.suits_amplitude()?;
         self.path_mm(1.0).map(drop)
     }
 
     /// Places where the path turns, mm.
-    fn path_mm(&self, length_mm: f64) -> Result<Vec<f64>, SolveError> {
+    fn path_mm(&self, length_mm: f64) -> Result<Vec<f64>, TrialError> {
         if matches!(self.control, Control::CrackMouth | Control::LateralStrain) {
             let why = "a deck's plates keep their speed and follow no gauge; take \"steady\", or mesocrete solve";
             return Err(TEST.error("control", word(&self.control), why).into());
@@ -106,12 +177,10 @@ impl Test {
         &self,
         sample: &Sample,
         sides: &Sides,
-        plan: &Plan,
+        rig: &Rig,
         support: &SupportSpec,
-    ) -> Result<RigidSupport, SolveError> {
-        let numbers: Vec<u32> = (0..sample.mesh.points.len() as u32).collect();
-        let nodes: Vec<u32> =
-            nodes::contacts(sample, sides, support, 0, &numbers)?.iter().map(|contact| contact.node).collect();
+    ) -> Result<RigidSupport, TrialError> {
+        let nodes: Vec<u32> = nodes::under(sample, sides, support)?.into_iter().map(|(node, _)| node).collect();
         let bit = support.on.bit().unwrap_or_default();
         let (axis, is_upper) = (bit / 2, bit % 2 == 1);
         let (points, aabb) = (&sample.mesh.points, Aabb::around(&sample.mesh.points));
@@ -129,13 +198,13 @@ impl Test {
             hold: if is_glued { Hold::Glued } else { Hold::Plate(support.friction) },
             moves: support.moves,
             force_n: support.pressure_mpa * area_mm2,
-            force_ratio: support.stress_ratio.map(|ratio| ratio * area_mm2 / plan.section_mm2),
+            force_ratio: support.stress_ratio.map(|ratio| ratio * area_mm2 / rig.section_mm2),
             is_beside: !is_glued && support.strip.is_some_and(|strip| strip.at_mm != 0.0),
         })
     }
 }
 
-fn pressure(sample: &Sample, sides: &Sides, support: &SupportSpec) -> Result<Pressure, SolveError> {
+fn pressure(sample: &Sample, sides: &Sides, support: &SupportSpec) -> Result<Pressure, TrialError> {
     let faces = nodes::pressed_faces(sample.mesh, sides, support)?;
     Ok(Pressure { name: support.name.clone(), faces, mpa: support.pressure_mpa })
 }

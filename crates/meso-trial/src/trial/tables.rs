@@ -1,8 +1,8 @@
 //! Turns of a path and courses of strains from tables in CSV.
 
 use crate::error::TEST;
-use crate::test::expansion::{Course, unfit_strain, unfit_time};
-use crate::test::{Test, Turn, TurnOf};
+use crate::trial::expansion::{Course, unfit_strain, unfit_time};
+use crate::trial::{Test, Turn, TurnOf};
 use meso_concrete::OutOfRange;
 use meso_concrete::import::Columns;
 
@@ -87,7 +87,7 @@ fn turns(text: &str) -> Result<Vec<Turn>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test::Expansion;
+    use crate::trial::Expansion;
 
     fn taken(text: &str) -> Result<Vec<Turn>, String> {
         let mut test = Test { history: Some("turns.csv".to_owned()), ..Test::default() };

@@ -27,7 +27,7 @@ pub enum Side {
 
 impl Side {
     /// Its number among the sides of a mesh; the mantle has none.
-    pub(crate) fn bit(self) -> Option<usize> {
+    pub fn bit(self) -> Option<usize> {
         (self != Self::Mantle).then_some(self as usize)
     }
 }
@@ -119,7 +119,7 @@ fn column(key: &str, name: &str) -> Result<(), OutOfRange> {
 
 impl SupportSpec {
     /// Checks every value against its range.
-    pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
+    pub fn validate(&self) -> Result<(), OutOfRange> {
         let named = |key: &str| format!("supports.{}.{key}", self.name);
         column("supports.name", &self.name)?;
         TEST.require(named("friction"), self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
@@ -140,7 +140,7 @@ impl SupportSpec {
     }
 
     /// Finds out whether its strip lies on a specimen of this size.
-    pub(crate) fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
+    pub fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
         let Some(Strip { axis, at_mm, width_mm }) = self.strip else { return Ok(()) };
         let half = 0.5 * size_mm[axis as usize];
         let why = format!("the strip lies beside the specimen, which reaches from {} to {half} mm", -half);
@@ -212,19 +212,19 @@ pub enum Gauge {
 
 impl Gauge {
     /// Whether another gauge is of its kind.
-    pub(crate) fn is_like(&self, other: &Self) -> bool {
+    pub fn is_like(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
     }
 
     /// Checks its name.
-    pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
+    pub fn validate(&self) -> Result<(), OutOfRange> {
         column("gauges.name", self.name())?;
         let met = !self.name().ends_with("_n");
         TEST.require("gauges.name", self.name(), met, "it must not end in _n, as columns of supports' forces do")
     }
 
     /// Finds out whether a specimen of this size has its planes.
-    pub(crate) fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
+    pub fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
         let Self::Lvdt { name, axis, from_mm, to_mm } = self else { return Ok(()) };
         let size = size_mm[*axis as usize];
         if 0.0 <= *from_mm && from_mm < to_mm && *to_mm <= size {

@@ -1,21 +1,22 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
 mod expansion;
-pub(crate) mod load;
-pub(crate) mod named;
+mod load;
+mod named;
 mod recipes;
 mod setup;
 mod tables;
 
-pub use expansion::{Below, Course, Expansion};
+pub use expansion::{Below, Course, Expansion, PHASES, STRAINS};
 pub use load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+pub use named::Rig;
 pub use setup::Setup;
-pub(crate) use setup::word;
+pub use setup::word;
 
-use crate::error::{SolveError, TEST};
+use crate::error::{TEST, TrialError};
+use crate::law::LawName;
 use crate::sample::Geometry;
 use meso_concrete::OutOfRange;
-use meso_element::{InstructionSet, LawName};
 use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -85,9 +86,6 @@ pub struct Test {
     pub history: Option<String>,
     /// Gauges, each a column of the curve; those of the named test where none are given.
     pub gauges: Vec<Gauge>,
-    /// The instruction set; absent, the machine's best. The results are the same bytes.
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    pub instruction_set: Option<InstructionSet>,
 }
 
 /// A named test.
@@ -177,7 +175,6 @@ impl Default for Test {
             turns: Vec::new(),
             history: None,
             gauges: Vec::new(),
-            instruction_set: None,
         }
     }
 }
@@ -264,7 +261,7 @@ impl Test {
         geometry: &Geometry,
         element_size_mm: f64,
         is_cohesive: bool,
-    ) -> Result<(u64, f64), SolveError> {
+    ) -> Result<(u64, f64), TrialError> {
         let duration = self.duration_s(geometry);
         let step = self.time_step_s(element_size_mm, is_cohesive);
         let steps = (duration / step).ceil();
@@ -280,7 +277,7 @@ impl Test {
     }
 
     /// Time in which loads grow before the path begins, s; 0 without loads that do.
-    pub(crate) fn lead_s(&self, geometry: &Geometry, is_pressed: bool) -> f64 {
+    pub fn lead_s(&self, geometry: &Geometry, is_pressed: bool) -> f64 {
         let has_lead = is_pressed || self.expansion().is_some();
         if has_lead { LEAD_PACE * geometry.size_mm.into_iter().fold(0.0, f64::max) } else { 0.0 }
     }
@@ -297,7 +294,7 @@ impl Test {
     }
 
     /// Places at which the path turns.
-    pub(crate) fn turns(&self) -> Vec<Turn> {
+    pub fn turns(&self) -> Vec<Turn> {
         if self.kind == TestKind::Cyclic && self.turns.is_empty() {
             return named::cycles(self.strain.unwrap_or(0.005));
         }
@@ -305,7 +302,7 @@ impl Test {
     }
 
     /// Gauges of the test, with the one that controls it.
-    pub(crate) fn gauges(&self) -> Vec<Gauge> {
+    pub fn gauges(&self) -> Vec<Gauge> {
         let mut gauges = if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() };
         if let Some(own) = self.control.gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
             gauges.push(own);
@@ -314,12 +311,12 @@ impl Test {
     }
 
     /// Place of the gauge that controls the path, among all gauges.
-    pub(crate) fn leader(&self) -> Option<usize> {
+    pub fn leader(&self) -> Option<usize> {
         self.control.gauge().and_then(|own| self.gauges().iter().position(|gauge| own.is_like(gauge)))
     }
 
     /// Whether the curve has columns of gauges and supports.
-    pub(crate) fn has_extra(&self) -> bool {
+    pub fn has_extra(&self) -> bool {
         let is_plain = matches!(self.kind, TestKind::Compression | TestKind::Tension);
         !(is_plain
             && self.control.gauge().is_none()
@@ -330,7 +327,7 @@ impl Test {
     }
 
     /// Strain smoothing of a mesh with cells of this `kind`.
-    pub(crate) fn smoothing(&self, kind: CellKind) -> Smoothing {
+    pub fn smoothing(&self, kind: CellKind) -> Smoothing {
         let usual = if kind == CellKind::Hexahedron { Smoothing::None } else { Smoothing::Edges };
         self.smoothing.unwrap_or(usual)
     }
