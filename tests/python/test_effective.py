@@ -3,6 +3,8 @@
 import copy
 import pickle
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -65,12 +67,12 @@ def test_uniform_flux_and_uniform_gradient_enclose_fixed_ends():
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"method": "conforming"}, 'method is "conforming"; it must be one of "voxel", "lattice"'),
-        ({"element_size": 1}, 'element_size needs method="lattice"'),
-        ({"method": "lattice", "voxel_size": 1}, 'method="lattice" takes element_size'),
-        ({"boundary": "free"}, 'boundary is "free"; it must be one of fixed, uniform-gradient, uniform-flux'),
+        ({"method": "conforming"}, "method is conforming; it must be voxel or lattice"),
+        ({"element_size": 1}, "element_size is 1; only the method lattice takes it"),
+        ({"method": "lattice", "voxel_size": 1}, "voxel_size is 1; only the method voxel takes it"),
+        ({"boundary": "free"}, 'boundary is "free"; it must be one of "fixed", "uniform-gradient", "uniform-flux"'),
         ({"boundary": "uniform-flux"}, "boundary is uniform-flux; voxels have fixed; take the method lattice"),
-        ({"what": "stiffness", "boundary": "uniform-flux"}, 'boundary is "uniform-flux"; stiffness takes "fixed"'),
+        ({"what": "stiffness", "boundary": "uniform-flux"}, "boundary is uniform-flux; stiffness takes fixed"),
         ({"boundary": "uniform-flux", "method": "lattice"}, "a cube, a box or a prism that has walls on all sides"),
         ({"method": "lattice", "element_size": 20}, "element_size is 20; it must be 0.03 to 7.5 mm"),
     ],
@@ -116,7 +118,7 @@ def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
         ([[0]], {"voxel_size": 0}, ValueError, "voxel_size is 0; it must be a positive number"),
         ([[0]], {"voxel_size": [1, 2]}, TypeError, "it must be a number or three"),
         ([[0]], {"periodic": "w"}, ValueError, "periodic is"),
-        ([[0]], {"what": "stiffness", "eigenstrain": 3}, TypeError, "eigenstrain is 3; it must be a dict of numbers by phase"),
+        ([[0]], {"what": "stiffness", "eigenstrain": 3}, TypeError, "eigenstrain is 3; it must be a map"),
         (np.arange(300).reshape(1, 300), {}, ValueError, "more than 256 labels"),
     ],
 )
@@ -130,8 +132,8 @@ def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
     [
         ({"what": "strength"}, "what is"),
         ({"what": "stiffness", "axes": "x"}, "axes is"),
-        ({"eigenstrain": {"mortar": -1e-4}}, "eigenstrain needs"),
-        ({"what": "stiffness", "eigenstrain": {"stone": -1e-4}}, "eigenstrain names \"stone\""),
+        ({"eigenstrain": {"mortar": -1e-4}}, "eigenstrain is mortar=-1e-4; only stiffness has strains"),
+        ({"what": "stiffness", "eigenstrain": {"stone": -1e-4}}, "eigenstrain is stone=-1e-4; its phases must be mortar"),
         ({"what": "stiffness", "phases": {"mortar": {"poisson_ratio": 0.5}}}, "stiffness.mortar.poisson_ratio is 0.5"),
         ({"axes": "xx"}, "axes is"),
         ({"voxel_size": 20}, "voxel_size is 20; it must be at most 7.5 mm"),
@@ -148,3 +150,31 @@ def test_a_size_beyond_the_memory_is_refused_by_its_keyword(cube):
     """The message named element_size, which effective does not take (review of the first version)."""
     with pytest.raises(MemoryError, match=r"effective takes about .* take a larger voxel_size$"):
         cube.effective("stiffness", voxel_size=0.0305)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"what": "stiffness", "boundary": "uniform-flux"}, "is uniform-flux; stiffness takes fixed"),
+        ({"element_size_mm": 2}, "is 2; only the method lattice takes it"),
+        ({"eigenstrain": {"mortar": -1e-4}}, "is mortar=-1e-4; only stiffness has strains; take what = stiffness or all"),
+        ({"tolerance": 0.5}, "is 0.5; it must be 1e-13 to 0.01"),
+        ({"voxel_size_mm": 20}, "is 20; it must be at most 7.5 mm, a quarter of the shortest side"),
+    ],
+)
+def test_command_and_python_refuse_alike_in_their_own_spelling(cube, options, said, tmp_path):
+    """Their rules stood in two places, and their words differed (effective, stiffness with a boundary)."""
+    key = next(name for name in reversed(options))
+    cube.write(tmp_path / "m.json")
+    flags = [f"--{name.replace('_', '-')}={next(f'{a}={b}' for a, b in value.items()) if isinstance(value, dict) else value}" for name, value in options.items()]
+    run = subprocess.run([sys.executable, "-m", "mesocrete", "effective", "m.json", *flags], cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert (run.returncode, run.stderr.strip()) == (2, f"error: --{key.replace('_', '-')} {said}")
+    with pytest.raises(ValueError, match=rf"^{key.removesuffix('_mm')} {re.escape(said)}$"):
+        cube.effective(**{name.removesuffix("_mm"): value for name, value in options.items()})
+
+
+def test_all_properties_are_one_request():
+    small = mc.pack({**SPEC, "fraction": 0.1})
+    found = small.effective("all", voxel_size=3, phases={"diffusivity": {"itz": 2.0}})
+    assert [of["what"] if "what" in of else None for of in found] == ["diffusivity", "conductivity", "stiffness"]
+    assert found[0] == small.effective(voxel_size=3, phases={"itz": 2.0})

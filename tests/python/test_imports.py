@@ -204,6 +204,7 @@ CRATE_FLOORS = {
     "meso-effective": 4,
     "meso-core": 6,
     "meso-gpu": 6,
+    "meso-ask": 7,
     "meso-study": 7,
     "meso-cli": 8,
     "meso-py": 9,

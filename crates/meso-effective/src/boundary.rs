@@ -1,10 +1,13 @@
 //! Conditions at the walls of a specimen.
 
-use crate::error::EffectiveError;
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{OutOfRange, Ranges};
+use serde::{Deserialize, Serialize};
 
 /// Conditions at walls.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Boundary {
     /// Given potentials at both ends of the gradient, and insulated sides.
     #[default]
@@ -16,37 +19,24 @@ pub enum Boundary {
 }
 
 impl Boundary {
-    /// Names of the conditions, in their order.
-    pub const NAMES: [&str; 3] = ["fixed", "uniform-gradient", "uniform-flux"];
-
-    /// The conditions of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        [Self::Fixed, Self::UniformGradient, Self::UniformFlux].into_iter().find(|of| of.name() == name)
-    }
-
     /// The name of the conditions.
     pub fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
+        ["fixed", "uniform-gradient", "uniform-flux"][self as usize]
     }
 
-    /// Refuses the conditions that voxels do not have.
-    pub(crate) fn accept_in_voxels(self) -> Result<(), EffectiveError> {
-        if self == Self::Fixed {
-            Ok(())
-        } else {
-            Err(EffectiveError::Boundary(self.name(), "voxels have fixed; take the method lattice"))
-        }
+    /// Refuses the conditions that a division into voxels does not have; tetrahedra have all.
+    ///
+    /// # Errors
+    /// Uniform conditions of voxels.
+    pub fn accept_for(self, tetrahedra: bool) -> Result<(), OutOfRange> {
+        let accepted = "voxels have fixed; take the method lattice";
+        Ranges("effective").require("boundary", self.name(), tetrahedra || self == Self::Fixed, accepted)
     }
 
     /// Refuses uniform conditions for a specimen that has a side without a flat wall.
-    pub(crate) fn accept(self, specimen: &Specimen) -> Result<(), EffectiveError> {
+    pub(crate) fn accept(self, specimen: &Specimen) -> Result<(), OutOfRange> {
         let is_walled = specimen.container().is_box() && (0..3).all(|axis| specimen.period().along(axis).is_none());
-        if self == Self::Fixed || is_walled {
-            return Ok(());
-        }
-        Err(EffectiveError::Boundary(
-            self.name(),
-            "the specimen must be a cube, a box or a prism that has walls on all sides",
-        ))
+        let accepted = "the specimen must be a cube, a box or a prism that has walls on all sides";
+        Ranges("effective").require("boundary", self.name(), self == Self::Fixed || is_walled, accepted)
     }
 }

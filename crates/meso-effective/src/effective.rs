@@ -46,7 +46,7 @@ impl EffectiveOptions {
     /// A voxel size or a tolerance out of its range.
     pub fn bytes(&self, specimen: &Specimen) -> Result<f64, EffectiveError> {
         error::accept_tolerance(self.tolerance)?;
-        self.boundary.accept_in_voxels()?;
+        self.boundary.accept_for(false)?;
         Ok(self.bytes_of(grid::counts(specimen, self.voxel_size_mm)?))
     }
 
@@ -137,7 +137,7 @@ pub(crate) fn of_medium(
     watch: &dyn Watch,
 ) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
     error::accept_tolerance(options.tolerance)?;
-    options.boundary.accept_in_voxels()?;
+    options.boundary.accept_for(false)?;
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
     let task = Task { medium, space: medium.space(), options, watch, stages };
     let coarse = EffectiveOptions { fields: false, ..*options };

@@ -17,9 +17,6 @@ pub enum EffectiveError {
     /// An axis of a cylinder without flat ends.
     #[error("specimen.kind is cylinder; its flat ends lie along z alone, so the axes must be z")]
     Ends,
-    /// Conditions at walls that a specimen or a method does not have.
-    #[error("boundary is {0}; {1}")]
-    Boundary(&'static str, &'static str),
     /// The specimen cannot be meshed.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -12,7 +12,6 @@ pub(crate) mod import;
 pub(crate) mod init;
 pub(crate) mod mesh;
 mod meshing;
-mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
@@ -21,10 +20,10 @@ mod shared;
 pub(crate) mod solve;
 pub(crate) mod study;
 mod test_file;
-mod values;
 
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
+pub(crate) use meso_ask::flags::{names, values};
 
 /// Mesoscale concrete: aggregates packed without overlap, proved apart, meshed for finite elements.
 #[derive(Parser, Debug)]

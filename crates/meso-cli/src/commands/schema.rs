@@ -11,8 +11,8 @@ use serde_json::Value;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// Which options: a spec's, or the keywords of Python's `mesh`, `write` (of a deck), `solve` (and a TEST.toml), `statistics`
-    /// and `materials`
+    /// Which options: a spec's, or the keywords of Python's `mesh`, `write` (of a deck), `solve` (and a TEST.toml), `effective`,
+    /// `statistics` and `materials`
     #[arg(value_enum, default_value = "spec")]
     of: Of,
 }
@@ -23,6 +23,7 @@ enum Of {
     Mesh,
     Deck,
     Solve,
+    Effective,
     Statistics,
     Materials,
 }
@@ -34,6 +35,7 @@ impl Of {
             Self::Mesh => Spec::schema_of::<MeshTable>(),
             Self::Deck => Spec::schema_of::<DeckOptions>(),
             Self::Solve => Spec::schema_of::<meso_solve::Test>(),
+            Self::Effective => Spec::schema_of::<meso_ask::EffectiveAsk>(),
             Self::Statistics => Spec::schema_of::<statistics::StatisticsOptions>(),
             Self::Materials => Spec::schema_of::<Materials>(),
         }

@@ -2,11 +2,14 @@
 
 use crate::failure::Failure;
 use crate::inputs;
+use clap::builder::TypedValueParser;
+use clap::{Arg, Command};
 use meso_core::spec::options_from_toml;
 use meso_files::Beside;
 use meso_solve::Test;
 use serde_json::Value;
-use std::path::Path;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 /// Whether a file is described by its ending: a spec, or a test.
 pub(super) fn is_toml(path: &Path) -> bool {
@@ -59,4 +62,20 @@ pub(super) fn take_tables(tree: &mut Value, path: &Path) -> Result<(), Failure> 
 /// Tables that the TEST.toml at `path` names; they lie beside it.
 pub(super) fn tables(path: &Path) -> Result<Vec<String>, Failure> {
     Ok(inputs::toml::<Test>(path, options_from_toml)?.tables())
+}
+
+/// Parser of a TOML file, which its ending gives away, or of a name.
+#[derive(Clone)]
+pub(super) struct FileOr<T, P> {
+    pub(super) file: fn(PathBuf) -> T,
+    pub(super) name: P,
+}
+
+impl<T: Clone + Send + Sync + 'static, P: TypedValueParser<Value = T>> TypedValueParser for FileOr<T, P> {
+    type Value = T;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
+        let path = Path::new(value);
+        if is_toml(path) { Ok((self.file)(path.to_owned())) } else { self.name.parse_ref(command, arg, value) }
+    }
 }

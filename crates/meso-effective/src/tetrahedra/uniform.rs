@@ -5,11 +5,11 @@
 use super::domain::Unknowns;
 use super::field::CellValues;
 use super::flux::Task;
-use crate::boundary::Boundary;
 use crate::effective::Column;
 use crate::error::EffectiveError;
 use crate::solver::Energy;
 use meso_collision::math::{Mat3, Vec3};
+use meso_concrete::Ranges;
 
 impl Task<'_> {
     /// The columns of the axes asked for. All three solutions count in each.
@@ -51,8 +51,8 @@ impl Task<'_> {
             let (axis, sign) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
             for (cell, face) in faces {
                 if !self.conduction.conducts(*cell as usize) {
-                    let why = "a phase without conduction meets a wall, and no flux enters there";
-                    return Err(EffectiveError::Boundary(Boundary::UniformFlux.name(), why));
+                    let accepted = "a phase without conduction meets a wall, and no flux enters there";
+                    return Err(Ranges("effective").error("boundary", "uniform-flux", accepted).into());
                 }
                 let nodes = domain.face(*cell as usize, *face);
                 let [a, b, c] = nodes.map(|node| domain.mesh.points[node]);

@@ -387,8 +387,8 @@ class Packing:
 
         Parameters
         ----------
-        what : {"diffusivity", "conductivity", "stiffness"}
-            The property.
+        what : {"diffusivity", "conductivity", "stiffness", "all"}
+            The property. For all, `phases` has a mapping for each, and a list of three is returned.
         voxel_size : float, optional
             Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
         method : {"voxel", "lattice"}
@@ -445,6 +445,22 @@ class Packing:
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> Effective: ...
+
+    @overload
+    def effective(
+        self,
+        what: Literal["all"],
+        *,
+        voxel_size: float | None = None,
+        method: Literal["voxel", "lattice"] = "voxel",
+        element_size: float | None = None,
+        phases: Mapping[str, Mapping[str, object]] | None = None,
+        eigenstrain: Mapping[str, float] | None = None,
+        axes: str = "xyz",
+        boundary: Literal["fixed", "uniform-gradient", "uniform-flux"] = "fixed",
+        tolerance: float | None = None,
+        progress: bool | Callable[..., object] | None = None,
+    ) -> list[Effective]: ...
 
     @overload
     def voxelize(
@@ -1148,8 +1164,8 @@ def effective(
     ----------
     labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
         One integer a phase, at most 256.
-    what : {"diffusivity", "conductivity", "stiffness"}
-        The property.
+    what : {"diffusivity", "conductivity", "stiffness", "all"}
+        The property. For all, `phases` has a mapping for each, and a list of three is returned.
     voxel_size : float or sequence of three float
         Edge of a voxel, mm; three are along x, y, z.
     phases : mapping, optional
@@ -1193,6 +1209,21 @@ def effective(
     periodic: str = "",
     progress: bool | Callable[..., object] | None = None,
 ) -> Effective: ...
+
+
+@overload
+def effective(
+    labels: ArrayLike,
+    what: Literal["all"],
+    *,
+    voxel_size: float | Sequence[float] | None = None,
+    phases: Mapping[int, Mapping[str, float]] | Mapping[str, Mapping[str, float]] | None = None,
+    eigenstrain: Mapping[int, float] | Mapping[str, float] | None = None,
+    axes: str = "xyz",
+    tolerance: float | None = None,
+    periodic: str = "",
+    progress: bool | Callable[..., object] | None = None,
+) -> list[Effective]: ...
 
 def from_labels(
     labels: ArrayLike | _Path,

@@ -1,196 +1,63 @@
 //! Effective properties of a packing or a label volume, as dicts.
 
-use crate::boundary::{accept_in_memory, guard, keyword, without_unit, wrong_type, wrong_value};
+use crate::boundary::{accept_in_memory, guard, keyword, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
-use meso_core::Watch;
+use meso_ask::{EffectiveAsk, EffectiveTask, Facts, Giver, PhaseTables, PhasesGiven, Subject, What};
 use meso_core::import::volume::{LabelNumber, Volume};
 use meso_core::watch::Stage;
-use meso_core::{Model, spec};
-use meso_effective::{
-    Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, PhaseModuli, Phases, Property,
-    StiffnessOptions, effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra,
-    stiffness_of_labels,
-};
+use meso_core::{Model, Watch, spec};
+use meso_effective::results::Found;
+use meso_effective::{EffectiveError, LabelSpecimen};
 use numpy::{PyArray1, PyArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Serialize;
-use serde_json::json;
-use std::collections::BTreeMap;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
 use std::sync::Arc;
 
-/// What is asked for, by the names in Python.
-pub(super) struct Asked<'a> {
-    pub(super) what: &'a str,
-    pub(super) voxel_size: Option<f64>,
-    pub(super) method: &'a str,
-    pub(super) element_size: Option<f64>,
-    pub(super) phases: Option<&'a Bound<'a, PyAny>>,
-    pub(super) eigenstrain: Option<&'a Bound<'a, PyAny>>,
-    pub(super) axes: &'a str,
-    pub(super) boundary: &'a str,
-    pub(super) tolerance: Option<f64>,
+/// The request of some names, and of other keywords, of which those that are `None` keep their defaults.
+pub(super) fn asked(names: &[(&str, &str)], others: &[(&str, Option<&Bound<'_, PyAny>>)]) -> PyResult<EffectiveAsk> {
+    let names = names.iter().map(|(key, name)| Ok(((*key).to_owned(), json!(name))));
+    let given = others.iter().filter_map(|(key, value)| Some((*key, (*value)?)));
+    let others = given.map(|(key, value)| Ok((key.to_owned(), from_python(key, &by_text(value)?)?)));
+    let tree = Value::Object(names.chain(others).collect::<PyResult<_>>()?);
+    let mut ask: EffectiveAsk = spec::options_from_value(&tree).map_err(|error| spec_error(&error))?;
+    // In Python, the values of one property have no table of its name around them.
+    if let Some(PhasesGiven::Tables(tables)) = &mut ask.phases
+        && ask.what != What::All
+    {
+        *tables = json!({ meso_ask::flags::names::of(&ask.what): tables.take() });
+    }
+    Ok(ask)
 }
 
-impl Asked<'_> {
-    /// The property, or none for stiffness.
-    fn property(&self) -> PyResult<Option<Property>> {
-        let property = match self.what {
-            "diffusivity" => Some(Property::Diffusivity),
-            "conductivity" => Some(Property::Conductivity),
-            "stiffness" => None,
-            other => {
-                let accepted = "it must be one of \"diffusivity\", \"conductivity\", \"stiffness\"";
-                return Err(wrong_value(format!("what is {other:?}; {accepted}")));
-            }
-        };
-        if property.is_some() && self.eigenstrain.is_some() {
-            return Err(wrong_value(format!("eigenstrain needs what=\"stiffness\", not {:?}", self.what)));
-        }
-        if property.is_none() && self.boundary()? != Boundary::Fixed {
-            return Err(wrong_value(format!("boundary is {:?}; stiffness takes \"fixed\"", self.boundary)));
-        }
-        if property.is_none() && self.axes != "xyz" {
-            return Err(wrong_value(format!("axes is {:?}; stiffness takes all, \"xyz\"", self.axes)));
-        }
-        Ok(property)
-    }
-
-    fn boundary(&self) -> PyResult<Boundary> {
-        let wrong = || {
-            wrong_value(format!("boundary is {:?}; it must be one of {}", self.boundary, Boundary::NAMES.join(", ")))
-        };
-        Boundary::named(self.boundary).ok_or_else(wrong)
-    }
-
-    /// Whether the specimen is divided into tetrahedra.
-    fn in_tetrahedra(&self) -> PyResult<bool> {
-        let wrong = match self.method {
-            "voxel" if self.element_size.is_some() => "element_size needs method=\"lattice\"".to_owned(),
-            "lattice" if self.voxel_size.is_some() => "method=\"lattice\" takes element_size".to_owned(),
-            "voxel" => return Ok(false),
-            "lattice" => return Ok(true),
-            other => format!("method is {other:?}; it must be one of \"voxel\", \"lattice\""),
-        };
-        Err(wrong_value(wrong))
-    }
-
-    fn size(&self, model: &Model) -> f64 {
-        let smallest = model.spec.grading.d_min_mm;
-        if self.method == "lattice" {
-            return self.element_size.unwrap_or_else(|| EffectiveOptions::default_element_size(smallest));
-        }
-        self.voxel_size.unwrap_or_else(|| EffectiveOptions::default_voxel_size(smallest))
-    }
-
-    fn options(&self, what: Property, voxel_size_mm: f64) -> PyResult<EffectiveOptions> {
-        let axes = axes("axes", self.axes)?;
-        if axes == [false; 3] {
-            return Err(wrong_value("axes is \"\"; it must be some of x, y, z, each once, as in \"xz\""));
-        }
-        let usual = EffectiveOptions::new(what, voxel_size_mm);
-        let tolerance = self.tolerance.unwrap_or(usual.tolerance);
-        Ok(EffectiveOptions { axes, tolerance, boundary: self.boundary()?, ..usual })
-    }
-
-    fn stiffness_options(&self, voxel_size_mm: f64) -> StiffnessOptions {
-        let usual = StiffnessOptions::new(voxel_size_mm);
-        StiffnessOptions { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
-    }
-
-    /// Strains by the name of their phase.
-    fn eigenstrains(&self) -> PyResult<BTreeMap<String, f64>> {
-        let Some(given) = self.eigenstrain else { return Ok(BTreeMap::new()) };
-        let wrong = |_| wrong_type(format!("eigenstrain is {given}; it must be a dict of numbers by phase"));
-        by_text(given)?.extract().map_err(wrong)
-    }
-
-    /// Values of this property by label.
-    fn label_phases(&self, what: Option<Property>) -> PyResult<LabelPhases> {
-        let table = match what {
-            Some(Property::Diffusivity) => "diffusivity",
-            Some(Property::Conductivity) => "conductivity",
-            None => "stiffness",
-        };
-        let given = self.phases.map_or_else(|| Ok(json!({})), |given| from_python("phases", &by_text(given)?))?;
-        let mut phases: LabelPhases =
-            spec::options_from_value(&json!({ table: given })).map_err(|error| spec_error(&error))?;
-        for (name, strain) in self.eigenstrains()? {
-            phases.stiffness.entry(name).or_default().eigenstrain = Some(strain);
-        }
-        Ok(phases)
-    }
-
-    /// Elastic constants with the eigenstrains.
-    fn moduli(&self) -> PyResult<PhaseModuli> {
-        let read = |given| spec::options_from_value(&from_python("phases", given)?).map_err(|error| spec_error(&error));
-        let mut moduli: PhaseModuli = self.phases.map_or_else(|| Ok(PhaseModuli::default()), read)?;
-        for (name, strain) in self.eigenstrains()? {
-            let phase = moduli.phase_mut(&name).ok_or_else(|| {
-                wrong_value(format!("eigenstrain names {name:?}; it must be mortar, itz, aggregate, void or fibre"))
-            })?;
-            phase.eigenstrain = Some(strain);
-        }
-        moduli.validate().map_err(|error| raised(&error.into()))?;
-        Ok(moduli)
-    }
-
-    /// The values of this property alone: `phases` is its table.
-    fn phases(&self, what: Property) -> PyResult<Phases> {
-        let Some(given) = self.phases else { return Ok(Phases::default()) };
-        let given = spec::options_from_value(&from_python("phases", given)?).map_err(|error| spec_error(&error))?;
-        Ok(match what {
-            Property::Diffusivity => Phases { diffusivity: given, ..Phases::default() },
-            Property::Conductivity => Phases { conductivity: given, ..Phases::default() },
-        })
+/// The values of the phases.
+fn phases<T: DeserializeOwned + Default>(ask: &EffectiveAsk) -> PyResult<T> {
+    match &ask.phases {
+        Some(PhasesGiven::Tables(tables)) => spec::options_from_value(tables).map_err(|error| spec_error(&error)),
+        Some(PhasesGiven::File(name)) => Err(wrong_type(format!("phases is {name:?}; it must be a dict of values"))),
+        None => Ok(T::default()),
     }
 }
 
-/// Computes the property beside Python.
+/// Computes the properties of a packing beside Python.
 pub(super) fn compute<'py>(
     py: Python<'py>,
     model: &Arc<Model>,
-    asked: &Asked<'_>,
+    ask: &EffectiveAsk,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    guard(|| match asked.property()? {
-        Some(what) if asked.in_tetrahedra()? => {
-            let (size, phases) = (asked.size(model), asked.phases(what)?);
-            let options = asked.options(what, size)?;
-            let bytes = options.bytes_in_tetrahedra(&model.spec.specimen, size);
-            let model = Arc::clone(model);
-            solve(py, bytes, progress, move |watch| {
-                effective_in_tetrahedra(&*model, &phases, &options, size, watch).map(|(found, _)| found)
-            })
-        }
-        None if asked.in_tetrahedra()? => {
-            let (size, moduli) = (asked.size(model), asked.moduli()?);
-            let options = asked.stiffness_options(size);
-            let bytes = options.bytes_in_tetrahedra(&model.spec.specimen, size);
-            let model = Arc::clone(model);
-            solve(py, bytes, progress, move |watch| {
-                stiffness_in_tetrahedra(&*model, &moduli, &options, size, watch).map(|(found, _)| found)
-            })
-        }
-        Some(what) => {
-            let (options, phases) = (asked.options(what, asked.size(model))?, asked.phases(what)?);
-            let bytes = options.bytes(&model.spec.specimen);
-            let model = Arc::clone(model);
-            solve(py, bytes, progress, move |watch| {
-                effective(&*model, &phases, &options, watch).map(|(found, _)| found)
-            })
-        }
-        None => {
-            let (options, moduli) = (asked.stiffness_options(asked.size(model)), asked.moduli()?);
-            let bytes = options.bytes(&model.spec.specimen);
-            let model = Arc::clone(model);
-            solve(py, bytes, progress, move |watch| {
-                stiffness(&*model, &moduli, &options, watch).map(|(found, _)| found)
-            })
-        }
+    guard(|| {
+        let values = PhaseTables::Packing(Box::new(phases(ask)?));
+        let tasks = ask.settle(Facts::Packing(&model.spec), values).map_err(|error| raised(&error))?;
+        let model = Arc::clone(model);
+        solve(py, ask.what, tasks, progress, move |task, watch| {
+            task.solve(Subject::Packing(&model), watch).map(|(found, _)| found)
+        })
     })
 }
 
@@ -203,8 +70,8 @@ pub(super) fn compute<'py>(
 /// ----------
 /// labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
 ///     One integer a phase, at most 256.
-/// what : {"diffusivity", "conductivity", "stiffness"}
-///     The property.
+/// what : {"diffusivity", "conductivity", "stiffness", "all"}
+///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
 /// voxel_size : float or sequence of three float
 ///     Edge of a voxel, mm; three are along x, y, z.
 /// phases : mapping, optional
@@ -244,46 +111,23 @@ pub(crate) fn of_labels<'py>(
     phases: Option<&Bound<'py, PyAny>>,
     eigenstrain: Option<&Bound<'py, PyAny>>,
     axes: &str,
-    tolerance: Option<f64>,
+    tolerance: Option<&Bound<'py, PyAny>>,
     periodic: &str,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (method, boundary) = ("voxel", "fixed");
-    let asked =
-        Asked { what, voxel_size: None, method, element_size: None, phases, eigenstrain, axes, boundary, tolerance };
     guard(|| {
-        let property = asked.property()?;
-        let phases = asked.label_phases(property)?;
+        let periods: &[_] = if periodic.is_empty() { &[] } else { &[("periodic", periodic)] };
+        let names = [&[("what", what), ("axes", axes)], periods].concat();
+        let ask = asked(&names, &[("phases", phases), ("eigenstrain", eigenstrain), ("tolerance", tolerance)])?;
         let spacing_mm = spacing(voxel_size)?;
-        let periodic = self::axes("periodic", periodic)?;
+        let periodic = ask.periodic.map_or([false; 3], |axes| axes.flags());
         let specimen = LabelSpecimen { volume: volume(labels)?, spacing_mm, periodic };
-        let counts = specimen.volume.counts;
-        match property {
-            Some(property) => {
-                phases.values(property, &specimen.volume).map_err(|error| raised(&error))?;
-                let options = asked.options(property, spacing_mm[0])?;
-                solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
-                    effective_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
-                })
-            }
-            None => {
-                phases.moduli(&specimen.volume).map_err(|error| raised(&error))?;
-                let options = asked.stiffness_options(spacing_mm[0]);
-                solve(py, Ok(options.bytes_of(counts)), progress, move |watch| {
-                    stiffness_of_labels(&specimen, &phases, &options, watch).map(|(found, _)| found)
-                })
-            }
-        }
+        let values = PhaseTables::Labels(self::phases(&ask)?);
+        let tasks = ask.settle(Facts::Labels(&specimen), values).map_err(|error| raised(&error))?;
+        solve(py, ask.what, tasks, progress, move |task, watch| {
+            task.solve(Subject::Labels(&specimen), watch).map(|(found, _)| found)
+        })
     })
-}
-
-/// Which of x, y, z a text names.
-fn axes(keyword: &str, text: &str) -> PyResult<[bool; 3]> {
-    let axes = ['x', 'y', 'z'].map(|axis| text.contains(axis));
-    if text.chars().count() == axes.iter().filter(|axis| **axis).count() {
-        return Ok(axes);
-    }
-    Err(wrong_value(format!("{keyword} is {text:?}; it must be some of x, y, z, each once, as in \"xz\"")))
 }
 
 /// A dict whose keys are text: labels are integers in Python.
@@ -327,28 +171,33 @@ pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volu
     Volume::new(counts, None, values).map_err(|error| wrong_value(format!("labels: {error}")))
 }
 
-/// Runs `work` beside Python if its `bytes` fit into memory.
-fn solve<'py, T: Serialize + Send + 'static>(
+/// Solves all tasks beside Python if the memory holds them: one result, or those of all properties.
+fn solve<'py>(
     py: Python<'py>,
-    bytes: Result<f64, EffectiveError>,
+    what: What,
+    tasks: Vec<EffectiveTask>,
     progress: Option<&Bound<'py, PyAny>>,
-    work: impl FnOnce(&dyn Watch) -> Result<T, EffectiveError> + Send + 'static,
+    work: impl Fn(&EffectiveTask, &dyn Watch) -> Result<Found, EffectiveError> + Send + 'static,
 ) -> PyResult<Bound<'py, PyAny>> {
-    accept_in_memory("effective", bytes.map_err(|error| raised(&error))?, "voxel_size")?;
+    for task in &tasks {
+        accept_in_memory("effective", task.bytes, &Giver::Keywords.option(task.size().0))?;
+    }
     let progress = listener(py, progress)?;
     let plan = Plan::new(&[(Stage::Solve, 1.0)], Some(1.0));
     let found = in_stages(py, progress.as_ref(), plan, move |watch| {
         watch.stops_soon();
-        work(watch)
+        tasks.iter().map(|task| work(task, watch)).collect::<Result<Vec<_>, _>>()
     })?;
-    let found = plain(py, &found.map_err(|error| raised(&error))?)?;
-    py.import("mesocrete._effective")?.call_method1("Effective", (found,))
+    let class = py.import("mesocrete._effective")?.getattr("Effective")?;
+    let found = found.map_err(|error| raised(&error))?;
+    let mut found = found.iter().map(|found| class.call1((plain(py, found)?,))).collect::<PyResult<Vec<_>>>()?;
+    if what == What::All { found.into_bound_py_any(py) } else { Ok(found.remove(0)) }
 }
 
 fn raised(error: &EffectiveError) -> PyErr {
     match error {
         EffectiveError::Diverged { .. } => PyRuntimeError::new_err(error.to_string()),
-        EffectiveError::Value(wrong) if wrong.table == "effective" => without_unit(wrong),
+        EffectiveError::Value(wrong) if wrong.table == "effective" => wrong_value(Giver::Keywords.refusal(wrong)),
         EffectiveError::Mesh(error) => wrong_value(error.message(keyword)),
         _ => wrong_value(error.to_string()),
     }

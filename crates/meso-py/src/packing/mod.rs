@@ -276,8 +276,8 @@ impl PyPacking {
     ///
     /// Parameters
     /// ----------
-    /// what : {"diffusivity", "conductivity", "stiffness"}
-    ///     The property.
+    /// what : {"diffusivity", "conductivity", "stiffness", "all"}
+    ///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
     /// voxel_size : float, optional
     ///     Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
     /// method : {"voxel", "lattice"}
@@ -323,19 +323,28 @@ impl PyPacking {
         &self,
         py: Python<'py>,
         what: &str,
-        voxel_size: Option<f64>,
+        voxel_size: Option<&Bound<'py, PyAny>>,
         method: &str,
-        element_size: Option<f64>,
+        element_size: Option<&Bound<'py, PyAny>>,
         phases: Option<&Bound<'py, PyAny>>,
         eigenstrain: Option<&Bound<'py, PyAny>>,
         axes: &str,
         boundary: &str,
-        tolerance: Option<f64>,
+        tolerance: Option<&Bound<'py, PyAny>>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let asked =
-            effective::Asked { what, voxel_size, method, element_size, phases, eigenstrain, axes, boundary, tolerance };
-        effective::compute(py, &self.0, &asked, progress)
+        let names = [("what", what), ("method", method), ("axes", axes), ("boundary", boundary)];
+        let ask = effective::asked(
+            &names,
+            &[
+                ("voxel_size_mm", voxel_size),
+                ("element_size_mm", element_size),
+                ("phases", phases),
+                ("eigenstrain", eigenstrain),
+                ("tolerance", tolerance),
+            ],
+        )?;
+        effective::compute(py, &self.0, &ask, progress)
     }
 
     /// Phases, ids, shares or distances at every voxel of the specimen, or of a box in it.

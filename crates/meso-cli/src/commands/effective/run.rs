@@ -1,19 +1,18 @@
 //! The work of `mesocrete effective`: tensors, page and fields of a saved model or a label volume.
 
 use super::flags::Args;
-use super::settings::{Values, wrong};
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_core::Model;
+use meso_ask::{EffectiveTask, Facts, Giver, Input, PhaseTables, PhasesGiven, Subject};
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, write_figures, write_page};
-use meso_effective::{
-    Effective, LabelPhases, LabelSpecimen, Phases, Property, Stiffness, effective, effective_in_tetrahedra,
-    effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
-};
+use meso_core::{Model, Spec, spec};
+use meso_effective::results::{FIGURES, Found, PAGE, write_figures, write_page};
+use meso_effective::{Effective, EffectiveError, LabelSpecimen, Stiffness};
+use serde::de::DeserializeOwned;
+use std::path::Path;
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -28,17 +27,14 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let target = |name: &str| Target::new(&args.output.join(name), force);
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
-    let subject = Subject::read(args, values, &watch)?;
-    subject.accept(args)?;
+    let specimen = Specimen::read(args, &watch)?;
+    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error))?;
+    tasks.iter().try_for_each(|task| specimen.leaves_room(task))?;
     let (mut found, mut fields) = (Vec::new(), Vec::new());
-    for property in args.properties() {
-        let (result, theirs) = subject.solve(args, property, &watch)?;
-        found.push(result);
-        fields.extend(theirs);
-    }
-    if args.what.stiffness {
-        let (result, theirs) = subject.solve_stiffness(args, &watch)?;
-        found.push(result);
+    for task in tasks {
+        let begun = Instant::now();
+        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error))?;
+        found.push((result, begun.elapsed().as_secs_f64()));
         fields.extend(theirs);
     }
     watch.finish();
@@ -56,101 +52,99 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// A specimen with the values of its phases.
-enum Subject {
-    Packing(Box<Model>, Box<Phases>),
-    Labels(LabelSpecimen, LabelPhases),
-}
+impl Args {
+    /// Refuses flags that are wrong with any file.
+    pub(crate) fn validate(&self) -> Result<(), Failure> {
+        self.ask.accept(self.input()).map_err(|wrong| Failure::Usage(Giver::Flags.refusal(&wrong)))
+    }
 
-impl Subject {
-    fn read(args: &Args, values: Values, watch: &Watch) -> Result<Self, Failure> {
-        Ok(match values {
-            Values::Packing(phases) => Self::Packing(Box::new(inputs::model(&args.model, watch)?), phases),
-            Values::Labels(phases) => Self::Labels(args.labels()?, phases),
+    /// Refuses flags that a packing of `spec` has no property for.
+    pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.ask.settle(Facts::Packing(spec), self.values()?).map(drop).map_err(|error| wrong(&error))
+    }
+
+    /// Names of the files that a run writes.
+    pub(crate) fn files(&self) -> Vec<String> {
+        self.ask.files()
+    }
+
+    fn input(&self) -> Input {
+        Input::of_file(&self.model.to_string_lossy())
+    }
+
+    /// Values of the phases, from the file if one is named.
+    fn values(&self) -> Result<PhaseTables, Failure> {
+        self.validate()?;
+        Ok(match self.input() {
+            Input::Model => PhaseTables::Packing(Box::new(self.phases()?)),
+            Input::Labels => PhaseTables::Labels(self.phases()?),
         })
     }
 
-    /// Edge of a voxel, mm.
-    fn size(&self, args: &Args) -> f64 {
-        match self {
-            Self::Packing(model, _) => args.size(&model.spec),
-            Self::Labels(specimen, _) => specimen.spacing_mm[0],
+    fn phases<T: DeserializeOwned + Default>(&self) -> Result<T, Failure> {
+        match &self.ask.phases {
+            Some(PhasesGiven::File(path)) => inputs::toml(Path::new(path), spec::options_from_toml),
+            Some(PhasesGiven::Tables(tables)) => {
+                spec::options_from_value(tables).map_err(|error| Failure::Usage(error.to_string()))
+            }
+            None => Ok(T::default()),
         }
-    }
-
-    fn solve(&self, args: &Args, what: Property, watch: &Watch) -> Result<Solved, Failure> {
-        let options = args.options(what, self.size(args));
-        let begun = Instant::now();
-        let found = match self {
-            Self::Packing(model, phases) if args.in_tetrahedra() => {
-                effective_in_tetrahedra(&**model, phases, &options, self.size(args), watch)
-                    .map(|(found, fields)| (found, all(fields, |field| PropertyField::MeshFlux(what, field))))
-            }
-            Self::Packing(model, phases) => effective(&**model, phases, &options, watch)
-                .map(|(found, fields)| (found, all(fields, |field| PropertyField::Flux(what, field)))),
-            Self::Labels(specimen, phases) => effective_of_labels(specimen, phases, &options, watch)
-                .map(|(found, fields)| (found, all(fields, |field| PropertyField::Flux(what, field)))),
-        };
-        let (found, fields) = found.map_err(|error| wrong(&error))?;
-        Ok(((Found::Flux(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
-    }
-
-    fn solve_stiffness(&self, args: &Args, watch: &Watch) -> Result<Solved, Failure> {
-        let options = args.stiffness_options(self.size(args));
-        let begun = Instant::now();
-        let found = match self {
-            Self::Packing(model, phases) if args.in_tetrahedra() => {
-                stiffness_in_tetrahedra(&**model, &phases.stiffness, &options, self.size(args), watch)
-                    .map(|(found, fields)| (found, all(fields, PropertyField::MeshStress)))
-            }
-            Self::Packing(model, phases) => stiffness(&**model, &phases.stiffness, &options, watch)
-                .map(|(found, fields)| (found, all(fields, PropertyField::Stress))),
-            Self::Labels(specimen, phases) => stiffness_of_labels(specimen, phases, &options, watch)
-                .map(|(found, fields)| (found, all(fields, PropertyField::Stress))),
-        };
-        let (found, fields) = found.map_err(|error| wrong(&error))?;
-        Ok(((Found::Stiffness(Box::new(found)), begun.elapsed().as_secs_f64()), fields))
-    }
-
-    /// Refuses voxels out of range and beyond the memory, for all properties before any of them is computed.
-    fn accept(&self, args: &Args) -> Result<(), Failure> {
-        let size = self.size(args);
-        let properties = args.properties().into_iter().map(Some).chain(args.what.stiffness.then_some(None));
-        for property in properties {
-            let name = property.map_or("stiffness", Property::name);
-            match self {
-                Self::Packing(model, _) => {
-                    let (cells, flag) = match args.in_tetrahedra() {
-                        true => ("tetrahedra", "--element-size-mm"),
-                        false => ("voxels", "--voxel-size-mm"),
-                    };
-                    let work = format!("the {name} of {cells} of {size} mm");
-                    room::accept_in_memory(&work, args.bytes(&model.spec, property)?, (flag, size))?;
-                }
-                Self::Labels(specimen, phases) => {
-                    let counts = specimen.volume.counts;
-                    let checked = match property {
-                        Some(property) => phases.values(property, &specimen.volume).map(drop),
-                        None => phases.moduli(&specimen.volume).map(drop),
-                    };
-                    checked.map_err(|error| wrong(&error))?;
-                    let bytes = property.map_or_else(
-                        || args.stiffness_options(size).bytes_of(counts),
-                        |property| args.options(property, size).bytes_of(counts),
-                    );
-                    room::accept_image(&format!("the {name} of the volume"), bytes)?;
-                }
-            }
-        }
-        Ok(())
     }
 }
 
-/// A result, its seconds, and its fields.
-type Solved = ((Found, f64), Vec<PropertyField>);
+/// What was read.
+enum Specimen {
+    Packing(Box<Model>),
+    Labels(LabelSpecimen),
+}
 
-fn all<T>(fields: Vec<T>, of: impl Fn(T) -> PropertyField) -> Vec<PropertyField> {
-    fields.into_iter().map(of).collect()
+impl Specimen {
+    fn read(args: &Args, watch: &Watch) -> Result<Self, Failure> {
+        if args.input() == Input::Model {
+            return Ok(Self::Packing(Box::new(inputs::model(&args.model, watch)?)));
+        }
+        let volume = inputs::volume(&args.model)?;
+        let given = args.ask.voxel_size_mm.map(|h| [h; 3]);
+        let spacing_mm = given.or(volume.spacing_mm).unwrap_or([1.0; 3]);
+        let periodic = args.ask.periodic.map_or([false; 3], |axes| axes.flags());
+        Ok(Self::Labels(LabelSpecimen { volume, spacing_mm, periodic }))
+    }
+
+    fn facts(&self) -> Facts<'_> {
+        match self {
+            Self::Packing(model) => Facts::Packing(&model.spec),
+            Self::Labels(specimen) => Facts::Labels(specimen),
+        }
+    }
+
+    fn subject(&self) -> Subject<'_> {
+        match self {
+            Self::Packing(model) => Subject::Packing(model),
+            Self::Labels(specimen) => Subject::Labels(specimen),
+        }
+    }
+
+    /// Refuses a task beyond the memory.
+    fn leaves_room(&self, task: &EffectiveTask) -> Result<(), Failure> {
+        let (name, (key, size)) = (task.name(), task.size());
+        match self {
+            Self::Packing(_) => {
+                let cells = if key == "voxel_size_mm" { "voxels" } else { "tetrahedra" };
+                let work = format!("the {name} of {cells} of {size} mm");
+                room::accept_in_memory(&work, task.bytes, (&Giver::Flags.option(key), size))
+            }
+            Self::Labels(_) => room::accept_image(&format!("the {name} of the volume"), task.bytes),
+        }
+    }
+}
+
+/// Turns an error into wrong usage, by the name of its flag.
+fn wrong(error: &EffectiveError) -> Failure {
+    match error {
+        EffectiveError::Value(value) if value.table == "effective" => Failure::Usage(Giver::Flags.refusal(value)),
+        EffectiveError::Diverged { .. } => Failure::Run(error.to_string()),
+        _ => Failure::Usage(error.to_string()),
+    }
 }
 
 /// Prints the result with its errors, then warnings.

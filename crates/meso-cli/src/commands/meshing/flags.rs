@@ -1,7 +1,8 @@
 //! Flags of a mesh and of its deck, as users type them.
 
 use super::errors::wrong_mesh;
-use crate::commands::names::{self, FileOr};
+use crate::commands::names;
+use crate::commands::test_file::FileOr;
 use crate::commands::{test_file, values};
 use crate::failure::Failure;
 use clap::builder::TypedValueParser;

@@ -1,8 +1,9 @@
 //! Flags of `mesocrete solve`.
 
 use crate::commands::meshing::MeshFlags;
-use crate::commands::names::{self, FileOr};
+use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
+use crate::commands::test_file::FileOr;
 use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;

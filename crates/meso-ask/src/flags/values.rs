@@ -4,32 +4,32 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 /// A number; ranges are the spec's business.
-pub(super) fn number(text: &str) -> Result<f64, String> {
+pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "it must be a number, with a point for the decimals".to_owned())
 }
 
 /// A seed.
-pub(super) fn seed(text: &str) -> Result<u64, String> {
+pub fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0, u64::MAX)
 }
 
 /// A number of things, at least one.
-pub(super) fn count(text: &str) -> Result<u32, String> {
+pub fn count(text: &str) -> Result<u32, String> {
     whole(text, 1, u32::MAX)
 }
 
 /// A number of packings, each of which is tested many times.
-pub(super) fn packings(text: &str) -> Result<u32, String> {
+pub fn packings(text: &str) -> Result<u32, String> {
     whole(text, 1, 10_000)
 }
 
 /// A whole number; ranges are the options' business.
-pub(super) fn whole_number(text: &str) -> Result<u32, String> {
+pub fn whole_number(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| "it must be a whole number, not below 0".to_owned())
 }
 
 /// A number of threads.
-pub(super) fn threads(text: &str) -> Result<u16, String> {
+pub fn threads(text: &str) -> Result<u16, String> {
     whole(text, 1, 1024)
 }
 

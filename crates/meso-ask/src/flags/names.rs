@@ -1,16 +1,12 @@
 //! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
 
-use crate::commands::test_file::is_toml;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Arg, Command};
 use serde::Serialize;
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 
 /// Parser of the names that serde knows as those of `T`; help, completions and tips list them.
-pub(super) fn parser<T>() -> impl TypedValueParser<Value = T>
+pub fn parser<T>() -> impl TypedValueParser<Value = T>
 where
     T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
 {
@@ -18,7 +14,7 @@ where
 }
 
 /// Parser of some names, which `read` turns into values.
-pub(super) fn parser_of<T>(
+pub fn parser_of<T>(
     names: Vec<&'static str>,
     read: impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static,
 ) -> impl TypedValueParser<Value = T>
@@ -28,35 +24,19 @@ where
     PossibleValuesParser::new(names).try_map(move |name| read(&name))
 }
 
-/// Parser of a TOML file, which its ending gives away, or of a name.
-#[derive(Clone)]
-pub(super) struct FileOr<T, P> {
-    pub(super) file: fn(PathBuf) -> T,
-    pub(super) name: P,
-}
-
-impl<T: Clone + Send + Sync + 'static, P: TypedValueParser<Value = T>> TypedValueParser for FileOr<T, P> {
-    type Value = T;
-
-    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
-        let path = Path::new(value);
-        if is_toml(path) { Ok((self.file)(path.to_owned())) } else { self.name.parse_ref(command, arg, value) }
-    }
-}
-
 /// Reads a name that serde knows as one of `T`'s.
-pub(super) fn read<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
+pub fn read<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
     let name: StrDeserializer<'_, Error> = text.into_deserializer();
     T::deserialize(name).map_err(|error| error.to_string())
 }
 
 /// All names of `T`, with commas.
-pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
+pub fn list<T: for<'de> Deserialize<'de>>() -> String {
     all::<T>().join(", ")
 }
 
 /// All names of `T`.
-pub(super) fn all<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
+pub fn all<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
     let mut names: &[&str] = &[];
     // It always fails, after it has received the names.
     let _ = T::deserialize(Ask(&mut names));
@@ -64,7 +44,7 @@ pub(super) fn all<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
 }
 
 /// The name of `value`; empty where serde has none for it.
-pub(super) fn of(value: &impl Serialize) -> String {
+pub fn of(value: &impl Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
@@ -97,6 +77,7 @@ impl<'de> Deserializer<'de> for Ask<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::{Arg, Command};
     use meso_core::packing::Strategy;
 
     #[test]

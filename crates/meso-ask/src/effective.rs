@@ -1,0 +1,461 @@
+//! Effective properties of a packing or a label volume.
+
+use crate::axes::Axes;
+use crate::flags::{names, values};
+use crate::strains::{self, Strain};
+use meso_concrete::{OutOfRange, Ranges};
+use meso_core::import::{ending, volume};
+use meso_core::mesh::MethodName;
+use meso_core::{Model, Spec, Watch};
+use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file};
+use meso_effective::{
+    Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
+    effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Effective diffusivity, conductivity and stiffness, each with its error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, clap::Args)]
+#[serde(default, deny_unknown_fields)]
+pub struct EffectiveAsk {
+    /// Property
+    #[arg(long, value_name = "PROPERTY", default_value = "diffusivity", value_parser = names::parser::<What>())]
+    pub what: What,
+    /// Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate,
+    /// itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as
+    /// [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too,
+    /// as in 0 = 1.0
+    #[arg(long, value_name = "FILE", value_parser = |file: &str| Ok::<_, String>(PhasesGiven::File(file.to_owned())))]
+    pub phases: Option<PhasesGiven>,
+    /// Edge of a voxel, mm; the error follows from voxels of twice the size [default: an eighth of the smallest grain; of a
+    /// label volume, the file's, or else 1]
+    #[arg(long, value_name = "H", value_parser = values::number)]
+    #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
+    pub voxel_size_mm: Option<f64>,
+    /// Division of a model: voxel, or lattice, tetrahedra whose faces follow the aggregates
+    #[arg(long, value_name = "METHOD", default_value = "voxel", value_parser = names::parser::<MethodName>())]
+    pub method: MethodName,
+    /// Edge length of the tetrahedra, mm; the error follows from elements of twice the size [default: a quarter of the
+    /// smallest grain]
+    #[arg(long, value_name = "H", value_parser = values::number)]
+    #[arg(allow_negative_numbers = true, aliases = ["element-size", "mesh-size"])]
+    pub element_size_mm: Option<f64>,
+    /// Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4
+    #[arg(long, value_name = "PHASE=STRAIN", value_delimiter = ',', value_parser = strains::of_flag)]
+    #[serde(with = "strains")]
+    #[schemars(with = "std::collections::BTreeMap<String, f64>")]
+    pub eigenstrain: Vec<Strain>,
+    /// Axes along which a label volume repeats itself; without, it has walls
+    #[arg(long, value_name = "AXES", value_parser = Axes::read)]
+    pub periodic: Option<Axes>,
+    /// Axes of the gradient; each takes a solution. Stiffness always has all
+    #[arg(long, value_name = "AXES", default_value = "xyz", value_parser = Axes::read)]
+    pub axes: Axes,
+    /// Conditions at walls: fixed, given potentials at the ends of the gradient and insulated sides; uniform-gradient, an upper
+    /// estimate, or uniform-flux, a lower one, in tetrahedra
+    #[arg(long, value_name = "NAME", default_value = "fixed", value_parser = names::parser::<Boundary>())]
+    pub boundary: Boundary,
+    /// Error of the equations, over the result, beside that of the voxels [default: 1e-9; of stiffness 1e-12]
+    #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Write no fields
+    #[arg(long)]
+    pub no_fields: bool,
+}
+
+impl Default for EffectiveAsk {
+    fn default() -> Self {
+        Self {
+            what: What::Diffusivity,
+            phases: None,
+            voxel_size_mm: None,
+            method: MethodName::Voxel,
+            element_size_mm: None,
+            eigenstrain: Vec::new(),
+            periodic: None,
+            axes: Axes::ALL,
+            boundary: Boundary::Fixed,
+            tolerance: None,
+            no_fields: false,
+        }
+    }
+}
+
+/// A property, or all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum What {
+    /// Diffusivity, relative to the phases' own.
+    #[default]
+    Diffusivity,
+    /// Conductivity of heat, W/(m K).
+    Conductivity,
+    /// Stiffness, MPa, and expansion.
+    Stiffness,
+    /// All three.
+    All,
+}
+
+impl What {
+    /// The properties, `None` for stiffness.
+    pub fn properties(self) -> Vec<Option<Property>> {
+        let all = [Some(Property::Diffusivity), Some(Property::Conductivity), None];
+        match self {
+            Self::Diffusivity => all[..1].to_vec(),
+            Self::Conductivity => all[1..2].to_vec(),
+            Self::Stiffness => all[2..].to_vec(),
+            Self::All => all.to_vec(),
+        }
+    }
+}
+
+/// Where the values of the phases stand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PhasesGiven {
+    /// In a file of this name.
+    File(String),
+    /// In tables by property.
+    Tables(Value),
+}
+
+/// What a property is asked of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A saved model.
+    Model,
+    /// A label volume.
+    Labels,
+}
+
+impl Input {
+    /// The kind of a file, by its ending.
+    pub fn of_file(name: &str) -> Self {
+        let is_volume = ending(name).is_some_and(|ending| volume::ENDINGS.contains(&ending.as_str()));
+        if is_volume { Self::Labels } else { Self::Model }
+    }
+}
+
+/// Values of the phases, read.
+#[derive(Clone, Debug)]
+pub enum PhaseTables {
+    /// By phase.
+    Packing(Box<Phases>),
+    /// By label.
+    Labels(LabelPhases),
+}
+
+/// What is known of a specimen before any work.
+#[derive(Clone, Copy, Debug)]
+pub enum Facts<'a> {
+    /// The spec of a packing.
+    Packing(&'a Spec),
+    /// A label volume.
+    Labels(&'a LabelSpecimen),
+}
+
+/// The specimen itself.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A packing.
+    Packing(&'a Model),
+    /// A label volume.
+    Labels(&'a LabelSpecimen),
+}
+
+/// The table of refusals.
+const ASK: Ranges = Ranges("effective");
+
+impl EffectiveAsk {
+    /// Refuses options that contradict each other or their input, before anything is read.
+    ///
+    /// # Errors
+    /// The option, its value and what would be accepted.
+    pub fn accept(&self, input: Input) -> Result<(), OutOfRange> {
+        let has = |stiffness: bool| self.what.properties().iter().any(|property| property.is_none() == stiffness);
+        let (is_flux, is_lattice) = (has(false), self.method == MethodName::Lattice);
+        let method = names::of(&self.method);
+        let fits = self.method != MethodName::Conforming;
+        ASK.require("method", &method, fits, "it must be voxel or lattice")?;
+        let accepted = "a label volume is its own voxels; take the method voxel";
+        ASK.require("method", &method, input == Input::Model || !is_lattice, accepted)?;
+        if let Some(size) = self.voxel_size_mm {
+            let accepted = "only the method voxel takes it; tetrahedra have an element size";
+            ASK.require("voxel_size_mm", size, !is_lattice, accepted)?;
+        }
+        if let Some(size) = self.element_size_mm {
+            ASK.require("element_size_mm", size, is_lattice, "only the method lattice takes it")?;
+        }
+        let accepted = "a model's specimen has its own periods; only label volumes take it";
+        let periodic = self.periodic.map(|axes| axes.to_string()).unwrap_or_default();
+        ASK.require("periodic", periodic, self.periodic.is_none() || input == Input::Labels, accepted)?;
+        let strains = strains::shown(&self.eigenstrain);
+        let accepted = "only stiffness has strains; take what = stiffness or all";
+        ASK.require("eigenstrain", strains, self.eigenstrain.is_empty() || has(true), accepted)?;
+        ASK.require("axes", self.axes, is_flux || self.axes == Axes::ALL, "stiffness takes all, xyz")?;
+        let is_fixed = self.boundary == Boundary::Fixed;
+        ASK.require("boundary", self.boundary.name(), is_flux || is_fixed, "stiffness takes fixed")?;
+        self.boundary.accept_for(is_lattice)
+    }
+
+    /// One task for each property, with all options in their ranges. `values` are those of the phases.
+    ///
+    /// # Errors
+    /// Those of [`accept`](Self::accept); values out of range; a specimen that has no such property.
+    pub fn settle(&self, of: Facts<'_>, mut values: PhaseTables) -> Result<Vec<EffectiveTask>, EffectiveError> {
+        self.accept(of.input())?;
+        for (name, strain) in &self.eigenstrain {
+            let accepted = "its phases must be mortar, itz, aggregate, void or fibre";
+            let unknown = || ASK.error("eigenstrain", format!("{name}={strain:e}"), accepted);
+            let moduli = match &mut values {
+                PhaseTables::Packing(phases) => phases.stiffness.phase_mut(name).ok_or_else(unknown)?,
+                PhaseTables::Labels(phases) => phases.stiffness.entry(name.clone()).or_default(),
+            };
+            moduli.eigenstrain = Some(*strain);
+        }
+        let division = Division { in_tetrahedra: self.method == MethodName::Lattice, size_mm: self.size(of) };
+        let task = |property: Option<Property>| {
+            let work = self.work(property, division.size_mm);
+            let bytes = work.accept(of, &values, division)?;
+            Ok(EffectiveTask { work, values: values.clone(), division, bytes })
+        };
+        self.what.properties().into_iter().map(task).collect()
+    }
+
+    /// Names of the files that a run writes.
+    pub fn files(&self) -> Vec<String> {
+        let ending = field_ending(self.method == MethodName::Lattice);
+        let fields =
+            self.what.properties().into_iter().filter(|_| !self.no_fields).flat_map(|property| match property {
+                Some(what) => {
+                    let axes = (0..3).filter(|axis| self.axes.flags()[*axis]);
+                    axes.map(|axis| field_file(what, axis, ending)).collect::<Vec<_>>()
+                }
+                None => (0..6).map(|row| stress_file(row, ending)).collect(),
+            });
+        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).collect()
+    }
+
+    /// Edge of a voxel or a tetrahedron, mm.
+    fn size(&self, of: Facts<'_>) -> f64 {
+        match (of, self.method) {
+            (Facts::Labels(specimen), _) => specimen.spacing_mm[0],
+            (Facts::Packing(spec), MethodName::Lattice) => {
+                self.element_size_mm.unwrap_or_else(|| EffectiveOptions::default_element_size(spec.grading.d_min_mm))
+            }
+            (Facts::Packing(spec), _) => {
+                self.voxel_size_mm.unwrap_or_else(|| EffectiveOptions::default_voxel_size(spec.grading.d_min_mm))
+            }
+        }
+    }
+
+    fn work(&self, property: Option<Property>, size_mm: f64) -> Work {
+        let (axes, fields, boundary) = (self.axes.flags(), !self.no_fields, self.boundary);
+        match property {
+            Some(what) => {
+                let usual = EffectiveOptions::new(what, size_mm);
+                let tolerance = self.tolerance.unwrap_or(usual.tolerance);
+                Work::Flux(EffectiveOptions { axes, fields, tolerance, boundary, ..usual })
+            }
+            None => {
+                let usual = StiffnessOptions::new(size_mm);
+                let tolerance = self.tolerance.unwrap_or(usual.tolerance);
+                Work::Stiffness(StiffnessOptions { fields, tolerance, ..usual })
+            }
+        }
+    }
+}
+
+impl Facts<'_> {
+    fn input(&self) -> Input {
+        match self {
+            Self::Packing(_) => Input::Model,
+            Self::Labels(_) => Input::Labels,
+        }
+    }
+}
+
+/// How a specimen is divided.
+#[derive(Clone, Copy, Debug)]
+struct Division {
+    in_tetrahedra: bool,
+    size_mm: f64,
+}
+
+/// A property with its options.
+#[derive(Clone, Copy, Debug)]
+enum Work {
+    Flux(EffectiveOptions),
+    Stiffness(StiffnessOptions),
+}
+
+impl Work {
+    /// Refuses what `of` cannot have; the memory that it takes at most, bytes.
+    fn accept(&self, of: Facts<'_>, values: &PhaseTables, division: Division) -> Result<f64, EffectiveError> {
+        match (self, of, values) {
+            (Self::Flux(options), Facts::Packing(Spec { specimen, .. }), PhaseTables::Packing(phases)) => {
+                phases.values(options.what).validate(options.what)?;
+                match division.in_tetrahedra {
+                    true => options.bytes_in_tetrahedra(specimen, division.size_mm),
+                    false => options.bytes(specimen),
+                }
+            }
+            (Self::Stiffness(options), Facts::Packing(Spec { specimen, .. }), PhaseTables::Packing(phases)) => {
+                phases.stiffness.validate()?;
+                match division.in_tetrahedra {
+                    true => options.bytes_in_tetrahedra(specimen, division.size_mm),
+                    false => options.bytes(specimen),
+                }
+            }
+            (Self::Flux(options), Facts::Labels(LabelSpecimen { volume, .. }), PhaseTables::Labels(phases)) => {
+                phases.values(options.what, volume)?;
+                Ok(options.bytes_of(volume.counts))
+            }
+            (Self::Stiffness(options), Facts::Labels(LabelSpecimen { volume, .. }), PhaseTables::Labels(phases)) => {
+                phases.moduli(volume)?;
+                Ok(options.bytes_of(volume.counts))
+            }
+            (_, Facts::Packing(_), PhaseTables::Labels(_)) | (_, Facts::Labels(_), PhaseTables::Packing(_)) => {
+                Err(mismatch())
+            }
+        }
+    }
+}
+
+/// The error of a specimen that is another one than the one settled for.
+fn mismatch() -> EffectiveError {
+    ASK.error("phases", "of another input", "a model has values by phase, a label volume by label").into()
+}
+
+/// One property of one specimen, settled: nothing is refused any more but what its solution shows.
+#[derive(Clone, Debug)]
+pub struct EffectiveTask {
+    work: Work,
+    values: PhaseTables,
+    division: Division,
+    /// Memory that it takes at most, bytes.
+    pub bytes: f64,
+}
+
+impl EffectiveTask {
+    /// Name of the property.
+    pub fn name(&self) -> &'static str {
+        match &self.work {
+            Work::Flux(options) => options.what.name(),
+            Work::Stiffness(_) => "stiffness",
+        }
+    }
+
+    /// The option of a model's size of voxels or tetrahedra, and its value, mm.
+    pub fn size(&self) -> (&'static str, f64) {
+        let Division { in_tetrahedra, size_mm } = self.division;
+        (if in_tetrahedra { "element_size_mm" } else { "voxel_size_mm" }, size_mm)
+    }
+
+    /// Solves it.
+    ///
+    /// # Errors
+    /// Those that only the solution shows, such as equations that do not converge.
+    pub fn solve(&self, of: Subject<'_>, watch: &dyn Watch) -> Result<(Found, Vec<PropertyField>), EffectiveError> {
+        let Division { in_tetrahedra, size_mm: size } = self.division;
+        match (&self.work, of, &self.values) {
+            (Work::Flux(options), Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
+                let (found, fields) = effective_in_tetrahedra(model, phases, options, size, watch)?;
+                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))
+            }
+            (Work::Flux(options), of, values) => {
+                let (found, fields) = match (of, values) {
+                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
+                        effective(model, phases, options, watch)?
+                    }
+                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
+                        effective_of_labels(specimen, phases, options, watch)?
+                    }
+                    _ => return Err(mismatch()),
+                };
+                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::Flux(options.what, field))))
+            }
+            (Work::Stiffness(options), Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
+                let (found, fields) = stiffness_in_tetrahedra(model, &phases.stiffness, options, size, watch)?;
+                Ok((Found::Stiffness(Box::new(found)), all(fields, PropertyField::MeshStress)))
+            }
+            (Work::Stiffness(options), of, values) => {
+                let (found, fields) = match (of, values) {
+                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
+                        stiffness(model, &phases.stiffness, options, watch)?
+                    }
+                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
+                        stiffness_of_labels(specimen, phases, options, watch)?
+                    }
+                    _ => return Err(mismatch()),
+                };
+                Ok((Found::Stiffness(Box::new(found)), all(fields, PropertyField::Stress)))
+            }
+        }
+    }
+}
+
+fn all<T>(fields: Vec<T>, of: impl Fn(T) -> PropertyField) -> Vec<PropertyField> {
+    fields.into_iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Giver;
+
+    fn ask(value: serde_json::Value) -> EffectiveAsk {
+        serde_json::from_value(value).unwrap()
+    }
+
+    #[test]
+    fn options_that_contradict_each_other_are_refused_before_anything_is_read() {
+        for (input, asked, said) in [
+            (Input::Model, r#"{"method": "conforming"}"#, "--method is conforming; it must be voxel or lattice"),
+            (Input::Labels, r#"{"method": "lattice"}"#, "--method is lattice; a label volume is its own voxels"),
+            (
+                Input::Model,
+                r#"{"method": "lattice", "voxel_size_mm": 2}"#,
+                "--voxel-size-mm is 2; only the method voxel",
+            ),
+            (Input::Model, r#"{"element_size_mm": 2}"#, "--element-size-mm is 2; only the method lattice takes it"),
+            (Input::Model, r#"{"periodic": "xy"}"#, "--periodic is xy; a model's specimen has its own periods"),
+            (
+                Input::Model,
+                r#"{"eigenstrain": {"mortar": -4e-4}}"#,
+                "--eigenstrain is mortar=-4e-4; only stiffness has",
+            ),
+            (Input::Model, r#"{"what": "stiffness", "axes": "x"}"#, "--axes is x; stiffness takes all, xyz"),
+            (
+                Input::Model,
+                r#"{"boundary": "uniform-flux"}"#,
+                "--boundary is uniform-flux; voxels have fixed; take the",
+            ),
+            (
+                Input::Model,
+                r#"{"what": "stiffness", "boundary": "uniform-flux"}"#,
+                "--boundary is uniform-flux; stiffness takes fixed",
+            ),
+        ] {
+            let wrong = ask(serde_json::from_str(asked).unwrap()).accept(input).expect_err(asked);
+            let refusal = Giver::Flags.refusal(&wrong);
+            assert!(refusal.starts_with(said), "{asked}: {refusal}");
+        }
+        for (input, asked) in [
+            (Input::Model, r#"{"what": "all", "axes": "x", "eigenstrain": {"mortar": 1e-4}}"#),
+            (Input::Model, r#"{"method": "lattice", "boundary": "uniform-flux"}"#),
+            (Input::Labels, r#"{"periodic": "z", "voxel_size_mm": 0.1}"#),
+        ] {
+            assert_eq!(ask(serde_json::from_str(asked).unwrap()).accept(input), Ok(()), "{asked}");
+        }
+    }
+
+    #[test]
+    fn a_request_reads_back_as_it_was_written() {
+        let asked = ask(serde_json::json!({ "what": "all", "eigenstrain": { "itz": 1e-5 }, "axes": "yz" }));
+        assert_eq!(ask(serde_json::to_value(&asked).unwrap()), asked);
+        assert_eq!(asked.files().len(), 2 + 2 + 2 + 6);
+    }
+}

@@ -1,0 +1,4 @@
+//! Parsers of flags.
+
+pub mod names;
+pub mod values;

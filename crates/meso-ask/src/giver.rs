@@ -1,0 +1,45 @@
+//! Who gave the values of a request, and so how its options are spelled.
+
+use meso_concrete::OutOfRange;
+
+/// A front that fills a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Giver<'a> {
+    /// Flags of the command: `--voxel-size-mm`.
+    Flags,
+    /// Keywords of Python, in which lengths have no unit: `voxel_size`.
+    Keywords,
+    /// A section of a file: `[effective] voxel_size_mm`.
+    Section(&'a str),
+}
+
+impl Giver<'_> {
+    /// The option with this key, as its user spells it.
+    pub fn option(self, key: &str) -> String {
+        match self {
+            Self::Flags => format!("--{}", key.replace('_', "-")),
+            Self::Keywords => key.trim_end_matches("_mm").to_owned(),
+            Self::Section(name) => format!("[{name}] {key}"),
+        }
+    }
+
+    /// A refusal in the user's spelling: the option, its value and the accepted range.
+    pub fn refusal(self, wrong: &OutOfRange) -> String {
+        format!("{} {}", self.option(&wrong.key), wrong.fault())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_concrete::Ranges;
+
+    #[test]
+    fn a_refusal_is_spelled_as_its_option_was_given() {
+        let wrong = Ranges("effective").positive("voxel_size_mm", 0.0).unwrap_err();
+        let of = |giver: Giver<'_>| giver.refusal(&wrong);
+        assert_eq!(of(Giver::Flags), "--voxel-size-mm is 0; it must be a positive number");
+        assert_eq!(of(Giver::Keywords), "voxel_size is 0; it must be a positive number");
+        assert_eq!(of(Giver::Section("effective")), "[effective] voxel_size_mm is 0; it must be a positive number");
+    }
+}

@@ -1,0 +1,19 @@
+//! Requests: what a user can ask of mesocrete, each as one value.
+//!
+//! A request is a struct. Its doc comments, ranges and defaults are the only ones: the command reads it from flags, a study
+//! from a section of its file, Python from keywords. `accept` finds what contradicts itself before anything is read, `settle`
+//! what a specimen cannot have before any work is done. A refusal names the option by its key; the [`Giver`] turns the key
+//! into the user's own spelling.
+
+// No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
+
+mod axes;
+mod effective;
+pub mod flags;
+mod giver;
+mod strains;
+
+pub use axes::Axes;
+pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, PhasesGiven, Subject, What};
+pub use giver::Giver;
