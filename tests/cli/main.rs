@@ -16,6 +16,7 @@ mod conforming;
 mod conforming_periodic;
 mod conforming_slabs;
 mod conforming_specimens;
+mod decks;
 #[cfg(feature = "gpu")]
 mod devices;
 mod effective;

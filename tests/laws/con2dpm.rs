@@ -1,10 +1,11 @@
 //! CDPM2 against OOFEM's own implementation, from the curves that `tests/oracles/con2dpm.py` keeps.
 
 use crate::subject::{Number, WIDTH, cdpm2, mortar};
-use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
 use meso_core::mesh::{ItzForm, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
+use meso_core::trial::{Sample, TestKind};
 use meso_element::law::point::{HeldStress, curve};
 use meso_element::law::{Cdpm2, Law, cdpm2 as law};
 use std::path::Path;
@@ -107,7 +108,8 @@ const VOXEL_WIDTH: f64 = 1.19;
 fn the_card_of_mat_273_has_the_curves_of_the_law() {
     let options = MeshOptions { method: Method::VOXEL, element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
     let mesh = build((&[], &Specimen::cube(4.0)), &options, &Tools::default()).unwrap();
-    let deck = DeckOptions { analysis: Analysis::Compression, materials: mortar(), ..Default::default() };
+    let mut deck = DeckOptions { analysis: TestKind::Compression.into(), materials: mortar(), ..Default::default() };
+    deck.load(&Sample::of(&mesh, &Specimen::cube(4.0), &options)).unwrap();
     let mut text = Vec::new();
     let file = MeshFormat::K.files(Path::new("mesh.k"), &mesh, &deck).remove(0);
     file.write(&mesh, &deck, false, &mut text).unwrap();

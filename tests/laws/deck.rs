@@ -1,9 +1,10 @@
 //! The law and the deck of one material are twins: the deck's tables, read from its text, against one point's curve.
 
 use crate::subject::{Number, cdp, from_peak, mortar, peak};
-use meso_core::export::abaqus::{Analysis, DeckOptions, write};
+use meso_core::export::abaqus::{DeckOptions, write};
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
+use meso_core::trial::{Sample, TestKind};
 use meso_element::law::point::{HeldStress, Reading, curve, ramp};
 
 const E: f64 = 26_000.0;
@@ -28,7 +29,8 @@ fn mesh(method: Method) -> Mesh {
 }
 
 fn deck(mesh: &Mesh) -> String {
-    let options = DeckOptions { analysis: Analysis::Compression, materials: mortar(), ..Default::default() };
+    let mut options = DeckOptions { analysis: TestKind::Compression.into(), materials: mortar(), ..Default::default() };
+    options.load(&Sample::of(mesh, &Specimen::cube(EDGE), &MeshOptions::default())).unwrap();
     let mut text = Vec::new();
     write(mesh, &options, &mut text).unwrap();
     String::from_utf8(text).unwrap()

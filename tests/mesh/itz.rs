@@ -1,10 +1,11 @@
 //! The ITZ in meshes: solid layers, cohesive elements; and the decks that use them.
 
 use crate::mesh::voxel::{aggregate, block, by_hand, deck, options_by_hand, turned_blocks};
-use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::export::abaqus::DeckOptions;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
 use meso_core::specimen::Specimen;
+use meso_core::trial::TestKind;
 use meso_core::{Silent, Spec};
 
 fn lattice(itz: ItzForm) -> Mesh {
@@ -78,14 +79,14 @@ fn two_voxels_apart() -> Mesh {
 fn a_cohesive_compression_deck_reads_as_by_hand() {
     // By hand: the aggregate's face S6 (4-1-5-8 of its nodes) is the bottom of COH3D8, its normal towards -x; plates with
     // their positive sides towards the specimen; contact, smooth step, mass scaling, history of both plates.
-    let options = DeckOptions { analysis: Analysis::Compression, ..options_by_hand() };
+    let options = DeckOptions { analysis: TestKind::Compression.into(), ..options_by_hand() };
     let text = deck(&two_voxels_apart(), &options);
     assert_eq!(text, by_hand(include_str!("../write/snapshots/two_voxels_cohesive_compression.inp")));
 }
 
 #[test]
 fn a_tension_deck_holds_both_ends() {
-    let text = deck(&two_voxels_apart(), &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
-    assert!(text.contains("PIN NSET=ZMIN") && text.contains("PIN NSET=ZMAX") && !text.contains("R3D4"));
-    assert!(text.contains("REF_TOP, 3, 3, 1.000000000e-3"));
+    let text = deck(&two_voxels_apart(), &DeckOptions { analysis: TestKind::Tension.into(), ..Default::default() });
+    assert!(text.contains("PIN NSET=N_BOTTOM") && text.contains("PIN NSET=N_TOP") && !text.contains("R3D3"));
+    assert!(text.contains("REF_BOTTOM, 3, 3, -2.500000000e-4\nREF_TOP, 3, 3, 2.500000000e-4"), "{text}");
 }

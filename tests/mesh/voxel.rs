@@ -4,9 +4,10 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::{Plane, Polyhedron};
 use meso_core::materials::{Materials, Plasticity, Strength};
-use meso_core::math::{Rotation, Vec3};
+use meso_core::math::{Aabb, Rotation, Vec3};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
 use meso_core::specimen::Specimen;
+use meso_core::trial::Sample;
 use std::io;
 use std::path::PathBuf;
 
@@ -51,8 +52,17 @@ pub(crate) fn by_hand(snapshot: &str) -> String {
 
 pub(crate) fn deck(mesh: &Mesh, options: &abaqus::DeckOptions) -> String {
     let mut out = Vec::new();
-    abaqus::write(mesh, options, &mut out).unwrap();
+    abaqus::write(mesh, &loaded(mesh, options), &mut out).unwrap();
     String::from_utf8(out).unwrap()
+}
+
+/// The options with the loads of their test on `mesh`, which fills its box, of elements of 2 mm.
+pub(crate) fn loaded(mesh: &Mesh, options: &abaqus::DeckOptions) -> abaqus::DeckOptions {
+    let aabb = Aabb::around(&mesh.points);
+    let specimen = Specimen::cuboid(aabb.size().into());
+    let mut options = options.clone();
+    options.load(&Sample::of(mesh, &specimen, &MeshOptions::default())).unwrap();
+    options
 }
 
 /// Options of the decks that were written by hand: the materials of that time.

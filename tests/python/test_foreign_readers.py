@@ -270,12 +270,33 @@ def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law
     assert [keyword.mid for keyword in keywords(deck, material)] == [2, 3]
     if analysis != "tension":
         contact = keywords(deck, "*CONTACT")[0]
-        assert (contact.surfa, contact.surfb, contact.surfatyp, contact.surfbtyp, contact.fs) == (5, 11, 4, 3, 0.1)
+        # The nodes of the lower side, or of the lower support.
+        nodes = 5 if analysis == "impact" else 11
+        assert (contact.surfa, contact.surfb, contact.surfatyp, contact.surfbtyp, contact.fs) == (nodes, 11, 4, 3, 0.1)
     if analysis == "impact":
         assert keywords(deck, "*INITIAL_VELOCITY_RIGID_BODY")[0].vz == -5000.0
     if analysis == "compression":
         law = keywords(deck, material)[1]
         assert (law.ft, law.fc, law.type, law.efc > 0) == (3.4, 40.0, 1.0, True)
+
+
+def test_decks_with_plates_keep_all_their_nodes_in_readers_that_take_one_block(tmp_path):
+    """The case: meshio kept 1 of 1,123 nodes and knew no R3D4, lsdyna-mesh-reader raised IndexError."""
+    meshio = pytest.importorskip("meshio")
+    spec = {"specimen": mc.Specimen.cube(20), "fraction": 0.05, "grading": {"d_min_mm": 5.0, "d_max_mm": 6.0, "classes_mm": [5.0, 6.0]}}
+    mesh = mc.pack(spec).mesh(for_test=True, element_size=4.0, accept_phase_error=True)
+    for analysis in ("elastic", "compression", "tension", "triaxial", "biaxial"):
+        mesh.write(tmp_path / "test.inp", analysis=analysis)
+        theirs = meshio.read(tmp_path / "test.inp")
+        assert np.abs(theirs.points[: len(mesh.points)] - mesh.points).max() < 1e-9, analysis
+        assert sum(len(block.data) for block in theirs.cells if block.type == "tetra") == len(mesh)
+        assert len(theirs.point_sets["ZMIN"]) < len(mesh.points)
+    reader = pytest.importorskip("lsdyna_mesh_reader", reason="needs lsdyna-mesh-reader (pip install lsdyna-mesh-reader)")
+    mesh.write(tmp_path / "test.k", analysis="compression")
+    deck = reader.Deck(str(tmp_path / "test.k"))
+    # Two blocks of one hexahedron and eight corners each.
+    assert [len(section.coordinates) for section in deck.node_sections] == [len(mesh.points) + 16]
+    assert deck.to_grid().n_cells == len(mesh) + 2
 
 
 @pytest.mark.parametrize(("size", "options"), [(3, ["--method", "voxel"]), (4, ["--method", "lattice"])])

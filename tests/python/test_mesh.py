@@ -94,7 +94,7 @@ def test_deck_options_are_those_of_the_command(mesh, tmp_path):
     assert "*MATERIAL" in deck.upper()
     assert "*MATERIAL" not in geometry.upper()
     assert "C3D8R" in geometry
-    mesh.write(tmp_path / "run.inp", analysis="compression", loading={"friction": 0.6, "frames": 9})
+    mesh.write(tmp_path / "run.inp", analysis="compression", friction=0.6, frames=9)
     deck = (tmp_path / "run.inp").read_text(encoding="ascii")
     assert "*FRICTION\n0.6,\n" in deck and "NUMBER INTERVAL=9\n" in deck
     with pytest.raises(ValueError, match="materials.mortar_strength.tensile_mpa is -3"):

@@ -3,15 +3,15 @@
 use crate::deck_reader::cards;
 use crate::loads::{column, cylinder, notched};
 use crate::samples::{Meshed, brittle};
-use meso_core::export::abaqus::{self, Analysis, DeckOptions};
+use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::mesh::Method;
 use meso_solve::{Control, Course, Expansion, LawName, Smoothing, Test, TestKind, Turn, TurnOf};
 use std::process::Command;
 
 /// A deck of the test.
 fn deck(meshed: &Meshed, test: &Test) -> String {
-    let loads = Some(test.loads(&meshed.sample(), 5e-7).unwrap());
-    let options = DeckOptions { analysis: Analysis::Test, loads, materials: brittle(), ..DeckOptions::default() };
+    let mut options = DeckOptions { analysis: test.clone().into(), materials: brittle(), ..DeckOptions::default() };
+    options.load(&meshed.sample()).unwrap();
     let mut deck = Vec::new();
     abaqus::write(&meshed.mesh, &options, &mut deck).unwrap();
     let deck = String::from_utf8(deck).unwrap();
@@ -73,7 +73,7 @@ fn elastic_decks_of_named_tests_are_as_stiff_in_calculix_as_in_the_engine() {
         (&halves, elastic(TestKind::Shear, 1e-4), "N_BOTTOM", 0.0),
     ] {
         let response = meshed.solve(&brittle(), &test);
-        let loads = test.loads(&meshed.sample(), 5e-7).unwrap();
+        let loads = test.loads(&meshed.sample()).unwrap();
         let Some(forces) = reactions(&deck(meshed, &test), set) else { return };
         let last = response.curve.last().unwrap();
         let begun = if pressure > 0.0 { forces[0][loads.axis] } else { 0.0 };
@@ -103,7 +103,7 @@ fn the_crack_mouth_of_an_elastic_beam_opens_as_in_calculix() {
         ..Test::default()
     };
     let response = beam.solve(&brittle(), &test);
-    let loads = test.loads(&beam.sample(), 5e-7).unwrap();
+    let loads = test.loads(&beam.sample()).unwrap();
     // Nodes of the lower side at the notch.
     let at = |side: f64| {
         let all = (1..).zip(&beam.mesh.points);
@@ -134,7 +134,7 @@ fn rows_of_times_and_layers_are_refused_in_a_deck() {
     let layer = Expansion { mortar: 1e-4.into(), layer_mm: Some(2.0), ..Expansion::default() };
     for expansion in [rows, layer] {
         let test = Test { kind: TestKind::Expansion, expansion: Some(expansion), ..Test::default() };
-        let error = test.loads(&meshed.sample(), 5e-7).unwrap_err().to_string();
+        let error = test.loads(&meshed.sample()).unwrap_err().to_string();
         assert!(error.contains("test.expansion is mortar 1e-4") && error.contains("give numbers"), "{error}");
         assert_eq!(test.suits_deck(&meshed.specimen).unwrap_err().to_string(), error);
     }
@@ -190,7 +190,7 @@ fn plates_of_a_biaxial_deck_are_linked_by_their_ratio_of_forces() {
     // The side has 9 by 18 mm, the upper end 12 by 9 mm.
     let (top, right, path) = (nodes + 2, nodes + 4, equation[3].split(',').next().unwrap());
     assert_eq!(equation[..3], ["3", &format!("{top}, 3, 1.0"), &format!("{right}, 1, 0.75")], "{equation:?}");
-    assert!(text.contains(&format!("{path}, 1, 1, ")) && text.contains("*NODE, NSET=REF_PATH"), "{text}");
+    assert!(text.contains(&format!("{path}, 1, 1, ")) && text.contains("*NSET, NSET=REF_PATH"), "{text}");
 }
 
 #[test]
@@ -211,12 +211,12 @@ fn histories_that_a_deck_cannot_follow_are_refused_with_a_remedy() {
     let cyclic = Test { kind: TestKind::Cyclic, ..Test::default() };
     let led = Test { control: Control::LateralStrain, ..Test::default() };
     for (test, why) in [(cyclic, "give turns of a strain"), (led, "test.control is lateral-strain; a deck's plates")] {
-        let error = test.loads(&meshed.sample(), 5e-7).unwrap_err().to_string();
+        let error = test.loads(&meshed.sample()).unwrap_err().to_string();
         assert!(error.contains(why), "{error}");
     }
     let biaxial = Test { kind: TestKind::Biaxial, law: LawName::Elastic, ..Test::default() };
-    let loads = Some(biaxial.loads(&meshed.sample(), 5e-7).unwrap());
-    let options = DeckOptions { analysis: Analysis::Test, loads, ..DeckOptions::default() };
+    let mut options = DeckOptions { analysis: biaxial.into(), ..DeckOptions::default() };
+    options.load(&meshed.sample()).unwrap();
     let error = abaqus::write(&meshed.mesh, &options, std::io::sink()).unwrap_err().to_string();
     assert!(error.contains("*STATIC has no servo"), "{error}");
 }

@@ -1,10 +1,11 @@
 //! Deck and engine read one table: every key of `[materials]` changes both, or stands here as one that only decks have.
 
 use crate::samples::{concrete, damaged_plasticity, small_cube};
-use meso_core::export::abaqus::{self, Analysis, DeckOptions};
+use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::{Silent, Spec};
+use meso_solve::TestKind;
 use meso_solve::{Interface, LawName, Test};
 use serde_json::Value;
 
@@ -47,12 +48,13 @@ fn meshes() -> [Meshed; 2] {
 fn decks(meshes: &[Meshed], materials: &Materials) -> Vec<u8> {
     let mut text = Vec::new();
     for meshed in meshes {
-        let deck = DeckOptions {
-            analysis: Analysis::Compression,
+        let mut deck = DeckOptions {
+            analysis: TestKind::Compression.into(),
             allow_joined: true,
             materials: materials.clone(),
             ..DeckOptions::default()
         };
+        deck.load(&meshed.sample()).unwrap();
         abaqus::write(&meshed.mesh, &deck, &mut text).unwrap();
     }
     text

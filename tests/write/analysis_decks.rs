@@ -1,6 +1,6 @@
 //! Decks of analyses, read back from their cards: they hold nothing that an analyst would refuse.
 
-use crate::mesh::voxel::{deck, options_by_hand};
+use crate::mesh::voxel::{deck, loaded, options_by_hand};
 use crate::write::deck_reader::{Card, Deck};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
@@ -11,6 +11,7 @@ use meso_core::mesh::{
     self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Tools, Volumes,
 };
 use meso_core::specimen::Specimen;
+use meso_core::trial::TestKind;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,7 +53,7 @@ static CUT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Cut
 static EXACT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact));
 
 fn compression() -> DeckOptions {
-    DeckOptions { analysis: Analysis::Compression, ..Default::default() }
+    DeckOptions { analysis: TestKind::Compression.into(), ..Default::default() }
 }
 
 /// Counts nodes shared by cores from the mesh's cells, not from its notes.
@@ -87,7 +88,7 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
     assert!(shared > 20, "{shared}: nothing to refuse");
     let error = compression().validate(mesh).unwrap_err().to_string();
     assert!(error.contains(&format!("share {shared} nodes")) && error.contains("joined mortar"), "{error}");
-    assert_eq!(DeckOptions { allow_joined: true, ..compression() }.validate(mesh), Ok(()));
+    assert_eq!(loaded(mesh, &DeckOptions { allow_joined: true, ..compression() }).validate(mesh), Ok(()));
     // A modulus of the skeleton is too stiff, and is doubted; so is a test that was asked for all the same.
     let elastic = DeckOptions { analysis: Analysis::Elastic, ..Default::default() };
     assert_eq!(elastic.validate(mesh), Ok(()));
@@ -99,7 +100,7 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
         );
     }
     assert_eq!(DeckOptions::default().doubts(mesh, None), Vec::<String>::new());
-    assert_eq!(compression().validate(&COHESIVE), Ok(()));
+    assert_eq!(loaded(&COHESIVE, &compression()).validate(&COHESIVE), Ok(()));
 }
 
 #[test]
@@ -134,7 +135,7 @@ fn mortar_parts_voxels_of_aggregates_that_would_press_on_each_other_through_cohe
         let options =
             MeshOptions { method, itz: ItzForm::Cohesive, joined, element_size_mm: 1.0, ..Default::default() };
         let mesh = meshed(options);
-        let deck = DeckOptions { analysis: Analysis::Compression, ..DeckOptions::default() };
+        let deck = DeckOptions { analysis: TestKind::Compression.into(), ..DeckOptions::default() };
         (mesh.touching_share(), deck.doubts(&mesh, None).iter().any(|doubt| doubt.contains("form a skeleton")))
     };
     let kept = cohesive(Method::VOXEL, Joined::Keep);
@@ -324,12 +325,12 @@ fn an_elastic_deck_with_a_cohesive_itz_is_elastic() {
     let with_damage = keywords(&DeckOptions { with_damage: true, ..Default::default() });
     assert!(with_damage.contains("DAMAGE EVOLUTION") && with_damage.contains("CONCRETE DAMAGED PLASTICITY"));
     let both = DeckOptions { with_damage: true, analysis: Analysis::Elastic, ..Default::default() };
-    assert!(both.validate(mesh).unwrap_err().to_string().contains("with_damage is true; analysis elastic"));
+    assert!(both.validate(mesh).unwrap_err().to_string().contains("with_damage is true; elastic has no damage"));
 }
 
 #[test]
 fn debonded_faces_still_bear_compression_and_sliding_takes_more_energy_than_opening() {
-    let options = DeckOptions { analysis: Analysis::Compression, ..options_by_hand() };
+    let options = DeckOptions { analysis: TestKind::Compression.into(), ..options_by_hand() };
     let deck = Deck::read(&deck(&COHESIVE, &options));
     let section = deck.sections.iter().find(|section| section.cohesive).unwrap();
     let controls = section.controls.as_ref().expect("it has section controls");
@@ -347,7 +348,7 @@ fn plates_press_on_nodes_where_faces_are_in_pieces() {
     let deck = Deck::read(&deck(&side_cut(), &compression()));
     assert!(deck.sheets("S_ZMIN") > 1, "the faces hang together here");
     let pairs = deck.step.unwrap().cards.into_iter().filter(|card| card.keyword == "CONTACT PAIR");
-    assert_eq!(pairs.map(|card| card.data[0][0].clone()).collect::<Vec<_>>(), ["N_ZMIN", "N_ZMAX"]);
+    assert_eq!(pairs.map(|card| card.data[0][0].clone()).collect::<Vec<_>>(), ["S_N_BOTTOM", "S_N_TOP"]);
 }
 
 /// Voxels with cohesive elements around grains that reach the lower side.
@@ -366,7 +367,7 @@ fn side_cut() -> Mesh {
 #[test]
 fn a_deck_has_the_cards_of_its_step() {
     let mut options = compression();
-    (options.loading.duration_s, options.loading.time_increment_s, options.loading.frames) = (0.01, 2e-7, 3);
+    (options.duration_s, options.time_increment_s, options.frames) = (Some(0.01), Some(2e-7), Some(3));
     let deck = Deck::read(&deck(&SMEARED, &options));
     let step = deck.step.as_ref().unwrap();
     assert_eq!(step.card("DYNAMIC").unwrap().data, [["", "0.01"]]);

@@ -1,12 +1,13 @@
 //! CalculiX, a solver we did not write, on our elastic decks. Skipped, with a message, where `ccx` is not installed.
 
-use crate::mesh::voxel::deck;
+use crate::mesh::voxel::{deck, loaded};
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools};
 use meso_core::specimen::Specimen;
+use meso_core::trial::TestKind;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -173,7 +174,7 @@ const UNKNOWN_TO_CALCULIX: [&str; 15] = [
     "*SECTIONCONTROLS",
     "COH3D6",
     "COH3D8",
-    "R3D4",
+    "R3D3",
 ];
 
 #[test]
@@ -181,15 +182,15 @@ fn calculix_knows_all_of_the_explicit_decks_but_the_documented_keywords() {
     let model = packed();
     let (mut unknown, mut refused) = (BTreeSet::new(), BTreeSet::new());
     for (analysis, itz, method) in [
-        (Analysis::Compression, ItzForm::None, Method::VOXEL),
-        (Analysis::Tension, ItzForm::Cohesive, Method::VOXEL),
-        (Analysis::Compression, ItzForm::Cohesive, Method::FITTED),
+        (TestKind::Compression.into(), ItzForm::None, Method::VOXEL),
+        (TestKind::Tension.into(), ItzForm::Cohesive, Method::VOXEL),
+        (TestKind::Compression.into(), ItzForm::Cohesive, Method::FITTED),
     ] {
         let options = MeshOptions { method, itz, joined: Joined::Mortar, element_size_mm: 3.0, ..Default::default() };
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let deck = std::fs::File::create(folder.path().join("job.inp")).unwrap();
-        abaqus::write(&mesh, &DeckOptions { analysis, ..Default::default() }, deck).unwrap();
+        abaqus::write(&mesh, &loaded(&mesh, &DeckOptions { analysis, ..Default::default() }), deck).unwrap();
         let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
             eprintln!("skipped: no `ccx` here (Debian: calculix-ccx)");
             return;

@@ -77,7 +77,7 @@ fn data(card: &mut Card, line: &str) {
 
 /// Elements by their types, and how many nodes each has.
 pub(crate) const NODES: [(&str, usize); 8] =
-    [("C3D4", 4), ("C3D10", 10), ("C3D10M", 10), ("C3D8", 8), ("C3D8R", 8), ("COH3D6", 6), ("COH3D8", 8), ("R3D4", 4)];
+    [("C3D4", 4), ("C3D10", 10), ("C3D10M", 10), ("C3D8", 8), ("C3D8R", 8), ("COH3D6", 6), ("COH3D8", 8), ("R3D3", 3)];
 
 /// The corners of an element's faces, S1 first, counted from 0: the guide's numbering.
 fn faces(kind: &str) -> &'static [&'static [usize]] {
@@ -208,6 +208,7 @@ impl Deck {
     fn add_mesh(&mut self, card: &Card) {
         match card.keyword.as_str() {
             "NODE" => {
+                assert!(self.nodes.is_empty(), "one block of nodes: readers keep one alone");
                 for (i, row) in card.data.iter().enumerate() {
                     let number = whole(&row[0]);
                     let place = card.numbers(i);
@@ -219,7 +220,9 @@ impl Deck {
             }
             "ELEMENT" => self.add_elements(card),
             "NSET" => {
-                let members: Vec<u64> = card.data.iter().flatten().map(|entry| whole(entry)).collect();
+                let given: Vec<u64> = card.data.iter().flatten().map(|entry| whole(entry)).collect();
+                let members =
+                    if card.parameters.contains_key("GENERATE") { (given[0]..=given[1]).collect() } else { given };
                 assert!(!members.is_empty(), "an empty set is an error");
                 assert!(members.windows(2).all(|pair| pair[0] < pair[1]), "a set's members ascend");
                 assert!(members.iter().all(|node| self.nodes.contains_key(node)), "a set names its nodes after them");
@@ -327,6 +330,7 @@ impl Deck {
                     .filter(|(_, p)| (p[axis] - plane).abs() < 1e-9)
                     .all(|(node, _)| set.binary_search(&node).is_ok());
                 assert!(all, "{name} lacks a node on its plane");
+                assert!(set.iter().all(|node| used.contains(node)), "{name} has a node of a plate");
             }
         }
     }

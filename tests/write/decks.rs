@@ -1,13 +1,14 @@
 //! Decks against Abaqus' keyword rules: two-element decks checked by hand, and every kind of deck by a reader of its own.
 
 use crate::mesh::specimens::every_kind;
-use crate::mesh::voxel::{aggregate, block, by_hand, deck, options_by_hand, turned_blocks};
+use crate::mesh::voxel::{aggregate, block, by_hand, deck, loaded, options_by_hand, turned_blocks};
 use crate::write::deck_reader::{Deck, NODES};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase, Tools};
 use meso_core::specimen::{Periodic, Specimen};
+use meso_core::trial::{Sample, TestKind};
 use std::collections::BTreeSet;
 
 /// Two tetrahedra over one face, the first of them aggregate; with a cohesive element between them or without.
@@ -50,10 +51,10 @@ fn an_elastic_deck_of_two_linear_tetrahedra_reads_as_by_hand() {
 }
 
 #[test]
-fn a_tension_deck_of_a_cohesive_triangle_reads_as_by_hand() {
+fn a_deck_of_a_cohesive_triangle_with_damage_reads_as_by_hand() {
     // COH3D6: the aggregate's face 6-7-8 is the bottom, its normal (1, 1, 1) out of the aggregate; 2-3-4 lie over it.
-    let text = deck(&two_tetrahedra(true), &DeckOptions { analysis: Analysis::Tension, ..options_by_hand() });
-    assert_eq!(text, by_hand(include_str!("snapshots/two_tetrahedra_cohesive_tension.inp")));
+    let text = deck(&two_tetrahedra(true), &DeckOptions { with_damage: true, ..options_by_hand() });
+    assert_eq!(text, by_hand(include_str!("snapshots/two_tetrahedra_cohesive.inp")));
 }
 
 #[test]
@@ -68,10 +69,13 @@ fn a_spike_has_no_face_for_a_plate_to_press_on() {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 9.0]].map(Vec3::from).to_vec();
     let (phase, owner) = (vec![Phase::Mortar], vec![Mesh::NO_BODY]);
     let spike = Mesh { points, cells: vec![0, 1, 2, 3], phase, owner, ..two_tetrahedra(false) };
-    let of = |analysis| DeckOptions { analysis, ..Default::default() }.validate(&spike);
-    let error = of(Analysis::Compression).unwrap_err().to_string();
-    assert!(error.starts_with("deck.analysis is compression; a plate presses on S_ZMAX, and no face"), "{error}");
-    assert_eq!(of(Analysis::Tension), Ok(()));
+    let specimen = Specimen::cuboid([1.0, 1.0, 9.0]);
+    let of = |kind: TestKind| {
+        let mut deck = DeckOptions { analysis: kind.into(), ..Default::default() };
+        deck.load(&Sample::of(&spike, &specimen, &MeshOptions::default())).map_err(|error| error.to_string())
+    };
+    let error = of(TestKind::Compression).unwrap_err();
+    assert!(error.contains("no face points to its upper plate"), "{error}");
 }
 
 #[test]
@@ -105,9 +109,10 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
             let joined = Joined::Mortar;
             let options = MeshOptions { method, itz, joined, element_size_mm: 3.0, ..Default::default() };
             let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
-            for analysis in [Analysis::None, Analysis::Elastic, Analysis::Compression, Analysis::Tension] {
+            for analysis in [Analysis::None, Analysis::Elastic, TestKind::Compression.into(), TestKind::Tension.into()]
+            {
                 for reduced_integration in [false, true] {
-                    let options = DeckOptions { analysis, reduced_integration, ..Default::default() };
+                    let options = DeckOptions { analysis: analysis.clone(), reduced_integration, ..Default::default() };
                     let text = deck(&mesh, &options);
                     seen.extend(Deck::read(&text).elements.into_values().map(|element| element.kind));
                     Deck::read(&deck(&mesh, &DeckOptions { geometry_only: true, ..options }));
@@ -126,7 +131,7 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
         for method in [Method::VOXEL, Method::FITTED] {
             let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
             let mesh = mesh::build((&[], &specimen), &options, &Tools::default()).unwrap();
-            let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
+            let text = deck(&mesh, &DeckOptions { analysis: TestKind::Compression.into(), ..Default::default() });
             Deck::read(&text);
             for side in ["XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"] {
                 let there = |line: String| text.lines().any(|l| l == line);
@@ -144,13 +149,13 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
 fn curves_that_abaqus_refuses_are_named() {
     let mesh = two_voxels(false);
     let with = |change: fn(&mut Strength)| {
-        let mut options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
+        let mut options = DeckOptions { analysis: TestKind::Compression.into(), ..Default::default() };
         options.materials.mortar.youngs_modulus_mpa = 26_000.0;
         options.materials.mortar_strength.tensile_mpa = 3.0;
         change(&mut options.materials.mortar_strength);
         options
     };
-    let error = |options: DeckOptions| options.validate(&mesh).unwrap_err().to_string();
+    let error = |options: DeckOptions| loaded(&mesh, &options).validate(&mesh).unwrap_err().to_string();
     let peak = error(with(|strength| strength.peak_strain = 0.0016));
     assert!(peak.contains("peak_strain is 0.0016; MORTAR needs 1.615e-3 or more"), "{peak}");
     let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 2e-4));

@@ -1,11 +1,13 @@
 //! LS-DYNA decks and ANSYS archives: columns, materials, templates. tests/python/test_foreign_readers.py reads them back.
 
+use crate::mesh::voxel::loaded;
 use crate::pack::models::two_boxes;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::formats::MeshFormat;
 use meso_core::materials::{self, Materials};
 use meso_core::mesh::{self, Mesh, MeshTable, Purpose, Tools};
+use meso_core::trial::TestKind;
 use serde_json::json;
 use std::path::Path;
 
@@ -20,7 +22,7 @@ fn text(mesh: &Mesh, deck: &DeckOptions, format: MeshFormat) -> std::io::Result<
     let mut bytes = Vec::new();
     let path = format!("deck.{}", format.extension());
     let files = format.files(Path::new(&path), mesh, deck);
-    files.last().unwrap().write(mesh, deck, false, &mut bytes)?;
+    files.last().unwrap().write(mesh, &loaded(mesh, deck), false, &mut bytes)?;
     Ok(String::from_utf8(bytes).unwrap())
 }
 
@@ -44,7 +46,7 @@ fn voxels() -> Mesh {
 #[test]
 fn a_273_dissipates_the_energies_of_the_mortar_in_a_band_of_the_mesh() {
     let mesh = voxels();
-    let text = text(&mesh, &deck(Analysis::Compression, LsdynaLaw::Cdpm), MeshFormat::K).unwrap();
+    let text = text(&mesh, &deck(TestKind::Compression.into(), LsdynaLaw::Cdpm), MeshFormat::K).unwrap();
     let cards = cards(&text, "*MAT_CDPM", 3);
     let given = Materials::default().mortar_strength;
     let [ft, fc, ductility] = [cards[0][6], cards[0][7], cards[1][5]];
@@ -64,18 +66,22 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
     let all = "*CONTROL_TERMINATION *CONTROL_TIMESTEP *CONTROL_ENERGY *DATABASE_GLSTAT *DATABASE_BINARY_D3PLOT";
     for (analysis, law, words) in [
         (
-            Analysis::Compression,
+            TestKind::Compression.into(),
             LsdynaLaw::Rel3,
             "*MAT_CONCRETE_DAMAGE_REL3 *BOUNDARY_PRESCRIBED_MOTION_RIGID *MAT_RIGID",
         ),
-        (Analysis::Tension, LsdynaLaw::Cscm, "*MAT_CSCM_CONCRETE *BOUNDARY_SPC_SET *BOUNDARY_PRESCRIBED_MOTION_SET"),
+        (
+            TestKind::Tension.into(),
+            LsdynaLaw::Cscm,
+            "*MAT_CSCM_CONCRETE *BOUNDARY_SPC_SET *BOUNDARY_PRESCRIBED_MOTION_SET",
+        ),
         (
             Analysis::Impact,
             LsdynaLaw::Cdpm,
             "*MAT_CDPM *INITIAL_VELOCITY_RIGID_BODY *CONTACT_AUTOMATIC_NODES_TO_SURFACE_ID",
         ),
     ] {
-        let text = text(&mesh, &deck(analysis, law), MeshFormat::K).unwrap();
+        let text = text(&mesh, &deck(analysis.clone(), law), MeshFormat::K).unwrap();
         let missing: Vec<&str> =
             words.split(' ').chain(all.split(' ')).filter(|word| !text.lines().any(|line| line == *word)).collect();
         assert!(
@@ -92,11 +98,11 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
 #[test]
 fn options_that_a_format_cannot_have_are_refused() {
     let mesh = voxels();
-    let mut strong = deck(Analysis::Compression, LsdynaLaw::Cscm);
+    let mut strong = deck(TestKind::Compression.into(), LsdynaLaw::Cscm);
     strong.materials.mortar_strength.compressive_mpa = 80.0;
     strong.materials.mortar_strength.peak_strain = 0.006;
     for (format, deck, part) in [
-        (MeshFormat::K, deck(Analysis::Elastic, LsdynaLaw::Cdpm), "a .k takes none, compression, tension or impact"),
+        (MeshFormat::K, deck(Analysis::Elastic, LsdynaLaw::Cdpm), "a .k takes none, impact or a test"),
         (MeshFormat::K, strong, "generates parameters for 20 to 58 MPa, and MORTAR has 80 MPa"),
         (MeshFormat::Inp, deck(Analysis::Impact, LsdynaLaw::Cdpm), "only a .k takes it"),
         (MeshFormat::Inp, deck(Analysis::None, LsdynaLaw::Rel3), "only a .k takes it"),

@@ -8,6 +8,7 @@ use meso_core::materials::Materials;
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, Order, PhaseVolumes, Tools, figures};
 use meso_core::specimen::{Periodic, Specimen};
+use meso_core::trial::TestKind;
 use meso_core::{Model, Silent, Spec};
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -90,7 +91,7 @@ pub(crate) fn equations_that_cannot_be_are_named_with_the_way_out() {
     let error = |mesh: &Mesh, options: &DeckOptions| options.validate(mesh).unwrap_err().to_string();
     let mut mesh = meshed([true; 3], Method::VOXEL);
     assert_eq!(tied(Analysis::Elastic).validate(&mesh), Ok(()));
-    assert!(error(&mesh, &tied(Analysis::Compression)).contains("plates need free faces"));
+    assert!(error(&mesh, &tied(TestKind::Compression.into())).contains("plates need free faces"));
     mesh.periodic = [true, true, false];
     assert!(error(&mesh, &tied(Analysis::Elastic)).starts_with("deck.analysis is elastic; with periodic_equations"));
     mesh.periodic = [false; 3];

@@ -3,7 +3,7 @@
 use crate::mesh::voxel::{by_hand, deck, options_by_hand, turned_blocks};
 use crate::write::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::cells::Sides;
@@ -11,6 +11,7 @@ use meso_core::mesh::{
     self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
     Purpose, Tools,
 };
+use meso_core::trial::TestKind;
 
 /// Two tetrahedra that share a face, the first of them aggregate.
 fn two_tetrahedra() -> Mesh {
@@ -41,9 +42,8 @@ fn a_deck_of_two_quadratic_tetrahedra_reads_as_by_hand() {
 
 #[test]
 fn explicit_decks_take_the_second_order_tetrahedron_made_for_contact() {
-    let mut mesh = two_tetrahedra();
-    mesh.raise_order();
-    let text = deck(&mesh, &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
+    let mesh = lattice(Order::Quadratic);
+    let text = deck(&mesh, &DeckOptions { analysis: TestKind::Tension.into(), ..Default::default() });
     assert!(text.contains("*ELEMENT, TYPE=C3D10M, ELSET=MORTAR\n") && !text.contains("C3D10,"));
 }
 

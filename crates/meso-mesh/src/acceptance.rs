@@ -70,6 +70,11 @@ impl PhaseOff {
         Self::between(&PhaseVolumes::of_bodies(mesh), &exact, specimen.volume())
     }
 
+    /// Whether a mesh may have such an error without consent.
+    pub fn is_accepted(&self) -> bool {
+        self.error().abs() <= Self::ACCEPTED
+    }
+
     /// Its excess, or, below 0, its lack, as a share of its exact volume.
     pub fn error(&self) -> f64 {
         self.meshed / self.exact - 1.0

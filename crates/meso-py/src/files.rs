@@ -118,7 +118,7 @@ fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyR
 pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool) -> PyResult<()> {
     match MeshFormat::from_path(path) {
         Some(format) if format.is_deck() => {
-            let effects = deck.validate_effects(mesh.kind == CellKind::Hexahedron);
+            let effects = format.check(deck).and_then(|()| deck.validate_effects(mesh.kind == CellKind::Hexahedron));
             effects.map_err(|error| wrong_value(error.to_string()))
         }
         Some(_) if is_given => {

@@ -14,12 +14,12 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{Mesh, MeshError, MeshOptions, MeshTable, PhaseVolumes, Purpose, Tools, figures};
+use meso_core::mesh::{Mesh, MeshError, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
-use meso_solve::Sample;
 use meso_solve::footing::{self, Footing};
+use meso_solve::{Sample, TrialError};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -247,11 +247,11 @@ impl PyMesh {
     /// compress : bool
     ///     Whether the data of a `.vtu` are compressed.
     /// test : str or dict, optional
-    ///     A named test, or a dict as `Test` returns it: an `.inp` then has its supports and loads (docs/decks.md).
+    ///     A named test, or a dict as `Test` returns it: the deck then has its supports and loads (docs/decks.md).
     /// **deck
     ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
-    ///     `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "impact" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
+    ///     `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults). `strain`, `friction`, `duration_s` and `time_increment_s` are laid over the test's own.
     ///
     /// Raises
     /// ------
@@ -279,20 +279,22 @@ impl PyMesh {
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
             let spec = &slf.get().1.spec;
             if let Some(test) = test.map(|named| named.test(slf.py())).transpose()? {
-                let sample = Sample::of(&mesh, &spec.specimen, &slf.get().2);
-                let loads =
-                    test.suits_deck(&spec.specimen).and_then(|()| test.loads(&sample, deck.loading.time_increment_s));
-                (deck.analysis, deck.loads) =
-                    (Analysis::Test, Some(loads.map_err(|error| response::wrong(&error.into()))?));
+                if deck.analysis != Analysis::None {
+                    return Err(wrong_value("analysis and test are two words for one thing; leave one of them out"));
+                }
+                deck.analysis = test.into();
             }
             files::check_deck(&mesh, &deck, &path, keys > 0)?;
-            deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));
-            if deck.heading.is_empty() {
-                let (seed, fraction, kind) = (spec.seed, spec.fraction, spec.specimen.kind());
-                deck.heading.push(format!("packing: seed {seed}, fraction {fraction} of a {kind}"));
-            }
+            let wrong = |error: TrialError| response::wrong(&error.into());
+            deck.suits(&spec.specimen).map_err(wrong)?;
+            deck.load(&Sample::of(&mesh, &spec.specimen, &slf.get().2)).map_err(wrong)?;
             let model = &slf.get().1;
             let exact = PhaseVolumes::exact_for(&mesh, &model.bodies(), &spec.specimen);
+            if deck.heading.is_empty() {
+                let meshed = PhaseVolumes::of_bodies(&mesh);
+                let off = exact.and_then(|exact| PhaseOff::between(&meshed, &exact, spec.specimen.volume()));
+                deck.head(spec, &slf.get().2, off.is_some_and(|off| !off.is_accepted()));
+            }
             for doubt in deck.doubts(&mesh, exact.as_ref()) {
                 PyErr::warn(slf.py(), &slf.py().get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
             }

@@ -89,12 +89,12 @@ const ROUND: f64 = 1e-6;
 impl Test {
     /// Supports and loads on `sample`, for a deck whose plates keep their speed.
     ///
-    /// `time_increment_s` is the deck's own; where the test has no step, it also stretches the time, so that waves cross the
-    /// specimen as often as in the engine.
+    /// Times are the engine's: the path takes [`duration_s`](Self::duration_s), and the increment is
+    /// [`time_step_s`](Self::time_step_s).
     ///
     /// # Errors
     /// A control or a turn that such plates cannot follow, with a remedy; supports that meet no node.
-    pub fn loads(&self, sample: &Sample, time_increment_s: f64) -> Result<Loads, TrialError> {
+    pub fn loads(&self, sample: &Sample) -> Result<Loads, TrialError> {
         self.validate()?;
         self.suits_amplitude()?;
         let geometry = sample.geometry();
@@ -118,9 +118,6 @@ impl Test {
         let shares: f64 = supports.iter().filter(|support| support.is_upper).map(shared).sum();
         path_mm.iter_mut().for_each(|place| *place *= 1.0 + shares);
         let is_cohesive = !sample.mesh.cohesive.is_empty();
-        let own = Self { time_step_s: None, ..self.clone() }.time_step_s(sample.element_size_mm, is_cohesive);
-        let time_increment_s = self.time_step_s.unwrap_or(time_increment_s);
-        let stretch = if self.duration_s.is_some() { 1.0 } else { (time_increment_s / own).max(1.0) };
         let is_pressed = supports.iter().any(|support| support.force_n != 0.0) || !pressures.is_empty();
         let way = |end: bool| {
             let own = supports.iter().filter(|support| support.axis == rig.axis && support.is_upper == end);
@@ -136,9 +133,9 @@ impl Test {
             axis: rig.axis,
             length_mm: rig.length_mm,
             section_mm2: rig.section_mm2,
-            lead_s: self.lead_s(&geometry, is_pressed) * stretch,
-            duration_s: self.duration_s(&geometry) * stretch,
-            time_increment_s,
+            lead_s: self.lead_s(&geometry, is_pressed),
+            duration_s: self.duration_s(&geometry),
+            time_increment_s: self.time_step_s(sample.element_size_mm, is_cohesive),
             is_elastic: self.law == LawName::Elastic,
         })
     }
@@ -149,6 +146,14 @@ impl Test {
     /// See [`suits`](Self::suits) and [`loads`](Self::loads).
     pub fn suits_deck(&self, specimen: &Specimen) -> Result<(), TrialError> {
         self.suits(specimen)?;
+        self.followed()
+    }
+
+    /// Finds out whether plates of a deck, which keep their speed, can follow the path.
+    ///
+    /// # Errors
+    /// A control, a turn or strains that they cannot follow, with a remedy.
+    pub fn followed(&self) -> Result<(), TrialError> {
         self.suits_amplitude()?;
         self.path_mm(1.0).map(drop)
     }

@@ -839,11 +839,11 @@ class Mesh:
         compress : bool
             Whether the data of a `.vtu` are compressed.
         test : str or dict, optional
-            A named test, or a dict as `Test` returns it: an `.inp` then has its supports and loads (docs/decks.md).
+            A named test, or a dict as `Test` returns it: the deck then has its supports and loads (docs/decks.md).
         **deck
             Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
-            `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "impact" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
+            `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults). `strain`, `friction`, `duration_s` and `time_increment_s` are laid over the test's own.
 
         Raises
         ------

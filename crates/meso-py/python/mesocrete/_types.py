@@ -422,6 +422,9 @@ class MeshOptions(TypedDict, total=False):
     """Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra."""
 
 
+DeckAnalysis = Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+
+
 class DeckCdpm2Parameters(TypedDict, total=False):
     """Parameters of Grassl et al. 2013, which decks do not have."""
 
@@ -448,21 +451,6 @@ class DeckElastic(TypedDict, total=False):
     """Poisson's ratio."""
     youngs_modulus_mpa: float
     """Young's modulus, MPa."""
-
-
-class DeckLoading(TypedDict, total=False):
-    """How the explicit analyses are loaded."""
-
-    duration_s: float
-    """Length of the step, s."""
-    frames: int
-    """Frames of field output."""
-    friction: float
-    """Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6."""
-    impact_speed_mm_per_s: float
-    """Speed of the striker of an impact, mm/s."""
-    time_increment_s: float
-    """Time increment that mass scaling keeps, s."""
 
 
 class DeckMaterials(TypedDict, total=False):
@@ -574,14 +562,20 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "compression", "tension", "impact"]
-    """The analysis the deck runs; `geometry_only` leaves it out."""
+    analysis: DeckAnalysis
+    """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
+    duration_s: float | None
+    """Time of the path, s; absent: the test's own, as in the engine, and 0.02 in an impact."""
+    frames: int | None
+    """Frames of field output; absent: 50."""
+    friction: float | None
+    """Friction between plates and specimen; absent: the test's own, 0.1 in an impact."""
     geometry_only: bool
     """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
     heading: Sequence[str]
     """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
-    loading: DeckLoading
-    """How compression and tension are loaded."""
+    impact_speed_mm_per_s: float | None
+    """Speed of the striker of an impact, mm/s; absent: 5000."""
     lsdyna_law: Literal["cdpm", "rel3", "cscm"]
     """Law of mortar and ITZ in an LS-DYNA deck (`.k`)."""
     materials: DeckMaterials
@@ -590,10 +584,10 @@ class DeckOptions(TypedDict, total=False):
     """Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z."""
     reduced_integration: bool
     """Hexahedra with reduced integration, C3D8R for C3D8."""
-    section_mm2: float | None
-    """Section that stresses are forces over, mm2; absent: the mesh's volume over its height."""
     strain: float | None
-    """Mean axial strain at the end of the analysis, a positive number; absent: the analysis' own."""
+    """Strain at the end, a positive number; absent: the test's own, 0.001 in the analysis elastic."""
+    time_increment_s: float | None
+    """Time increment that mass scaling keeps, s; absent: the test's own, as in the engine."""
     with_damage: bool
     """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
 

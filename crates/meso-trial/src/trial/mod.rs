@@ -288,6 +288,12 @@ impl Test {
         self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0)
     }
 
+    /// Whether plates of the named test rub, so that its friction has an effect.
+    pub fn rubs(&self) -> bool {
+        let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion);
+        !is_glued && self.kind != TestKind::Bending && self.supports.is_empty()
+    }
+
     /// Strains of the phases that have no stress, if the test has any.
     pub fn expansion(&self) -> Option<Expansion> {
         let usual = Expansion { aggregate: named::SWELLING.into(), ..Expansion::default() };

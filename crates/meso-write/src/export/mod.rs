@@ -6,6 +6,7 @@ pub(crate) mod appearance;
 mod columns;
 pub(crate) mod csv;
 pub(crate) mod glb;
+mod heading;
 mod lines;
 pub mod lsdyna;
 pub(crate) mod msh;

@@ -55,7 +55,7 @@ impl MeshReport {
             nodes: mesh.points.len(),
             specimen_volume_mm3: specimen.volume(),
             bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
-            mass_scaling: MassScaling::of(mesh, &deck.materials, deck.loading.time_increment_s),
+            mass_scaling: MassScaling::of(mesh, &deck.materials, deck.mass_scaling_step_s()),
             half_strength_strain: deck.half_strength_strain(mesh),
             warnings: deck.doubts(mesh, quality.exact_volumes_mm3.as_ref()),
             notes: mesh.notes,

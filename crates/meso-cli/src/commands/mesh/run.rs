@@ -21,6 +21,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let plan = args.plan()?;
+    args.meshing.accept_formats(plan.iter().map(|(_, format)| *format))?;
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
@@ -34,7 +35,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
     watch.finish();
     let (mesh, off) = mesh?;
-    settings.load(&mesh, &model.spec.specimen)?;
+    settings.load(&mesh, &model, off)?;
     let deck = &settings.deck;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_option(&error))?;

@@ -13,12 +13,18 @@ use std::path::{Path, PathBuf};
 impl Args {
     /// Refuses flags that are wrong with any file.
     pub(crate) fn validate(&self) -> Result<(), Failure> {
-        self.formats()?;
-        self.meshing.validate()
+        self.meshing.validate()?;
+        // A file of a test is read by `check`.
+        if self.meshing.has_test_file() { self.formats().map(drop) } else { self.accept_formats() }
+    }
+
+    fn accept_formats(&self) -> Result<(), Failure> {
+        self.meshing.accept_formats(self.formats()?.into_iter())
     }
 
     /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.accept_formats()?;
         let writes_deck = self.formats()?.into_iter().any(MeshFormat::is_deck);
         self.meshing.settings(spec, writes_deck).map(drop)
     }

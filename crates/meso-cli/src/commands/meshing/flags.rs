@@ -6,7 +6,7 @@ use crate::commands::test_file::FileOr;
 use crate::commands::{test_file, values};
 use crate::failure::Failure;
 use clap::builder::TypedValueParser;
-use meso_core::export::abaqus::{Analysis, Loading};
+use meso_core::export::abaqus::{Analysis, DeckOptions, Plain};
 use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Purpose, Volumes};
 use meso_core::{Spec, Watch};
@@ -164,33 +164,33 @@ pub(crate) struct DeckFlags {
     pub(super) periodic_equations: bool,
     #[arg(long, value_name = "NAME|TEST.toml", default_value = "none", value_parser = analysis_parser())]
     #[arg(help = format!(
-        "Analysis of the deck; any but none meshes, and packs, for a test: {}; in an .inp also a TEST.toml, or {}",
-        names::list::<Analysis>(),
-        tests().join(", ")
+        "Analysis of the deck; any but none meshes, and packs, for a test: {}, or a test: {}, or a TEST.toml",
+        names::list::<Plain>(),
+        names::list::<TestKind>()
     ))]
     pub(super) analysis: AnalysisText,
-    /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
+    /// Strain at the end of the analysis [default: the test's own, 0.001 elastic]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
-    pub(super) strain: Option<f64>,
+    strain: Option<f64>,
+    /// Friction between plates and specimen [default: the test's own, 0.1 in an impact]
     #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Friction between plates and specimen in compression [default: {}]", Loading::default().friction))]
     #[arg(hide_short_help = true)]
     friction: Option<f64>,
+    /// Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Length of the step in compression and tension, s [default: {}]", Loading::default().duration_s))]
     #[arg(hide_short_help = true)]
     duration: Option<f64>,
+    /// Time increment that mass scaling keeps, s [default: the test's own, as in `solve`]
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Time increment that mass scaling keeps in compression and tension, s [default: {:e}]", Loading::default().time_increment_s))]
     #[arg(hide_short_help = true)]
     time_increment: Option<f64>,
+    /// Frames of field output [default: 50]
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
-    #[arg(help = format!("Frames of field output in compression and tension [default: {}]", Loading::default().frames))]
     #[arg(hide_short_help = true)]
     frames: Option<u32>,
+    /// Speed of the striker in an impact, mm/s [default: 5000]
     #[arg(long, value_name = "MM_S", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Speed of the striker in an impact, mm/s [default: {}]", Loading::default().impact_speed_mm_per_s))]
     #[arg(hide_short_help = true)]
     impact_speed: Option<f64>,
     /// Law of mortar and ITZ in a .k
@@ -202,77 +202,53 @@ pub(crate) struct DeckFlags {
     pub(super) with_damage: bool,
 }
 
-/// An analysis as users type it: compression and tension have decks of their own.
+/// An analysis as users type it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum AnalysisText {
     Named(Analysis),
-    Test(TestKind),
     /// A file, and its test once it was read.
     File(PathBuf, Box<OnceLock<Test>>),
 }
 
-/// Names of the tests that are no analysis.
-fn tests() -> Vec<&'static str> {
-    let is_other = |name: &&str| names::read::<Analysis>(name).is_err();
-    names::all::<TestKind>().iter().copied().filter(is_other).collect()
-}
-
 /// Parser of an analysis.
 fn analysis_parser() -> impl TypedValueParser<Value = AnalysisText> {
-    let read =
-        |name: &str| names::read(name).map(AnalysisText::Named).or_else(|_| names::read(name).map(AnalysisText::Test));
-    let name = names::parser_of([names::all::<Analysis>(), &tests()[..]].concat(), read);
+    let read = |name: &str| {
+        let plain = names::read(name).map(|plain: Plain| plain.into());
+        plain.or_else(|_| names::read(name).map(|kind: TestKind| kind.into())).map(AnalysisText::Named)
+    };
+    let name = names::parser_of([names::all::<Plain>(), names::all::<TestKind>()].concat(), read);
     FileOr { file: |path| AnalysisText::File(path, Box::default()), name }
 }
 
-impl AnalysisText {
-    /// The word that gives it again.
-    pub(super) fn word(&self) -> String {
-        match self {
-            Self::Named(analysis) => names::of(analysis),
-            Self::Test(kind) => names::of(kind),
-            Self::File(..) => "TEST.toml".to_owned(),
-        }
-    }
-}
-
 impl DeckFlags {
-    /// The analysis of the deck.
-    pub(super) fn analysis(&self) -> Analysis {
-        if let AnalysisText::Named(analysis) = self.analysis { analysis } else { Analysis::Test }
-    }
-
-    /// The test of the deck, with the changes of the flags; none for an analysis.
-    pub(super) fn test(&self) -> Result<Option<Test>, Failure> {
-        let test = match &self.analysis {
-            AnalysisText::Named(_) => return Ok(None),
-            AnalysisText::Test(kind) => Test { kind: *kind, ..Test::default() },
+    /// The analysis of the deck; a file is read once.
+    fn analysis(&self) -> Result<Analysis, Failure> {
+        Ok(match &self.analysis {
+            AnalysisText::Named(analysis) => analysis.clone(),
             AnalysisText::File(path, read) => match read.get() {
-                Some(test) => test.clone(),
-                None => test_file::of_deck(path).map(|test| read.get_or_init(|| test).clone())?,
+                Some(test) => test.clone().into(),
+                None => test_file::of_deck(path).map(|test| read.get_or_init(|| test).clone())?.into(),
             },
-        };
-        Ok(Some(Test {
-            friction: self.friction.or(test.friction),
-            strain: self.strain.or(test.strain),
-            duration_s: self.duration.or(test.duration_s),
-            time_step_s: self.time_increment.or(test.time_step_s),
-            ..test
-        }))
+        })
     }
 
-    /// The flags of a test, as the command has them.
-    pub(super) fn of_test(&self) -> Vec<String> {
-        let number = |flag: &str, value: Option<f64>| value.map(|value| format!("{flag} {value:?}"));
-        let given = [
-            Some(format!("--analysis {}", self.analysis.word())),
-            number("--strain", self.strain),
-            number("--friction", self.friction),
-            number("--duration", self.duration),
-            number("--time-increment", self.time_increment),
-            self.frames.map(|frames| format!("--frames {frames}")),
-        ];
-        given.into_iter().flatten().collect()
+    /// Contents of the deck as far as flags say them.
+    pub(super) fn options(&self) -> Result<DeckOptions, Failure> {
+        Ok(DeckOptions {
+            analysis: self.analysis()?,
+            strain: self.strain,
+            friction: self.friction,
+            duration_s: self.duration,
+            time_increment_s: self.time_increment,
+            frames: self.frames,
+            impact_speed_mm_per_s: self.impact_speed,
+            with_damage: self.with_damage,
+            geometry_only: self.geometry_only,
+            reduced_integration: self.reduced_integration,
+            periodic_equations: self.periodic_equations,
+            lsdyna_law: self.lsdyna_law,
+            ..DeckOptions::default()
+        })
     }
 
     /// The file of a test.
@@ -282,18 +258,7 @@ impl DeckFlags {
 
     /// Whether the deck computes something.
     pub(super) fn analyses(&self) -> bool {
-        self.analysis() != Analysis::None && !self.geometry_only
-    }
-
-    pub(super) fn loading(&self) -> Loading {
-        let usual = Loading::default();
-        Loading {
-            friction: self.friction.unwrap_or(usual.friction),
-            duration_s: self.duration.unwrap_or(usual.duration_s),
-            time_increment_s: self.time_increment.unwrap_or(usual.time_increment_s),
-            frames: self.frames.unwrap_or(usual.frames),
-            impact_speed_mm_per_s: self.impact_speed.unwrap_or(usual.impact_speed_mm_per_s),
-        }
+        self.analysis != AnalysisText::Named(Analysis::None) && !self.geometry_only
     }
 
     /// The first flag that only a deck has. An analysis also decides mesh and packing, a time increment the figures.

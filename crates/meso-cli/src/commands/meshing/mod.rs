@@ -2,7 +2,6 @@
 
 mod errors;
 mod flags;
-mod heading;
 mod run;
 mod settings;
 

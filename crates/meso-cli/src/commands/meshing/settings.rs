@@ -1,20 +1,19 @@
 //! Options of a mesh and its deck that follow from the flags, for one specimen.
 
-use super::errors::{wrong_mesh, wrong_option};
+use super::errors::{wrong_mesh, wrong_option, wrong_test};
 use super::flags::{DeckFlags, MeshFlags};
-use super::heading;
 use crate::failure::Failure;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::MeshFormat;
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, Purpose, Room};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Room};
 use meso_core::spec::options_from_toml;
-use meso_core::specimen::Specimen;
 use meso_core::{Model, Spec, Watch};
 use meso_gmsh::Gmsh;
+use meso_solve::Sample;
 use meso_solve::footing::{self, Footing};
-use meso_solve::{LawName, Sample, Test, TrialError};
 use std::path::Path;
 
 // A doc comment here would become the command's own description.
@@ -30,8 +29,6 @@ pub(crate) struct Meshing {
 pub(crate) struct Settings {
     pub(crate) mesh: MeshSettings,
     pub(crate) deck: DeckOptions,
-    /// The test of the deck; none for an analysis.
-    test: Option<Test>,
     /// How to get the ITZ, if the mesh has none by default.
     pub(crate) hint: Option<String>,
 }
@@ -93,8 +90,19 @@ impl Meshing {
 
     /// Whether a deck is of a test with a curve.
     pub(crate) fn has_curve(&self) -> bool {
-        let has_path = |test: Option<Test>| test.is_none_or(|test| test.has_path() && test.law != LawName::Elastic);
-        self.deck.analysis().is_explicit() && !self.deck.geometry_only && self.deck.test().is_ok_and(has_path)
+        self.deck.options().is_ok_and(|deck| deck.has_curve())
+    }
+
+    /// Refuses an analysis that no packing can have in these formats, before any work.
+    pub(crate) fn accept_formats(&self, mut formats: impl Iterator<Item = MeshFormat>) -> Result<(), Failure> {
+        let deck = self.deck.options()?;
+        formats.try_for_each(|format| format.check(&deck)).map_err(|error| wrong_option(&error))?;
+        deck.follows().map_err(|error| wrong_test(&error, &deck))
+    }
+
+    /// Whether the test of the deck is a file.
+    pub(crate) fn has_test_file(&self) -> bool {
+        self.deck.file().is_some()
     }
 
     /// The files that are read.
@@ -135,12 +143,8 @@ impl Meshing {
         )?;
         let deck = self.deck(spec, options)?;
         self.validate_deck(&deck, options, writes_deck)?;
-        let test = self.deck.test()?;
-        if let Some(test) = &test {
-            let suits = test.validate().map_err(TrialError::from).and_then(|()| test.suits_deck(&spec.specimen));
-            suits.map_err(|error| Failure::Usage(error.to_string()))?;
-        }
-        Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck, test })
+        deck.suits(&spec.specimen).map_err(|error| wrong_test(&error, &deck))?;
+        Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })
     }
 
     /// Refuses flags of decks without effect: on this deck, or because none is written.
@@ -157,29 +161,16 @@ impl Meshing {
 
     /// Contents of a deck of `spec`, checked as far as that takes no mesh.
     fn deck(&self, spec: &Spec, mesh: &MeshOptions) -> Result<DeckOptions, Failure> {
-        let flags = &self.deck;
         let deck = DeckOptions {
-            analysis: flags.analysis(),
-            strain: flags.strain,
-            loading: flags.loading(),
-            loads: None,
-            with_damage: flags.with_damage,
             materials: self.mesh.materials()?,
-            geometry_only: flags.geometry_only,
-            reduced_integration: flags.reduced_integration,
-            periodic_equations: flags.periodic_equations,
-            section_mm2: Some(spec.specimen.volume() / spec.specimen.aabb().size().z),
             allow_joined: self.mesh.table().joined == Some(Joined::Keep),
-            lsdyna_law: flags.lsdyna_law,
-            heading: Vec::new(),
+            ..self.deck.options()?
         };
         deck.validate_for(spec.specimen.periodic().0).map_err(|error| wrong_option(&error))?;
         if mesh.itz == ItzForm::Cohesive {
             deck.validate_cohesive().map_err(|error| wrong_option(&error))?;
         }
-        let analysis = if deck.analysis == Analysis::Test { flags.of_test() } else { heading::analysis(&deck) };
-        let command = heading::command(mesh, &deck, self.mesh.accept_phase_error, self.mesh.has_materials(), analysis);
-        Ok(DeckOptions { heading: heading::lines(spec, &command), ..deck })
+        Ok(deck)
     }
 
     fn hint(&self, spec: &Spec, itz: ItzForm) -> Option<String> {
@@ -204,13 +195,13 @@ impl Meshing {
 }
 
 impl Settings {
-    /// Puts the supports and loads of the test on `mesh` into the deck.
-    pub(crate) fn load(&mut self, mesh: &Mesh, specimen: &Specimen) -> Result<(), Failure> {
-        let Some(test) = self.test.as_ref().filter(|_| !self.deck.geometry_only) else { return Ok(()) };
-        let sample = Sample::of(mesh, specimen, &self.mesh.footing.options);
-        let loads = test.loads(&sample, self.deck.loading.time_increment_s);
-        self.deck.loads = Some(loads.map_err(|error| Failure::Usage(error.to_string()))?);
-        Ok(())
+    /// Puts the supports and loads of the test on `mesh` into the deck, and the heading. `off` is the phase that is farthest
+    /// off its volume.
+    pub(crate) fn load(&mut self, mesh: &Mesh, model: &Model, off: Option<PhaseOff>) -> Result<(), Failure> {
+        let (spec, options) = (&model.spec, self.mesh.footing.options.for_bodies(&model.aggregates));
+        self.deck.head(spec, &options, off.is_some_and(|off| !off.is_accepted()));
+        let sample = Sample::of(mesh, &spec.specimen, &options);
+        self.deck.load(&sample).map_err(|error| wrong_test(&error, &self.deck))
     }
 }
 

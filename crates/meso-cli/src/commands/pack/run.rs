@@ -16,6 +16,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let plan = args.plan()?;
+    args.meshing.accept_formats(plan.meshes().map(|(_, format)| format))?;
     let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
     let mut watch = Watch::of_files(args.writing.quiet, &stages);
     let spec = match args.spec(&watch) {
@@ -36,11 +37,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
-        let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch).map(|(mesh, _)| mesh);
-        let mesh = settings.as_ref().map(build).transpose();
-        if let (Some(settings), Ok(Some(mesh))) = (&mut settings, &mesh) {
-            settings.load(mesh, &model.spec.specimen)?;
+        let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch);
+        let built = settings.as_ref().map(build).transpose();
+        if let (Some(settings), Ok(Some((mesh, off)))) = (&mut settings, &built) {
+            settings.load(mesh, &model, *off)?;
         }
+        let mesh = built.map(|built| built.map(|(mesh, _)| mesh));
         // A packing is not lost with its mesh.
         let deck = mesh.as_ref().ok().and_then(Option::as_ref).zip(settings.as_ref().map(|settings| &settings.deck));
         plan.write(&model, deck, &watch)?;

@@ -3,6 +3,7 @@
 //! A plate without friction holds its nodes along its axis, one with friction in all directions. There is no contact: a strip
 //! beside the middle holds its row nearest to the centre, so that the specimen turns on it.
 
+use super::geometry::Extra;
 use super::lines::real;
 use super::supports::{along, grow, is_pressed, model, names, reference};
 use super::{DeckOptions, elastic};
@@ -23,9 +24,9 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, _: &DeckOptions,
     model(lines, loads)?;
     let names = names(loads);
     let mut pressed = Vec::new();
-    for (place, (name, support)) in names.iter().zip(&loads.supports).enumerate() {
+    for (place, support) in loads.supports.iter().enumerate() {
         if is_pressed(support) {
-            pressed.push((tie(lines, mesh, (place, name, support))?, support));
+            pressed.push((tie(lines, mesh, place, support)?, support));
         }
     }
     let pins = pins(mesh, loads);
@@ -93,20 +94,27 @@ fn narrowed(mesh: &Mesh, loads: &Loads) -> Loads {
     loads
 }
 
-/// Ties the nodes of a plate to two reference nodes, the leader of the load and the follower of the path: its way is the sum of
-/// theirs. Returns both.
-fn tie(
-    lines: &mut Lines<impl Write>,
-    mesh: &Mesh,
-    (place, name, support): (usize, &str, &RigidSupport),
-) -> io::Result<[u64; 2]> {
-    let numbers = [2 * place, 2 * place + 1].map(|place| reference(mesh, place));
-    let patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
-    let middle: [f64; 3] = (0.5 * (patch.min + patch.max)).into();
-    for (number, set) in numbers.iter().zip(["LOAD", "PATH"]) {
-        lines.line(format!("*NODE, NSET=REF_{set}_{name}"))?;
-        lines.node(*number, middle)?;
-    }
+/// Numbers of the reference nodes of a pressed plate: the leader of the load, and the follower of the path.
+fn pair(mesh: &Mesh, place: usize) -> [u64; 2] {
+    [2 * place, 2 * place + 1].map(|place| reference(mesh, place))
+}
+
+/// The reference nodes of pressed plates.
+pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
+    let loads = narrowed(mesh, loads);
+    let named = names(&loads).into_iter().zip(&loads.supports).enumerate();
+    let of = |(place, (name, support)): (usize, (String, &RigidSupport))| {
+        let patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
+        let position: [f64; 3] = (0.5 * (patch.min + patch.max)).into();
+        let set = |(number, what)| Extra { number, position, set: Some(format!("REF_{what}_{name}")) };
+        pair(mesh, place).into_iter().zip(["LOAD", "PATH"]).map(set).collect::<Vec<_>>()
+    };
+    named.filter(|(_, (_, support))| is_pressed(support)).flat_map(of).collect()
+}
+
+/// Ties the nodes of a plate to its two reference nodes: its way is the sum of theirs. Returns both.
+fn tie(lines: &mut Lines<impl Write>, mesh: &Mesh, place: usize, support: &RigidSupport) -> io::Result<[u64; 2]> {
+    let numbers = pair(mesh, place);
     let (dof, [leader, follower]) = (along(support), numbers);
     lines.line("*EQUATION")?;
     for &node in &support.nodes {

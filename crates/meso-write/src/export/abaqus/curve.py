@@ -11,8 +11,11 @@ import sys
 
 HEIGHT_MM = @HEIGHT@
 SECTION_MM2 = @SECTION@
-TOP_NODE = @TOP@
-# The upper plate moves down in compression, up in tension.
+# Reference nodes of the supports at the lower and at the upper end, and the axis that they move along.
+LOWER_NODES = @LOWER@
+UPPER_NODES = @UPPER@
+AXIS = @AXIS@
+# -1 where the path presses the specimen, 1 where it pulls.
 SENSE = @SENSE@
 
 ENERGIES = [
@@ -46,18 +49,24 @@ def main(arguments):
 
 
 def curve(odb):
-    """Rows of strain, stress and energies, one for each time of the upper plate's force."""
-    regions = {}
-    for step in odb.steps.values():
-        regions.update(step.historyRegions.items())
-    plate = at_node(regions, TOP_NODE)
-    forces, ways = output(plate, "RF3"), output(plate, "U3")
+    """Rows of strain, stress and energies over the step of the path; the lower supports, which rest or pull, give the stress."""
+    regions = list(odb.steps.values())[-1].historyRegions
+    lower = [at_node(regions, node) for node in LOWER_NODES]
+    upper = [at_node(regions, node) for node in UPPER_NODES]
+    ends = [[output(plate, "U%d" % AXIS) for plate in plates] for plates in (lower, upper)]
+    forces = [output(plate, "RF%d" % AXIS) for plate in lower]
     energies = [model_output(regions, name) for _, name in ENERGIES]
+
+    def way(time):
+        low, high = [sum(interpolated(plate, time) for plate in plates) / len(plates) for plates in ends]
+        return high - low
+
+    times = [time for time, _ in forces[0]]
     rows = []
-    for time, force in forces:
-        # No minus before a zero.
-        strain = SENSE * interpolated(ways, time) / HEIGHT_MM + 0.0
-        stress = SENSE * force / SECTION_MM2 + 0.0
+    for time in times:
+        # The loads before the path have moved the plates; no minus before a zero.
+        strain = SENSE * (way(time) - way(times[0])) / HEIGHT_MM + 0.0
+        stress = -SENSE * sum(interpolated(force, time) for force in forces) / SECTION_MM2 + 0.0
         rows.append([strain, stress] + [interpolated(energy, time) for energy in energies])
     return rows
 

@@ -6,6 +6,14 @@ use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::cells::{SIDES, Sides};
 use std::io::{self, Write};
 
+/// A node that no cell has: a reference node, or the corner of a plate.
+pub(super) struct Extra {
+    pub(super) number: u64,
+    pub(super) position: [f64; 3],
+    /// Name of its node set; none for corners.
+    pub(super) set: Option<String>,
+}
+
 /// The deck's heading; of geometry alone comments, since a deck that includes it, perhaps within a part, has its own.
 pub(super) fn heading(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let comment = if options.geometry_only { "** " } else { "" };
@@ -39,16 +47,29 @@ pub(super) fn write(
     mesh: &Mesh,
     sides: &Sides,
     options: &DeckOptions,
+    extras: &[Extra],
 ) -> io::Result<()> {
-    nodes(lines, mesh)?;
+    nodes(lines, mesh, extras)?;
     elements(lines, mesh, options)?;
     node_sets(lines, sides)?;
     surfaces(lines, sides)
 }
 
-fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
-    lines.line("*NODE, NSET=ALLNODES")?;
-    (1..).zip(&mesh.points).try_for_each(|(number, p)| lines.node(number, [p.x, p.y, p.z]))
+/// One block of all nodes: readers such as meshio keep one alone. `ALLNODES` are the mesh's.
+fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh, extras: &[Extra]) -> io::Result<()> {
+    lines.line(if extras.is_empty() { "*NODE, NSET=ALLNODES" } else { "*NODE" })?;
+    (1..).zip(&mesh.points).try_for_each(|(number, p)| lines.node(number, [p.x, p.y, p.z]))?;
+    if extras.is_empty() {
+        return Ok(());
+    }
+    extras.iter().try_for_each(|extra| lines.node(extra.number, extra.position))?;
+    lines.line("*NSET, NSET=ALLNODES, GENERATE")?;
+    // meshio wants the increment, too.
+    lines.line(format!("1, {}, 1", mesh.points.len()))?;
+    for (extra, set) in extras.iter().filter_map(|extra| Some((extra, extra.set.as_ref()?))) {
+        node_set(lines, set, std::iter::once(extra.number))?;
+    }
+    Ok(())
 }
 
 /// One element block per phase, so that the block's ELSET is the phase's set.

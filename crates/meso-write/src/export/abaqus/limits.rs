@@ -1,30 +1,28 @@
 //! Ranges of a deck's values besides those of its materials.
 
-use super::{Analysis, DeckOptions, Loading};
+use super::{Analysis, DeckOptions};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::cells::Phase;
 use meso_mesh::materials::{MATERIALS, Materials};
+use meso_trial::Test;
 
 /// Checks values by their names in the options of a deck.
 pub(crate) const DECK: Ranges = Ranges("deck");
 
 /// Every value against its range; NaN lies in none.
 pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
-    let loading = &options.loading;
-    let strain = options.final_strain();
+    let strain = options.elastic_strain();
     let accepted = "it must lie between 0 and 1; the analysis sets its sign";
     DECK.require("strain", strain, strain > 0.0 && strain < 1.0, accepted)?;
-    DECK.require("friction", loading.friction, (0.0..=10.0).contains(&loading.friction), "it must be 0 to 10")?;
-    DECK.require("frames", loading.frames, loading.frames > 0, "it must be 1 or more")?;
-    DECK.positive("duration_s", loading.duration_s)?;
-    DECK.positive("time_increment_s", loading.time_increment_s)?;
-    DECK.positive("impact_speed_mm_per_s", loading.impact_speed_mm_per_s)?;
-    let met = !options.with_damage || options.analysis != Analysis::Elastic;
-    let accepted = "analysis elastic has no damage; take compression, tension or none";
+    let [friction, duration, speed] = options.impact();
+    DECK.require("friction", friction, (0.0..=10.0).contains(&friction), "it must be 0 to 10")?;
+    DECK.require("frames", options.field_frames(), options.field_frames() > 0, "it must be 1 or more")?;
+    DECK.positive("duration_s", duration)?;
+    DECK.positive("time_increment_s", options.time_increment_s.unwrap_or(1.0))?;
+    DECK.positive("impact_speed_mm_per_s", speed)?;
+    let met = !options.with_damage || options.analysis.is_explicit() || options.analysis == Analysis::None;
+    let accepted = "elastic has no damage; take another analysis, a test with a law that breaks, or none";
     DECK.require("with_damage", "true", met, accepted)?;
-    if let Some(section) = options.section_mm2 {
-        DECK.positive("section_mm2", section)?;
-    }
     let fits = |line: &&String| line.is_ascii() && !line.starts_with('*') && !line.contains(['\n', '\r']);
     if let Some(line) = options.heading.iter().find(|line| !fits(line)) {
         return Err(DECK.error("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
@@ -32,43 +30,43 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     materials(&options.materials).map_err(in_deck)
 }
 
-/// Refuses options without effect, in a deck of hexahedra or of tetrahedra. Their usual values are accepted.
+/// Refuses options without effect, in a deck of hexahedra or of tetrahedra.
 pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), OutOfRange> {
-    let DeckOptions { geometry_only, loading, strain, .. } = options;
-    let (usual, is_explicit) = (Loading::default(), options.has_curve());
-    let analysis = if *geometry_only { Analysis::None } else { options.analysis };
-    let name = format!("{:?}", options.analysis).to_lowercase();
-    let geometry = "geometry_only leaves it out";
-    let explicit = "only the analyses compression, tension and impact take it";
-    let asked = |key, value: f64, usual: f64| (key, value != usual, value.to_string());
-    let (friction, frames) = (loading.friction, f64::from(loading.frames));
-    for ((key, is_asked, value), has_effect, accepted) in [
-        (("analysis", options.analysis != Analysis::None, name), !geometry_only, geometry),
-        (("with_damage", options.with_damage, "true".to_owned()), !geometry_only, geometry),
-        (("reduced_integration", options.reduced_integration, "true".to_owned()), has_hexahedra, "only voxels take it"),
+    let DeckOptions { geometry_only, analysis, strain, friction, duration_s, time_increment_s, frames, .. } = options;
+    let (is_explicit, speed) = (analysis.is_explicit() && !geometry_only, options.impact_speed_mm_per_s);
+    let test = options.test().filter(|_| !geometry_only);
+    let has_strain = *analysis == Analysis::Elastic || test.as_ref().is_some_and(Test::has_path);
+    let rubs = *analysis == Analysis::Impact || test.as_ref().is_some_and(Test::rubs);
+    let value = |given: Option<f64>| given.map(|value| value.to_string());
+    let explicit = "only a test that breaks, and an impact, take it";
+    for (key, value, has_effect, accepted) in [
+        ("analysis", (*analysis != Analysis::None).then(|| analysis.word()), !geometry_only, GEOMETRY),
+        ("with_damage", options.with_damage.then(|| "true".to_owned()), !geometry_only, GEOMETRY),
         (
-            ("strain", strain.is_some(), strain.unwrap_or_default().to_string()),
-            analysis != Analysis::None,
-            "only an analysis takes it",
+            "reduced_integration",
+            options.reduced_integration.then(|| "true".to_owned()),
+            has_hexahedra,
+            "only voxels take it",
         ),
+        ("strain", value(*strain), has_strain && !geometry_only, "only elastic and tests with a path take it"),
+        ("friction", value(*friction), rubs && !geometry_only, "only tests whose plates rub, and an impact, take it"),
         (
-            asked("friction", friction, usual.friction),
-            matches!(analysis, Analysis::Compression | Analysis::Impact | Analysis::Test),
-            "only the analyses compression and impact take it",
-        ),
-        (
-            asked("impact_speed_mm_per_s", loading.impact_speed_mm_per_s, usual.impact_speed_mm_per_s),
-            analysis == Analysis::Impact,
+            "impact_speed_mm_per_s",
+            value(speed),
+            *analysis == Analysis::Impact && !geometry_only,
             "only the analysis impact takes it",
         ),
-        (asked("frames", frames, f64::from(usual.frames)), is_explicit, explicit),
-        (asked("duration_s", loading.duration_s, usual.duration_s), is_explicit, explicit),
-        (asked("time_increment_s", loading.time_increment_s, usual.time_increment_s), is_explicit, explicit),
+        ("frames", frames.map(|frames| frames.to_string()), is_explicit, explicit),
+        ("duration_s", value(*duration_s), is_explicit, explicit),
+        ("time_increment_s", value(*time_increment_s), is_explicit, explicit),
     ] {
-        DECK.require(key, value, has_effect || !is_asked, accepted)?;
+        DECK.require(key, value.clone().unwrap_or_default(), has_effect || value.is_none(), accepted)?;
     }
     Ok(())
 }
+
+/// The reason why geometry alone has no step and no material.
+const GEOMETRY: &str = "geometry_only leaves it out";
 
 fn materials(values: &Materials) -> Result<(), OutOfRange> {
     values.validate_elastic()?;

@@ -10,25 +10,27 @@ mod at_rest;
 mod curve;
 mod damage;
 mod elastic;
-mod explicit;
 mod geometry;
 mod limits;
 mod lines;
 mod materials;
+mod output;
 mod periodic;
 mod supports;
 
 use crate::export::lines::Lines;
 pub(crate) use curve::write_curve;
 pub(crate) use limits::DECK;
+use meso_concrete::specimen::Specimen;
 use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Materials, Strength};
-use meso_trial::Loads;
+use meso_trial::{LawName, Loads, Sample, Test, TestKind, TrialError, word};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
+pub(crate) use supports::names as support_names;
 
 /// Content of a deck besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -41,13 +43,21 @@ pub struct DeckOptions {
     pub reduced_integration: bool,
     /// Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z.
     pub periodic_equations: bool,
-    /// The analysis the deck runs; `geometry_only` leaves it out.
+    /// The analysis the deck runs, or the test; `geometry_only` leaves it out.
     pub analysis: Analysis,
-    /// Mean axial strain at the end of the analysis, a positive number; absent: the analysis' own.
+    /// Strain at the end, a positive number; absent: the test's own, 0.001 in the analysis elastic.
     pub strain: Option<f64>,
-    /// How compression and tension are loaded.
-    pub loading: Loading,
-    /// Supports and loads of the analysis `test`, on the mesh that is written.
+    /// Friction between plates and specimen; absent: the test's own, 0.1 in an impact.
+    pub friction: Option<f64>,
+    /// Time of the path, s; absent: the test's own, as in the engine, and 0.02 in an impact.
+    pub duration_s: Option<f64>,
+    /// Time increment that mass scaling keeps, s; absent: the test's own, as in the engine.
+    pub time_increment_s: Option<f64>,
+    /// Frames of field output; absent: 50.
+    pub frames: Option<u32>,
+    /// Speed of the striker of an impact, mm/s; absent: 5000.
+    pub impact_speed_mm_per_s: Option<f64>,
+    /// Supports and loads of the test on the mesh that is written: see [`load`](DeckOptions::load).
     #[serde(skip)]
     pub loads: Option<Loads>,
     /// Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks.
@@ -56,40 +66,97 @@ pub struct DeckOptions {
     pub with_damage: bool,
     /// Material values.
     pub materials: Materials,
-    /// Section that stresses are forces over, mm2; absent: the mesh's volume over its height.
-    pub section_mm2: Option<f64>,
     /// Law of mortar and ITZ in an LS-DYNA deck (`.k`).
     pub lsdyna_law: LsdynaLaw,
     /// Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept.
     pub heading: Vec<String>,
 }
 
-/// A specimen softens in the step where its mortar is at half its strength within so many times the step's strain. A cube of
-/// 24 mm in elements of 2 mm, where that is 5 times, is at 0.76 of its peak 0.07 mm beyond it, and tests at more.
-const SOFTENS_WITHIN: f64 = 8.0;
+/// A specimen softens in its test where its mortar is at half its strength within so many times the test's strain: 0.048 at
+/// 0.005. A cube of 24 mm in elements of 2 mm, where that is 0.03, is at 0.76 of its peak 0.07 mm beyond it, and tests at more.
+const SOFTENS_WITHIN: f64 = 9.6;
 /// How often the crushing energy is halved to find one that softens.
 const HALVINGS: u32 = 10;
 
 /// Analysis of a deck.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
+#[serde(from = "Word", into = "Word")]
 pub enum Analysis {
     /// Nothing: mesh, materials and sections, ready for one's own steps.
     #[default]
     None,
-    /// Linear elastic uniaxial compression by `*STATIC` (default strain 0.001); of the mean stress, where the box is
-    /// periodic and its faces are tied.
+    /// Linear elastic uniaxial compression by `*STATIC`; of the mean stress, where the box is periodic and its faces are
+    /// tied.
     Elastic,
-    /// Quasi-static compression between rigid plates with friction, explicit, with damage (default strain 0.006).
-    Compression,
-    /// Quasi-static tension between glued plates, explicit, with damage (default strain 0.001).
-    Tension,
     /// A striker falls on the specimen, which stands on a plate; only in LS-DYNA decks.
     Impact,
-    /// The test of the deck's `loads`.
-    #[serde(skip)]
-    Test,
+    /// A test, named or of a file.
+    Test(Box<Test>),
+}
+
+/// Names of the analyses that are no test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Plain {
+    /// Mesh, materials and sections.
+    None,
+    /// Linear elastic uniaxial compression.
+    Elastic,
+    /// The fall of a striker.
+    Impact,
+}
+
+/// The word for an analysis.
+#[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged, expecting = "it must be none, elastic, impact or the name of a test, such as compression")]
+enum Word {
+    Plain(Plain),
+    Test(TestKind),
+}
+
+impl From<Plain> for Analysis {
+    fn from(plain: Plain) -> Self {
+        match plain {
+            Plain::None => Self::None,
+            Plain::Elastic => Self::Elastic,
+            Plain::Impact => Self::Impact,
+        }
+    }
+}
+
+impl From<TestKind> for Analysis {
+    fn from(kind: TestKind) -> Self {
+        Test { kind, ..Test::default() }.into()
+    }
+}
+
+impl From<Test> for Analysis {
+    fn from(test: Test) -> Self {
+        Self::Test(Box::new(test))
+    }
+}
+
+impl From<Word> for Analysis {
+    fn from(word: Word) -> Self {
+        match word {
+            Word::Plain(plain) => plain.into(),
+            Word::Test(kind) => kind.into(),
+        }
+    }
+}
+
+impl From<Analysis> for Word {
+    fn from(analysis: Analysis) -> Self {
+        match analysis {
+            Analysis::None => Self::Plain(Plain::None),
+            Analysis::Elastic => Self::Plain(Plain::Elastic),
+            Analysis::Impact => Self::Plain(Plain::Impact),
+            Analysis::Test(test) => Self::Test(test.kind),
+        }
+    }
 }
 
 /// Law of mortar and ITZ in an LS-DYNA deck.
@@ -106,57 +173,111 @@ pub enum LsdynaLaw {
     Cscm,
 }
 
-/// How the explicit analyses are loaded.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Loading {
-    /// Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6.
-    pub friction: f64,
-    /// Length of the step, s.
-    pub duration_s: f64,
-    /// Time increment that mass scaling keeps, s.
-    pub time_increment_s: f64,
-    /// Frames of field output.
-    pub frames: u32,
-    /// Speed of the striker of an impact, mm/s.
-    pub impact_speed_mm_per_s: f64,
-}
-
-impl Default for Loading {
-    /// 40,000 increments: a bar wave crosses the paper's specimen, its mass scaled 22 times, 114 times in a step. On a cube
-    /// of 24 mm twice the crossings changed the peak by 1 %.
-    fn default() -> Self {
-        Self { friction: 0.1, duration_s: 0.02, time_increment_s: 5e-7, frames: 50, impact_speed_mm_per_s: 5000.0 }
-    }
-}
-
 impl Analysis {
     /// Whether the analysis is explicit dynamics, with damage.
-    pub fn is_explicit(self) -> bool {
-        matches!(self, Self::Compression | Self::Tension | Self::Impact | Self::Test)
+    pub fn is_explicit(&self) -> bool {
+        match self {
+            Self::None | Self::Elastic => false,
+            Self::Impact => true,
+            Self::Test(test) => test.law != LawName::Elastic,
+        }
     }
 
-    /// Mean axial strain at its end where none is asked for; its sign is the analysis'.
-    pub fn usual_strain(self) -> f64 {
-        if self == Self::Compression { 0.006 } else { 0.001 }
+    /// The word that a user has for it.
+    pub fn word(&self) -> String {
+        word(&Word::from(self.clone()))
     }
 }
 
+/// Strain at the end of the analysis `elastic`.
+const ELASTIC_STRAIN: f64 = 0.001;
+/// Friction, duration and speed of an impact.
+const IMPACT_FRICTION: f64 = 0.1;
+const IMPACT_S: f64 = 0.02;
+const IMPACT_MM_PER_S: f64 = 5000.0;
+/// Frames of field output.
+const FRAMES: u32 = 50;
+/// Time increment whose mass scaling a report gives where no test has one, s.
+const REPORTED_S: f64 = 5e-7;
+
 impl DeckOptions {
-    /// Mean axial strain at the end of the analysis, a positive number.
-    pub fn final_strain(&self) -> f64 {
-        self.strain.unwrap_or(self.analysis.usual_strain())
+    /// The test of the deck, with the values that are laid over its own; none of an analysis.
+    pub fn test(&self) -> Option<Test> {
+        let Analysis::Test(test) = &self.analysis else { return None };
+        Some(Test {
+            friction: self.friction.or(test.friction),
+            strain: self.strain.or(test.strain),
+            duration_s: self.duration_s.or(test.duration_s),
+            time_step_s: self.time_increment_s.or(test.time_step_s),
+            ..(**test).clone()
+        })
+    }
+
+    /// Puts the supports and loads of the test on the mesh of `sample` into the deck.
+    ///
+    /// # Errors
+    /// See [`Test::loads`].
+    pub fn load(&mut self, sample: &Sample) -> Result<(), TrialError> {
+        let test = self.test().filter(|_| !self.geometry_only);
+        self.loads = test.map(|test| test.loads(sample)).transpose()?;
+        Ok(())
+    }
+
+    /// Finds out whether a deck can follow the test, whatever its specimen.
+    ///
+    /// # Errors
+    /// See [`Test::validate`] and [`Test::suits_deck`].
+    pub fn follows(&self) -> Result<(), TrialError> {
+        let Some(test) = self.test().filter(|_| !self.geometry_only) else { return Ok(()) };
+        test.validate()?;
+        test.followed()
+    }
+
+    /// Finds out whether a specimen can have the test, and a deck its path, before there is a mesh.
+    ///
+    /// # Errors
+    /// See [`Test::validate`] and [`Test::suits_deck`].
+    pub fn suits(&self, specimen: &Specimen) -> Result<(), TrialError> {
+        self.test().map_or(Ok(()), |test| {
+            test.validate()?;
+            test.suits_deck(specimen)
+        })
+    }
+
+    /// Time increment that mass scaling keeps, s.
+    pub fn mass_scaling_step_s(&self) -> f64 {
+        let own = self.loads.as_ref().map(|loads| loads.time_increment_s);
+        own.or(self.time_increment_s).unwrap_or(REPORTED_S)
+    }
+
+    /// Strain at the end of the analysis `elastic`, a positive number.
+    pub(crate) fn elastic_strain(&self) -> f64 {
+        self.strain.unwrap_or(ELASTIC_STRAIN)
+    }
+
+    /// Frames of field output.
+    pub(crate) fn field_frames(&self) -> u32 {
+        self.frames.unwrap_or(FRAMES)
+    }
+
+    /// Friction, duration in s and speed in mm/s of an impact.
+    pub(crate) fn impact(&self) -> [f64; 3] {
+        [
+            self.friction.unwrap_or(IMPACT_FRICTION),
+            self.duration_s.unwrap_or(IMPACT_S),
+            self.impact_speed_mm_per_s.unwrap_or(IMPACT_MM_PER_S),
+        ]
     }
 
     /// Whether a job of the deck gives a curve, which the script beside it writes down.
     pub fn has_curve(&self) -> bool {
-        self.is_explicit() && !self.geometry_only && self.loads.as_ref().is_none_or(|loads| !loads.path_mm.is_empty())
+        let has_path = if let Analysis::Test(test) = &self.analysis { test.has_path() } else { true };
+        self.is_explicit() && !self.geometry_only && has_path
     }
 
     /// Whether the analysis is explicit dynamics, with damage.
     pub(crate) fn is_explicit(&self) -> bool {
-        self.analysis.is_explicit() && self.loads.as_ref().is_none_or(|loads| !loads.is_elastic)
+        self.analysis.is_explicit()
     }
 
     /// Finds out whether `mesh` can be written as a deck with these options.
@@ -171,14 +292,14 @@ impl DeckOptions {
         if !mesh.cohesive.is_empty() {
             self.validate_cohesive()?;
         }
-        if matches!(self.analysis, Analysis::Compression | Analysis::Impact) && !self.geometry_only {
-            explicit::check(&Sides::of(mesh))?;
-        }
         if self.has_curve() && !self.allow_joined {
-            refuse_joined(mesh, self.analysis)?;
+            refuse_joined(mesh, &self.analysis)?;
         }
-        if let Some(loads) = &self.loads {
-            supports::check(mesh, loads)?;
+        let has_test = matches!(self.analysis, Analysis::Test(_)) && !self.geometry_only;
+        match &self.loads {
+            Some(loads) => supports::check(loads)?,
+            None if has_test => return Err(no_loads(&self.analysis)),
+            None => {}
         }
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
@@ -219,11 +340,9 @@ impl DeckOptions {
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
-        if !self.has_curves() || matches!(self.analysis, Analysis::Impact | Analysis::Test) {
-            return None;
-        }
+        let test = self.test().filter(|test| test.kind == TestKind::Compression && self.has_curves())?;
         let Materials { mortar, mortar_strength, .. } = &self.materials;
-        let (strain, width_mm) = (self.final_strain(), materials::crack_band(mesh).width_mm);
+        let (strain, width_mm) = (test.strain(), materials::crack_band(mesh).width_mm);
         let mut halved = (0..=HALVINGS).map(|n| {
             let energy = mortar_strength.crushing_energy_n_per_mm / f64::from(1 << n);
             let strength = Strength { crushing_energy_n_per_mm: energy, ..*mortar_strength };
@@ -236,7 +355,7 @@ impl DeckOptions {
         let remedy = halved.find(|(_, half)| *half <= SOFTENS_WITHIN * strain);
         let remedy = remedy.map_or_else(String::new, |(energy, half)| format!(" ({energy} gives {half:.4})"));
         Some(format!(
-            "mortar is at half its strength at an inelastic strain of {half:.4} only, and the step ends at {strain}: the specimen \
+            "mortar is at half its strength at an inelastic strain of {half:.4} only, and the test ends at {strain}: the specimen \
              will hardly soften; take a smaller materials.mortar_strength.crushing_energy_n_per_mm{remedy}"
         ))
     }
@@ -275,11 +394,11 @@ impl DeckOptions {
         let no = |key, value, accepted| Err(DECK.error(key, value, accepted));
         let tie = "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
         let step = "with periodic_equations it needs a box without any wall; take none and a step of your own";
-        match self.analysis {
+        match &self.analysis {
             _ if periodic == [false; 3] => no("periodic_equations", "true", tie),
             Analysis::Elastic if !self.geometry_only && periodic != [true; 3] => no("analysis", "elastic", step),
             Analysis::None | Analysis::Elastic => Ok(()),
-            Analysis::Compression | Analysis::Tension | Analysis::Impact | Analysis::Test => {
+            Analysis::Impact | Analysis::Test(_) => {
                 no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
             }
         }
@@ -321,7 +440,7 @@ fn joined_doubt(mesh: &Mesh) -> Option<String> {
 }
 
 /// Refuses a mesh whose aggregates share nodes: however the mortar softens, they carry the load.
-fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
+fn refuse_joined(mesh: &Mesh, analysis: &Analysis) -> Result<(), OutOfRange> {
     let (nodes, pairs) = mesh.joined_aggregates();
     if nodes == 0 {
         return Ok(());
@@ -331,13 +450,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
         "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton that never breaks; mesh with joined mortar or itz \
          cohesive, pack with a larger min_gap_mm, or set allow_joined"
     );
-    let analysis = match analysis {
-        Analysis::Compression => "compression",
-        Analysis::Impact => "impact",
-        Analysis::Test => "test",
-        _ => "tension",
-    };
-    Err(DECK.error("analysis", analysis, accepted))
+    Err(DECK.error("analysis", analysis.word(), accepted))
 }
 
 /// Finds out whether an `.inp` can have these options.
@@ -346,7 +459,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
 /// Names the option, its value and the accepted range.
 pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     let has_impact = options.analysis == Analysis::Impact && !options.geometry_only;
-    let accepted = "only a .k takes it; take compression, tension, elastic or none for an .inp";
+    let accepted = "only a .k takes it; take a test, elastic or none for an .inp";
     DECK.require("analysis", "impact", !has_impact, accepted)?;
     let usual = LsdynaLaw::default();
     DECK.require(
@@ -357,9 +470,24 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     )
 }
 
+/// All nodes of the deck besides those of `mesh`, by ascending numbers.
+fn extras(mesh: &Mesh, options: &DeckOptions) -> Vec<geometry::Extra> {
+    let tied = options.periodic_equations.then(|| periodic::references(mesh));
+    let loads = options.loads.as_ref().filter(|_| !options.geometry_only);
+    let own = loads.map(|loads| match loads.is_elastic {
+        true => at_rest::references(mesh, loads),
+        false => supports::references(mesh, loads),
+    });
+    tied.into_iter().chain(own).flatten().collect()
+}
+
 /// The error of a test without loads.
-fn no_loads() -> OutOfRange {
-    DECK.error("analysis", "test", "it needs the loads of a test on this mesh, which meso-solve's Test::loads gives")
+fn no_loads(analysis: &Analysis) -> OutOfRange {
+    DECK.error(
+        "analysis",
+        analysis.word(),
+        "it needs the loads of the test on this mesh, which DeckOptions::load gives",
+    )
 }
 
 /// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
@@ -372,26 +500,23 @@ pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<
     let mut lines = Lines::new(out);
     geometry::heading(&mut lines, mesh, options)?;
     let sides = Sides::of(mesh);
-    geometry::write(&mut lines, mesh, &sides, options)?;
+    geometry::write(&mut lines, mesh, &sides, options, &extras(mesh, options))?;
     if options.periodic_equations {
         periodic::write(&mut lines, mesh, &sides)?;
     }
     if !options.geometry_only {
         materials::write(&mut lines, mesh, options)?;
-        match options.analysis {
-            Analysis::None => {}
-            Analysis::Elastic => {
+        match (&options.analysis, &options.loads) {
+            (Analysis::Elastic, _) => {
                 let step = if options.periodic_equations { elastic::write_periodic } else { elastic::write };
-                step(&mut lines, mesh, &sides, options.final_strain())?;
+                step(&mut lines, mesh, &sides, options.elastic_strain())?;
             }
-            Analysis::Test => {
-                let loads = options.loads.as_ref().ok_or_else(|| invalid(no_loads()))?;
+            (Analysis::Test(_), Some(loads)) => {
                 let write = if loads.is_elastic { at_rest::write } else { supports::write };
                 write(&mut lines, mesh, options, loads)?;
             }
-            Analysis::Compression | Analysis::Tension | Analysis::Impact => {
-                explicit::write(&mut lines, mesh, &sides, options)?;
-            }
+            // An impact is refused above.
+            (Analysis::None | Analysis::Impact | Analysis::Test(_), _) => {}
         }
     }
     lines.finish()

@@ -8,6 +8,7 @@
 //! tied to the image on the fewest upper ones, or free where it has no other. So is a node opposite to a void, which has no
 //! elements.
 
+use super::geometry::Extra;
 use super::limits::DECK;
 use crate::export::lines::Lines;
 use meso_collision::geometry::BoxTree;
@@ -30,19 +31,25 @@ struct Pair {
     along: [[bool; 3]; 2],
 }
 
-/// The reference nodes and the equations.
+/// The equations.
 pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
     let pairs = pairs(mesh, sides).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
-    let aabb = Aabb::around(&mesh.points);
-    let first = mesh.points.len() as u64 + 1;
-    for (axis, name) in (0..3).zip(REFERENCES).filter(|(axis, _)| mesh.periodic[*axis]) {
-        let mut position = (aabb.min + aabb.max) / 2.0;
-        position[axis] = aabb.max[axis];
-        lines.line(format!("*NODE, NSET={name}"))?;
-        lines.node(first + axis as u64, position.into())?;
-    }
     lines.line("*EQUATION")?;
-    pairs.iter().try_for_each(|pair| equations(lines, pair, first))
+    pairs.iter().try_for_each(|pair| equations(lines, pair, mesh.points.len() as u64 + 1))
+}
+
+/// The reference node of every direction in which the box repeats itself, in the middle of its upper face.
+pub(super) fn references(mesh: &Mesh) -> Vec<Extra> {
+    let aabb = Aabb::around(&mesh.points);
+    let directions = (0..3).zip(REFERENCES).filter(|(axis, _)| mesh.periodic[*axis]);
+    directions
+        .map(|(axis, name)| {
+            let mut position = (aabb.min + aabb.max) / 2.0;
+            position[axis] = aabb.max[axis];
+            let number = mesh.points.len() as u64 + 1 + axis as u64;
+            Extra { number, position: position.into(), set: Some(name.to_owned()) }
+        })
+        .collect()
 }
 
 /// One equation for each direction of displacement; four terms to a data line.

@@ -3,35 +3,35 @@
 //! A support is a reference node with the nodes that it meets. A plate is a rigid facet in contact with them; a glued one has
 //! them as nodes of its rigid body. Loads grow in a first step; the path follows in a second one.
 
-use super::geometry::node_set;
+use super::geometry::{Extra, node_set};
 use super::lines::real;
-use super::{DeckOptions, explicit, limits::DECK};
+use super::{DeckOptions, limits::DECK, output};
 use crate::export::lines::Lines;
 use meso_collision::math::Aabb;
 use meso_concrete::OutOfRange;
-use meso_mesh::cells::{CellKind, Mesh};
+use meso_mesh::cells::Mesh;
 use meso_trial::{Hold, Loads, RigidSupport};
 use std::io::{self, Write};
 
+/// Plates reach beyond the nodes that they meet by this share of the specimen's width, so that its sides can bulge.
+const OVERHANG: f64 = 0.1;
 /// Intervals of a leg's speed in the table of an amplitude: their mean is 1.5e-5 off the leg's way.
 const INTERVALS: u32 = 16;
 /// Longest name of a support in a deck; longer ones are cut.
 const LONGEST_NAME: usize = 20;
 
 /// Finds out whether Abaqus can follow the loads.
-pub(super) fn check(mesh: &Mesh, loads: &Loads) -> Result<(), OutOfRange> {
+pub(super) fn check(loads: &Loads) -> Result<(), OutOfRange> {
     let linked: Vec<&RigidSupport> = loads.supports.iter().filter(|support| support.force_ratio.is_some()).collect();
     let is_pair = linked.is_empty() || linked.iter().any(|support| support.is_upper);
     let why = "of two plates in a ratio of stresses a deck holds the lower one; give an upper one, too";
     DECK.require("analysis", &loads.test, is_pair, why)?;
     let why = "*STATIC has no servo for a ratio of stresses; take a law that breaks, such as cdp";
-    DECK.require("analysis", &loads.test, linked.is_empty() || !loads.is_elastic, why)?;
-    let why = "loads of a test need elements of the first order; mesh with order 1";
-    DECK.require("analysis", &loads.test, mesh.kind != CellKind::QuadraticTetrahedron, why)
+    DECK.require("analysis", &loads.test, linked.is_empty() || !loads.is_elastic, why)
 }
 
 /// Names of the supports in a deck, each another one.
-pub(super) fn names(loads: &Loads) -> Vec<String> {
+pub(crate) fn names(loads: &Loads) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (number, support) in (1..).zip(&loads.supports) {
         let name = format!("{:.LONGEST_NAME$}", support.name.to_uppercase());
@@ -96,9 +96,9 @@ pub(super) fn write(
     let names = names(loads);
     let mut next = Numbers::behind(mesh, loads);
     for (place, (name, support)) in names.iter().zip(&loads.supports).enumerate() {
-        body(lines, mesh, (place, name, support), &mut next)?;
+        body(lines, (reference(mesh, place), name, support), &mut next)?;
     }
-    let link = link(lines, mesh, loads, &next)?;
+    let link = link(lines, mesh, loads)?;
     let has_lead = loads.lead_s > 0.0;
     amplitudes(lines, loads)?;
     let deck = Steps { mesh, options, loads, names: &names, link };
@@ -108,7 +108,7 @@ pub(super) fn write(
     if !loads.path_mm.is_empty() { deck.path(lines) } else { Ok(()) }
 }
 
-/// The next free numbers of nodes and elements.
+/// The next free numbers of a plate's corners and elements.
 struct Numbers {
     node: u64,
     element: u64,
@@ -121,28 +121,62 @@ impl Numbers {
     }
 }
 
-/// Reference node of a support, and the rigid body that it moves.
+/// Whether a support has a facet of its own.
+fn has_facet(support: &RigidSupport) -> bool {
+    matches!(support.hold, Hold::Plate(_))
+}
+
+/// Reference nodes of the supports, the corners of their facets, and the node that leads plates in a ratio of forces.
+pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
+    let whole = Aabb::around(&mesh.points);
+    let middle = |patch: &Aabb| (0.5 * (patch.min + patch.max)).into();
+    let patches: Vec<Aabb> = loads.supports.iter().map(|support| patch(mesh, support, &whole)).collect();
+    let places =
+        names(loads).into_iter().zip(&patches).map(|(name, patch)| (middle(patch), Some(format!("REF_{name}"))));
+    let facets = loads.supports.iter().zip(&patches).filter(|(support, _)| has_facet(support));
+    let corners = facets.flat_map(|(support, patch)| corners(support, patch, &whole)).map(|corner| (corner, None));
+    let lead = is_linked(loads).then(|| (middle(&whole), Some("REF_PATH".to_owned())));
+    let all = places.chain(corners).chain(lead);
+    (reference(mesh, 0)..).zip(all).map(|(number, (position, set))| Extra { number, position, set }).collect()
+}
+
+/// The nodes under a support, in the plane of its side.
+fn patch(mesh: &Mesh, support: &RigidSupport, whole: &Aabb) -> Aabb {
+    let mut patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
+    let plane = if support.is_upper { whole.max } else { whole.min }[support.axis];
+    (patch.min[support.axis], patch.max[support.axis]) = (plane, plane);
+    patch
+}
+
+/// Corners of a facet beyond `patch` on all sides, its positive side towards the specimen.
+fn corners(support: &RigidSupport, patch: &Aabb, whole: &Aabb) -> [[f64; 3]; 4] {
+    let axis = support.axis;
+    let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+    let margin = OVERHANG * whole.size();
+    let (low, high) = (patch.min - margin, patch.max + margin);
+    let mut corners = [(low[b], low[c]), (high[b], low[c]), (high[b], high[c]), (low[b], high[c])];
+    if support.is_upper {
+        corners.reverse();
+    }
+    corners.map(|(at_b, at_c)| {
+        let mut corner = [patch.min[axis]; 3];
+        (corner[b], corner[c]) = (at_b, at_c);
+        corner
+    })
+}
+
+/// The rigid body that the reference node `number` of a support moves.
 fn body(
     lines: &mut Lines<impl Write>,
-    mesh: &Mesh,
-    (place, name, support): (usize, &str, &RigidSupport),
+    (number, name, support): (u64, &str, &RigidSupport),
     next: &mut Numbers,
 ) -> io::Result<()> {
-    let number = reference(mesh, place);
-    let mut patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
-    let whole = Aabb::around(&mesh.points);
-    let axis = support.axis;
-    let plane = if support.is_upper { whole.max } else { whole.min }[axis];
-    (patch.min[axis], patch.max[axis]) = (plane, plane);
-    let middle = 0.5 * (patch.min + patch.max);
-    lines.line(format!("*NODE, NSET=REF_{name}"))?;
-    lines.node(number, middle.into())?;
     let Hold::Plate(friction) = support.hold else {
         return lines.line(format!("*RIGID BODY, REF NODE={number}, PIN NSET=N_{name}"));
     };
     lines.line(format!("*SURFACE, TYPE=NODE, NAME=S_N_{name}"))?;
     lines.line(format!("N_{name}"))?;
-    facet(lines, (name, support.is_upper, axis), (&patch, &whole), next)?;
+    facet(lines, name, next)?;
     lines.line(format!("*RIGID BODY, REF NODE={number}, ELSET=PLATE_{name}"))?;
     // No thickness: half of any would be overclosure.
     lines.line("0.,")?;
@@ -153,35 +187,27 @@ fn body(
     lines.line(format!("{},", real(friction)))
 }
 
-/// A rigid facet beyond `patch` on all sides, its positive side towards the specimen.
-fn facet(
-    lines: &mut Lines<impl Write>,
-    (name, is_upper, axis): (&str, bool, usize),
-    (patch, whole): (&Aabb, &Aabb),
-    next: &mut Numbers,
-) -> io::Result<()> {
-    let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-    let margin = explicit::OVERHANG * whole.size();
-    let (low, high) = (patch.min - margin, patch.max + margin);
-    let mut corners = [(low[b], low[c]), (high[b], low[c]), (high[b], high[c]), (low[b], high[c])];
-    if is_upper {
-        corners.reverse();
+/// The two halves of a rigid facet. Triangles, since meshio has no word for R3D4.
+fn facet(lines: &mut Lines<impl Write>, name: &str, next: &mut Numbers) -> io::Result<()> {
+    lines.line(format!("*ELEMENT, TYPE=R3D3, ELSET=PLATE_{name}"))?;
+    for (number, half) in (next.element..).zip([[0, 1, 2], [0, 2, 3]]) {
+        lines.element(number, &half.map(|corner: u32| next.node as u32 - 1 + corner))?;
     }
-    lines.line("*NODE")?;
-    for (number, (at_b, at_c)) in (next.node..).zip(corners) {
-        let mut corner = [patch.min[axis]; 3];
-        (corner[b], corner[c]) = (at_b, at_c);
-        lines.node(number, corner)?;
-    }
-    lines.line(format!("*ELEMENT, TYPE=R3D4, ELSET=PLATE_{name}"))?;
-    lines.element(next.element, &[0, 1, 2, 3].map(|corner| next.node as u32 - 1 + corner))?;
-    (next.node, next.element) = (next.node + 4, next.element + 1);
+    (next.node, next.element) = (next.node + 4, next.element + 2);
     Ok(())
+}
+
+/// Whether plates have forces in a ratio.
+fn is_linked(loads: &Loads) -> bool {
+    loads.supports.iter().any(|support| support.force_ratio.is_some())
 }
 
 /// Links plates whose forces have a ratio: the sum of their ways, each times its force over the test's, is the way of a
 /// further node. By the principle of virtual work the forces have that ratio, before the peak and beyond. Returns the node.
-fn link(lines: &mut Lines<impl Write>, mesh: &Mesh, loads: &Loads, next: &Numbers) -> io::Result<Option<u64>> {
+fn link(lines: &mut Lines<impl Write>, mesh: &Mesh, loads: &Loads) -> io::Result<Option<u64>> {
+    if !is_linked(loads) {
+        return Ok(None);
+    }
     let linked: Vec<(u64, usize, f64)> = (0..)
         .zip(&loads.supports)
         .filter(|(_, support)| support.is_upper)
@@ -190,19 +216,15 @@ fn link(lines: &mut Lines<impl Write>, mesh: &Mesh, loads: &Loads, next: &Number
             Some((reference(mesh, place), along(support), share))
         })
         .collect();
-    if loads.supports.iter().all(|support| support.force_ratio.is_none()) {
-        return Ok(None);
-    }
-    let middle = Aabb::around(&mesh.points);
-    lines.line("*NODE, NSET=REF_PATH")?;
-    lines.node(next.node, (0.5 * (middle.min + middle.max)).into())?;
+    let facets = loads.supports.iter().filter(|support| has_facet(support)).count();
+    let lead = reference(mesh, loads.supports.len() + 4 * facets);
     lines.line("*EQUATION")?;
     lines.line(format!("{}", linked.len() + 1))?;
     for (node, dof, share) in linked {
         lines.line(format!("{node}, {dof}, {}", real(share)))?;
     }
-    lines.line(format!("{}, 1, 1.0", next.node))?;
-    Ok(Some(next.node))
+    lines.line(format!("{lead}, 1, 1.0"))?;
+    Ok(Some(lead))
 }
 
 /// Times of the path's turns, s, and their places over its farthest one, from the start on.
@@ -319,14 +341,14 @@ impl Steps<'_> {
             return Ok(());
         }
         lines.line(format!("*FIXED MASS SCALING, DT={}, TYPE=BELOW MIN", real(self.loads.time_increment_s)))?;
-        for (name, _) in self.named().filter(|(_, support)| matches!(support.hold, Hold::Plate(_))) {
+        for (name, _) in self.named().filter(|(_, support)| has_facet(support)) {
             lines.line(format!("*CONTACT PAIR, INTERACTION=I_{name}, MECHANICAL CONSTRAINT=KINEMATIC"))?;
             lines.line(format!("S_N_{name}, S_PLATE_{name}"))?;
         }
         Ok(())
     }
 
-    /// Holds all degrees of freedom of the supports but those that a force or the link moves.
+    /// Holds all degrees of freedom of the supports but those that a force, the link or the path of this step moves.
     fn hold(&self, lines: &mut Lines<impl Write>) -> io::Result<()> {
         if self.loads.supports.is_empty() {
             return Ok(());
@@ -334,7 +356,8 @@ impl Steps<'_> {
         lines.line("*BOUNDARY")?;
         for (name, support) in self.named() {
             let is_linked = self.link.is_some() && support.is_upper;
-            let free = (is_linked || is_pressed(support)).then_some(along(support));
+            let goes = self.loads.lead_s == 0.0 && support.moves != 0.0;
+            let free = (is_linked || is_pressed(support) || goes).then_some(along(support));
             for dof in (1..=6).filter(|dof| Some(*dof) != free) {
                 lines.line(format!("REF_{name}, {dof}, {dof}"))?;
             }
@@ -343,10 +366,10 @@ impl Steps<'_> {
     }
 
     fn end(&self, lines: &mut Lines<impl Write>, time_s: f64) -> io::Result<()> {
-        explicit::restart(lines)?;
-        explicit::fields(lines, self.mesh, self.options)?;
+        output::restart(lines)?;
+        output::fields(lines, self.mesh, self.options)?;
         let plates = self.named().map(|(name, support)| (format!("REF_{name}"), along(support)));
-        explicit::history(lines, plates, time_s / explicit::HISTORY)?;
+        output::history(lines, plates, time_s / output::HISTORY)?;
         lines.line("*END STEP")
     }
 }

@@ -1,148 +1,338 @@
-//! Templates of tests in a `.k`: compression between plates, tension of held faces, impact of a striker.
+//! Loading of a `.k`: the supports and loads of a test, or a striker.
+//!
+//! A plate is a rigid block in contact with the nodes under it; a glued one holds them as a set. Loads grow by curve 2, and
+//! the path follows by curve 1, a speed over its mean.
 
-use super::{FIELD, Field, PLATES, card, element, node};
-use crate::export::abaqus::{Analysis, DeckOptions};
+use super::{FIELD, Field, LOWER, UPPER, block_parts, card, element, list, node, set};
+use crate::export::abaqus::{Analysis, DECK, DeckOptions};
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
-use meso_mesh::cells::Mesh;
+use meso_concrete::OutOfRange;
+use meso_mesh::cells::{Mesh, Sides};
+use meso_trial::{Hold, LawName, Loads, RigidSupport, Rule, Test, TestKind};
 use std::io::{self, Write};
 
-/// Plates reach beyond the specimen by this share of its width, and are as thick.
+/// Plates reach beyond the nodes that they meet by this share of the specimen's width, and are as thick.
 const OVERHANG: f64 = 0.1;
 /// A striker is as thick as this share of the specimen's width.
 const STRIKER: f64 = 0.5;
 /// Rows of histories.
 const HISTORY: f64 = 500.0;
-/// Points of the curve of the speed.
+/// Points of a leg in the curve of the speed.
 const POINTS: u32 = 50;
 /// Scale of the stable time step.
 const SCALE: f64 = 0.9;
-/// Numbers of the node sets ZMIN and ZMAX.
-const ENDS: [u64; 2] = [5, 6];
+/// Numbers of the first node set and segment set behind those of the sides.
+const FIRST_SET: u64 = 11;
+/// Curves of the path's speed and of the loads' growth.
+const PATH: u64 = 1;
+const GROWTH: u64 = 2;
 
-/// Control cards, loading and output of the analysis; nothing without one.
-pub(super) fn write(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
-    let aabb = Aabb::around(&mesh.points);
-    let travel = options.final_strain() * aabb.size().z;
-    match options.analysis {
-        Analysis::None | Analysis::Elastic | Analysis::Test => return Ok(()),
-        Analysis::Compression => {
-            blocks(cards, mesh, &aabb, OVERHANG)?;
-            contacts(cards, options)?;
-            moved(cards, "*BOUNDARY_PRESCRIBED_MOTION_RIGID", PLATES[1], -travel / options.loading.duration_s)?;
-            speed(cards, options)?;
-        }
-        Analysis::Tension => {
-            held(cards, ENDS[0], [1, 1, 1])?;
-            held(cards, ENDS[1], [1, 1, 0])?;
-            moved(cards, "*BOUNDARY_PRESCRIBED_MOTION_SET", ENDS[1], travel / options.loading.duration_s)?;
-            speed(cards, options)?;
-        }
-        Analysis::Impact => {
-            blocks(cards, mesh, &aabb, STRIKER)?;
-            contacts(cards, options)?;
-            cards.line("*INITIAL_VELOCITY_RIGID_BODY")?;
-            let fall = -options.loading.impact_speed_mm_per_s;
-            card(cards, &[PLATES[1].into(), 0.0.into(), 0.0.into(), fall.into()])?;
-        }
-    }
-    control(cards, options)?;
-    output(cards, options)
+/// A rigid block.
+pub(super) struct Block {
+    pub(super) name: String,
+    /// Its lowest and highest corner.
+    low: Vec3,
+    high: Vec3,
+    /// Code of the translations that are held: CON1 of `*MAT_RIGID`.
+    pub(super) held: i64,
 }
 
-/// A rigid block under the specimen and one over it, of one hexahedron each.
-fn blocks(cards: &mut Lines<impl Write>, mesh: &Mesh, aabb: &Aabb, upper: f64) -> io::Result<()> {
-    let size = aabb.size();
-    let margin = Vec3::new(size.x, size.y, 0.0) * OVERHANG;
-    let (low, high, width) = (aabb.min - margin, aabb.max + margin, size.x.max(size.y));
-    let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
-    let levels = [[aabb.min.z - OVERHANG * width, aabb.min.z], [aabb.max.z, aabb.max.z + upper * width]];
-    let first = mesh.points.len() as u32;
-    cards.line("*NODE")?;
-    for (number, (z, (x, y))) in
-        (u64::from(first) + 1..).zip(levels.iter().flatten().flat_map(|z| corners.map(|at| (*z, at))))
-    {
-        node(cards, number, [x, y, z])?;
+/// Finds out whether a `.k` can have the test.
+///
+/// # Errors
+/// The user's word for it, and a remedy.
+pub(super) fn check(test: &Test, word: &str) -> Result<(), OutOfRange> {
+    let has_ratio = test.supports.iter().any(|support| support.stress_ratio.is_some());
+    let lacks = test.expansion().is_some() || test.kind == TestKind::Biaxial && test.supports.is_empty() || has_ratio;
+    let accepted = format!("{word} has no .k yet: write an .inp, or test it with `mesocrete solve --test {word}`");
+    DECK.require("analysis", word, !lacks, accepted)?;
+    let elastic = "a .k has no statics: write an .inp for the law elastic, or take a law that breaks";
+    DECK.require("analysis", word, test.law != LawName::Elastic, elastic)?;
+    let pulls = |support: &meso_trial::SupportSpec| support.rule == Rule::Glued && support.pressure_mpa != 0.0;
+    let glued = "a .k presses with plates alone: write an .inp for a glued plate with a pressure";
+    DECK.require("analysis", word, !test.supports.iter().any(pulls), glued)
+}
+
+/// The rigid blocks of the deck.
+pub(super) fn blocks(mesh: &Mesh, options: &DeckOptions) -> Vec<Block> {
+    let whole = Aabb::around(&mesh.points);
+    if options.geometry_only {
+        return Vec::new();
     }
-    cards.line("*ELEMENT_SOLID")?;
+    match (&options.analysis, &options.loads) {
+        (Analysis::Impact, _) => {
+            let width = whole.size().x.max(whole.size().y);
+            let margin = Vec3::new(whole.size().x, whole.size().y, 0.0) * OVERHANG;
+            let (low, high) = (whole.min - margin, whole.max + margin);
+            let block = |name: &str, from: f64, to: f64, held| Block {
+                name: name.to_owned(),
+                low: Vec3::new(low.x, low.y, from),
+                high: Vec3::new(high.x, high.y, to),
+                held,
+            };
+            let [lower, upper] = [whole.min.z - OVERHANG * width, whole.max.z + STRIKER * width];
+            vec![block("PLATE_BOTTOM", lower, whole.min.z, 7), block("STRIKER", whole.max.z, upper, 4)]
+        }
+        (_, Some(loads)) => plates(loads).map(|(name, support)| plate(mesh, &whole, name, support)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The plates of a test, with their names.
+fn plates(loads: &Loads) -> impl Iterator<Item = (String, &RigidSupport)> {
+    let names = crate::export::abaqus::support_names(loads);
+    names.into_iter().zip(&loads.supports).filter(|(_, support)| is_plate(support))
+}
+
+fn is_plate(support: &RigidSupport) -> bool {
+    matches!(support.hold, Hold::Plate(_))
+}
+
+/// The block of a plate, behind the side of the specimen.
+fn plate(mesh: &Mesh, whole: &Aabb, name: String, support: &RigidSupport) -> Block {
+    let axis = support.axis;
+    let patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
+    let size = whole.size();
+    let (mut low, mut high) = (patch.min - OVERHANG * size, patch.max + OVERHANG * size);
+    let thick = OVERHANG * size.max();
+    let (from, to) = match support.is_upper {
+        true => (whole.max[axis], whole.max[axis] + thick),
+        false => (whole.min[axis] - thick, whole.min[axis]),
+    };
+    (low[axis], high[axis]) = (from, to);
+    let moves = support.moves != 0.0 || is_pressed(support);
+    // The codes of two translations: y and z, z and x, x and y.
+    let held = if moves { [5, 6, 4][axis] } else { 7 };
+    Block { name: format!("PLATE_{name}"), low, high, held }
+}
+
+/// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
+fn is_pressed(support: &RigidSupport) -> bool {
+    support.force_n != 0.0 && support.is_upper
+}
+
+/// Corners of the blocks, which the deck's one block of nodes has.
+pub(super) fn corners(cards: &mut Lines<impl Write>, mesh: &Mesh, blocks: &[Block]) -> io::Result<()> {
+    let corners = blocks.iter().flat_map(|block| {
+        let (low, high) = (block.low, block.high);
+        let ring = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+        [low.z, high.z].into_iter().flat_map(move |z| ring.map(|(x, y)| [x, y, z]))
+    });
+    (mesh.points.len() as u64 + 1..).zip(corners).try_for_each(|(number, corner)| node(cards, number, corner))
+}
+
+/// One hexahedron for each block.
+pub(super) fn hexahedra(cards: &mut Lines<impl Write>, mesh: &Mesh, blocks: &[Block]) -> io::Result<()> {
+    let first = mesh.points.len() as u32;
     let number = (mesh.cell_count() + mesh.cohesive().len()) as u64 + 1;
-    for (i, part) in (0..).zip(PLATES) {
+    for (i, part) in (0..).zip(block_parts(blocks)) {
         let nodes: Vec<u32> = (first + 8 * i..first + 8 * i + 8).collect();
         element(cards, number + u64::from(i), part, &nodes)?;
     }
     Ok(())
 }
 
-/// The nodes of ZMIN and ZMAX against the plates: SURFA SURFB SURFATYP SURFBTYP, FS FD, scales, SOFT.
-fn contacts(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
-    let friction = Field::Real(options.loading.friction);
-    for ((number, nodes), plate) in (1_u64..).zip(ENDS).zip(PLATES) {
-        cards.line("*CONTACT_AUTOMATIC_NODES_TO_SURFACE_ID")?;
-        cards.integer(FIELD, number);
-        cards.line(if number == 1 { "PLATE_BOTTOM" } else { "PLATE_TOP" })?;
-        let spr = Field::Integer(1);
-        card(
-            cards,
-            &[nodes.into(), plate.into(), Field::Integer(4), Field::Integer(3), Field::Blank, Field::Blank, spr, spr],
-        )?;
-        card(cards, &[friction, friction])?;
-        card(cards, &[Field::Blank])?;
-        // Optional card A: the soft constraint, since plates and mortar differ in stiffness.
-        card(cards, &[Field::Integer(1)])?;
+/// Control cards, loading and output of the analysis; nothing without one.
+pub(super) fn write(
+    cards: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    options: &DeckOptions,
+    blocks: &[Block],
+) -> io::Result<()> {
+    match (&options.analysis, &options.loads) {
+        (Analysis::Impact, _) => {
+            let [friction, duration, speed] = options.impact();
+            for (name, nodes, plate) in [("PLATE_BOTTOM", LOWER, 1), ("STRIKER", UPPER, 2)] {
+                contact(cards, plate, name, nodes, friction)?;
+            }
+            cards.line("*INITIAL_VELOCITY_RIGID_BODY")?;
+            let striker = block_parts(blocks).nth(1).unwrap_or_default();
+            card(cards, &[striker.into(), 0.0.into(), 0.0.into(), (-speed).into()])?;
+            // It keeps the mass of its specimen.
+            control(cards, duration, 0.0)?;
+            output(cards, options, duration, &["*DATABASE_RCFORC", "*DATABASE_RBDOUT"])
+        }
+        (_, Some(loads)) => test(cards, mesh, options, loads),
+        _ => Ok(()),
+    }
+}
+
+/// Supports, loads and path of a test.
+fn test(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions, loads: &Loads) -> io::Result<()> {
+    let names = crate::export::abaqus::support_names(loads);
+    let parts: Vec<(String, &RigidSupport)> = plates(loads).collect();
+    let part_of = |name: &str| parts.iter().position(|(other, _)| other == name).map(|at| super::PLATE + at as u64);
+    for (number, (name, support)) in (FIRST_SET..).zip(names.iter().zip(&loads.supports)) {
+        set(cards, "*SET_NODE_LIST_TITLE", &format!("N_{name}"), number)?;
+        list(cards, support.nodes.iter().map(|&node| u64::from(node) + 1))?;
+        let part = part_of(name);
+        match support.hold {
+            Hold::Plate(friction) => {
+                contact(
+                    cards,
+                    part.unwrap_or_default() - super::PLATE + 1,
+                    &format!("PLATE_{name}"),
+                    number,
+                    friction,
+                )?;
+            }
+            Hold::Glued => held(cards, number, support)?,
+        }
+        moved(cards, loads, support, part, number)?;
+    }
+    pressures(cards, mesh, loads)?;
+    speed(cards, loads)?;
+    if loads.lead_s > 0.0 {
+        growth(cards, loads)?;
+    }
+    let end = loads.lead_s + if loads.path_mm.is_empty() { 0.0 } else { loads.duration_s };
+    control(cards, end, -loads.time_increment_s / SCALE)?;
+    let has_glued = loads.supports.iter().any(|support| !is_plate(support));
+    let glued: &[&str] = if has_glued { &["*DATABASE_SPCFORC", "*DATABASE_BNDOUT"] } else { &[] };
+    let rubbing: &[&str] = if parts.is_empty() { &[] } else { &["*DATABASE_RCFORC", "*DATABASE_RBDOUT"] };
+    output(cards, options, end, &[rubbing, glued].concat())
+}
+
+/// Nodes of set `nodes` against plate `number` of the blocks: SURFA SURFB SURFATYP SURFBTYP, FS FD, scales, SOFT.
+fn contact(cards: &mut Lines<impl Write>, number: u64, name: &str, nodes: u64, friction: f64) -> io::Result<()> {
+    cards.line("*CONTACT_AUTOMATIC_NODES_TO_SURFACE_ID")?;
+    cards.integer(FIELD, number);
+    cards.line(name)?;
+    let (spr, friction) = (Field::Integer(1), Field::Real(friction));
+    let part = super::PLATE + number - 1;
+    card(
+        cards,
+        &[nodes.into(), part.into(), Field::Integer(4), Field::Integer(3), Field::Blank, Field::Blank, spr, spr],
+    )?;
+    card(cards, &[friction, friction])?;
+    card(cards, &[Field::Blank])?;
+    // Optional card A: the soft constraint, since plates and mortar differ in stiffness.
+    card(cards, &[Field::Integer(1)])
+}
+
+/// A support's way by curve 1, after the loads have grown: TYPEID DOF VAD LCID SF VID DEATH BIRTH, VAD 0.
+fn moved(
+    cards: &mut Lines<impl Write>,
+    loads: &Loads,
+    support: &RigidSupport,
+    part: Option<u64>,
+    nodes: u64,
+) -> io::Result<()> {
+    let dof = Field::Integer(support.axis as i64 + 1);
+    if is_pressed(support) {
+        cards.line("*LOAD_RIGID_BODY")?;
+        card(cards, &[part.unwrap_or(nodes).into(), dof, GROWTH.into(), Field::Real(-support.force_n)])?;
+    }
+    if support.moves == 0.0 || loads.path_mm.is_empty() {
+        return Ok(());
+    }
+    let mean = support.moves * whole_mm(loads) / loads.duration_s;
+    let (keyword, what) = match part {
+        Some(part) => ("*BOUNDARY_PRESCRIBED_MOTION_RIGID", part),
+        None => ("*BOUNDARY_PRESCRIBED_MOTION_SET", nodes),
+    };
+    cards.line(keyword)?;
+    let birth = (loads.lead_s > 0.0).then_some([Field::Blank, Field::Real(1e28), Field::Real(loads.lead_s)]);
+    let fields = [what.into(), dof, Field::Integer(0), PATH.into(), mean.into()];
+    card(cards, &fields.into_iter().chain(birth.into_iter().flatten()).collect::<Vec<_>>())
+}
+
+/// Holds glued nodes in the directions that do not follow the path.
+fn held(cards: &mut Lines<impl Write>, nodes: u64, support: &RigidSupport) -> io::Result<()> {
+    cards.line("*BOUNDARY_SPC_SET")?;
+    let free = (support.moves != 0.0).then_some(support.axis);
+    let [x, y, z] = [0, 1, 2].map(|axis| Field::Integer(i64::from(Some(axis) != free)));
+    let none = Field::Integer(0);
+    card(cards, &[nodes.into(), none, x, y, z, none, none, none])
+}
+
+/// Pressures on the faces of a segment set, by curve 2: SSID LCID SF AT.
+fn pressures(cards: &mut Lines<impl Write>, mesh: &Mesh, loads: &Loads) -> io::Result<()> {
+    for (number, pressure) in (FIRST_SET..).zip(&loads.pressures) {
+        set(cards, "*SET_SEGMENT_TITLE", &format!("{:.20}", pressure.name.to_uppercase()), number)?;
+        pressure.faces.iter().try_for_each(|&(cell, face)| super::segment(cards, mesh, cell, face))?;
+        cards.line("*LOAD_SEGMENT_SET")?;
+        card(cards, &[number.into(), GROWTH.into(), Field::Real(pressure.mpa), 0.0.into()])?;
     }
     Ok(())
 }
 
-/// A speed along z by curve 1: DOF 3, VAD 0.
-fn moved(cards: &mut Lines<impl Write>, keyword: &str, what: u64, mean: f64) -> io::Result<()> {
-    cards.line(keyword)?;
-    card(cards, &[what.into(), Field::Integer(3), Field::Integer(0), Field::Integer(1), mean.into()])
+/// Way of the path with all its turns, mm.
+fn whole_mm(loads: &Loads) -> f64 {
+    let ways = loads.path_mm.iter().scan(0.0, |from, &to| Some((to - std::mem::replace(from, to)).abs()));
+    ways.sum()
 }
 
-fn held(cards: &mut Lines<impl Write>, set: u64, directions: [i64; 3]) -> io::Result<()> {
-    cards.line("*BOUNDARY_SPC_SET")?;
-    let [x, y, z] = directions.map(Field::Integer);
-    card(cards, &[set.into(), Field::Integer(0), x, y, z, Field::Integer(0), Field::Integer(0), Field::Integer(0)])
+/// Curve 1: speed over the mean of the path, for each leg the slope of the smooth step x^3 (10 - 15 x + 6 x^2).
+fn speed(cards: &mut Lines<impl Write>, loads: &Loads) -> io::Result<()> {
+    if loads.path_mm.is_empty() {
+        return Ok(());
+    }
+    let whole = whole_mm(loads);
+    curve(cards, PATH)?;
+    let (mut from, mut time) = (0.0, loads.lead_s);
+    for (leg, &to) in loads.path_mm.iter().enumerate() {
+        let (way, lasts) = (to - from, loads.duration_s * (to - from).abs() / whole);
+        // The end of a leg is the beginning of the next one: its speed is 0.
+        for i in u32::from(leg > 0)..=POINTS {
+            let x = f64::from(i) / f64::from(POINTS);
+            let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x);
+            point(cards, time + x * lasts, way.signum() * slope)?;
+        }
+        (from, time) = (to, time + lasts);
+    }
+    Ok(())
 }
 
-/// Curve 1: speed over its mean, the slope of the smooth step x^3 (10 - 15 x + 6 x^2).
-fn speed(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
-    cards.line("*DEFINE_CURVE")?;
-    cards.integer(FIELD, 1);
-    cards.end()?;
+/// Curve 2: the share of the loads that acts, a smooth step.
+fn growth(cards: &mut Lines<impl Write>, loads: &Loads) -> io::Result<()> {
+    curve(cards, GROWTH)?;
     for i in 0..=POINTS {
         let x = f64::from(i) / f64::from(POINTS);
-        cards.real(20, x * options.loading.duration_s);
-        cards.real(20, 30.0 * x * x * (1.0 - x) * (1.0 - x));
-        cards.end()?;
+        point(cards, x * loads.lead_s, x * x * x * (10.0 - 15.0 * x + 6.0 * x * x))?;
     }
     // Beyond its last point a curve keeps its value.
-    Ok(())
+    point(cards, 1e28, 1.0)
 }
 
-/// End, time step and energies; an impact keeps the mass of its specimen.
-fn control(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
-    let loading = &options.loading;
+fn curve(cards: &mut Lines<impl Write>, number: u64) -> io::Result<()> {
+    cards.line("*DEFINE_CURVE")?;
+    cards.integer(FIELD, number);
+    cards.end()
+}
+
+fn point(cards: &mut Lines<impl Write>, x: f64, y: f64) -> io::Result<()> {
+    cards.real(20, x);
+    cards.real(20, y);
+    cards.end()
+}
+
+/// End, time step and energies.
+fn control(cards: &mut Lines<impl Write>, end_s: f64, scaled_s: f64) -> io::Result<()> {
     cards.line("*CONTROL_TERMINATION")?;
-    card(cards, &[loading.duration_s.into()])?;
+    card(cards, &[end_s.into()])?;
     cards.line("*CONTROL_TIMESTEP")?;
     // A negative DT2MS adds mass to elements whose own step, times TSSFAC, is shorter than that.
-    let scaled = if options.analysis == Analysis::Impact { 0.0 } else { -loading.time_increment_s / SCALE };
-    card(cards, &[0.0.into(), SCALE.into(), Field::Integer(0), 0.0.into(), scaled.into()])?;
+    card(cards, &[0.0.into(), SCALE.into(), Field::Integer(0), 0.0.into(), scaled_s.into()])?;
     cards.line("*CONTROL_ENERGY")?;
     card(cards, &[2, 2, 2, 2].map(Field::Integer))
 }
 
 /// Energies, forces of contacts or held nodes, and frames.
-fn output(cards: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
-    let forces: &[&str] = match options.analysis {
-        Analysis::Tension => &["*DATABASE_SPCFORC", "*DATABASE_BNDOUT"],
-        _ => &["*DATABASE_RCFORC", "*DATABASE_RBDOUT"],
-    };
+fn output(cards: &mut Lines<impl Write>, options: &DeckOptions, end_s: f64, forces: &[&str]) -> io::Result<()> {
     for keyword in ["*DATABASE_GLSTAT", "*DATABASE_MATSUM"].iter().chain(forces) {
         cards.line(keyword)?;
-        card(cards, &[(options.loading.duration_s / HISTORY).into()])?;
+        card(cards, &[(end_s / HISTORY).into()])?;
     }
     cards.line("*DATABASE_BINARY_D3PLOT")?;
-    card(cards, &[(options.loading.duration_s / f64::from(options.loading.frames)).into()])
+    card(cards, &[(end_s / f64::from(options.field_frames())).into()])
+}
+
+/// Finds out whether the specimen has the faces that a striker and its plate press on: a spike has none.
+pub(super) fn check_faces(mesh: &Mesh) -> Result<(), OutOfRange> {
+    let sides = Sides::of(mesh);
+    let has_both = !sides.faces()[4].is_empty() && !sides.faces()[5].is_empty();
+    let why = "no face of the specimen points up or down within 45 degrees; take a specimen with plane ends, or none";
+    DECK.require("analysis", "impact", has_both, why)
 }

@@ -1,7 +1,8 @@
 //! Parts, sections and materials of a `.k`.
 
-use super::{Field, LsdynaLaw, PLATES, card, formulation, part, present};
-use crate::export::abaqus::{Analysis, DECK, DeckOptions};
+use super::loading::Block;
+use super::{Field, LsdynaLaw, block_parts, card, formulation, part, present};
+use crate::export::abaqus::{DECK, DeckOptions};
 use crate::export::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
@@ -44,7 +45,12 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
 }
 
 /// Part, section and material of every phase, and of the plates.
-pub(super) fn write(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn write(
+    cards: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    options: &DeckOptions,
+    blocks: &[Block],
+) -> io::Result<()> {
     let materials = options.materials.in_mesh(mesh);
     let is_solid = |phase: Phase| phase != Phase::Itz || mesh.cohesive.is_empty();
     for phase in present(mesh) {
@@ -57,11 +63,7 @@ pub(super) fn write(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
             None => elastic(cards, part(phase), materials.elastic(phase))?,
         }
     }
-    match options.analysis {
-        Analysis::Compression => plates(cards, options, &["PLATE_BOTTOM", "PLATE_TOP"]),
-        Analysis::Impact => plates(cards, options, &["PLATE_BOTTOM", "STRIKER"]),
-        _ => Ok(()),
-    }
+    plates(cards, blocks)
 }
 
 fn one_part(cards: &mut Lines<impl Write>, name: &str, number: u64) -> io::Result<()> {
@@ -214,16 +216,15 @@ fn cohesive(cards: &mut Lines<impl Write>, materials: &Materials, is_strong: boo
     card(cards, &[power, tensile, shear].map(Field::Real))
 }
 
-/// The lower plate is held; the upper one moves along z, and turns about no axis.
-fn plates(cards: &mut Lines<impl Write>, options: &DeckOptions, names: &[&str; 2]) -> io::Result<()> {
-    debug_assert!(!options.geometry_only);
-    for (name, (number, held)) in names.iter().zip(PLATES.into_iter().zip([7, 4])) {
+/// Plates of steel: each is held, or moves along one axis, and turns about none.
+fn plates(cards: &mut Lines<impl Write>, blocks: &[Block]) -> io::Result<()> {
+    for (Block { name, held, .. }, number) in blocks.iter().zip(block_parts(blocks)) {
         one_part(cards, name, number)?;
         section(cards, number, 1)?;
         let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = STEEL;
         cards.line("*MAT_RIGID")?;
         card(cards, &[number.into(), density_t_per_mm3.into(), youngs_modulus_mpa.into(), poisson_ratio.into()])?;
-        card(cards, &[Field::Real(1.0), Field::Integer(held), Field::Integer(7)])?;
+        card(cards, &[Field::Real(1.0), Field::Integer(*held), Field::Integer(7)])?;
         card(cards, &[Field::Blank])?;
     }
     Ok(())

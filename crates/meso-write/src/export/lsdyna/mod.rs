@@ -1,7 +1,7 @@
 //! LS-DYNA keyword decks (`.k`), which OpenRadioss reads, too: fixed columns, streamed.
 //!
-//! Part numbers are 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, and 11, 12 for the plates; node and segment sets 1 to 6 are
-//! XMIN to ZMAX, part set 1 is the specimen. Node and element numbers are the mesh's indices plus 1; cohesive elements
+//! Part numbers are 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, and 11 on for the plates; node and segment sets 1 to 6 are
+//! XMIN to ZMAX, those from 11 on the supports' and loads', part set 1 is the specimen. Node and element numbers are the mesh's indices plus 1; cohesive elements
 //! follow the cells. Units are tonne, mm, s, N, MPa. Columns are those of
 //! PyDyna's definitions of the cards; element formulations and the order of a wedge's nodes were not checked in a manual.
 
@@ -12,6 +12,7 @@ pub use super::abaqus::LsdynaLaw;
 use super::abaqus::{Analysis, DeckOptions};
 use super::columns::{part, places, present};
 use super::lines::Lines;
+use loading::Block;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use std::io::{self, Write};
@@ -21,8 +22,16 @@ const MOST: usize = 99_999_999;
 /// Columns of a card's field.
 const FIELD: usize = 10;
 
-/// Parts of plates; those of phases are below.
-const PLATES: [u64; 2] = [11, 12];
+/// Part of the first plate; those of phases are below.
+const PLATE: u64 = 11;
+/// Numbers of the node sets ZMIN and ZMAX.
+const LOWER: u64 = 5;
+const UPPER: u64 = 6;
+
+/// Parts of rigid blocks.
+fn block_parts(blocks: &[Block]) -> impl Iterator<Item = u64> {
+    (PLATE..).take(blocks.len())
+}
 
 /// Finds out whether a `.k` can have these options.
 ///
@@ -33,11 +42,13 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     if options.periodic_equations {
         return no("periodic_equations", "true", "a .k has no equations between faces; take an .inp, or leave it out");
     }
-    if options.analysis == Analysis::Elastic && !options.geometry_only {
-        return no("analysis", "elastic", "a .k takes none, compression, tension or impact; take an .inp for elastic");
-    }
-    if options.analysis == Analysis::Test && !options.geometry_only {
-        return no("analysis", "test", "a .k takes none, compression, tension or impact; take an .inp for other tests");
+    match &options.analysis {
+        _ if options.geometry_only => {}
+        Analysis::Elastic => {
+            return no("analysis", "elastic", "a .k takes none, impact or a test; take an .inp for elastic");
+        }
+        Analysis::Test(test) => loading::check(test, &options.analysis.word())?,
+        Analysis::None | Analysis::Impact => {}
     }
     if options.has_curves() { materials::check(options) } else { Ok(()) }
 }
@@ -49,18 +60,22 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
 pub(crate) fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
     let invalid = |error: OutOfRange| io::Error::new(io::ErrorKind::InvalidInput, error);
     options.validate(mesh).and_then(|()| check(options)).map_err(invalid)?;
+    if options.analysis == Analysis::Impact && !options.geometry_only {
+        loading::check_faces(mesh).map_err(invalid)?;
+    }
     if mesh.points.len().max(mesh.cell_count() + mesh.cohesive().len()) > MOST - 100 {
         return Err(io::Error::other("a .k numbers at most 99,999,999 nodes and elements; take larger elements"));
     }
     let mut cards = Lines::new(out);
     heading(&mut cards, mesh, options)?;
     let sides = Sides::of(mesh);
-    nodes(&mut cards, mesh)?;
-    elements(&mut cards, mesh)?;
+    let blocks = loading::blocks(mesh, options);
+    nodes(&mut cards, mesh, &blocks)?;
+    elements(&mut cards, mesh, &blocks)?;
     sets(&mut cards, mesh, &sides)?;
     if !options.geometry_only {
-        materials::write(&mut cards, mesh, options)?;
-        loading::write(&mut cards, mesh, options)?;
+        materials::write(&mut cards, mesh, options, &blocks)?;
+        loading::write(&mut cards, mesh, options, &blocks)?;
     }
     cards.line("*END")?;
     cards.finish()
@@ -75,9 +90,11 @@ fn heading(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) ->
     cards.line(format!("mesocrete {version}: {nodes} nodes, {cells} elements"))
 }
 
-fn nodes(cards: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
+/// One block of all nodes, the plates' too: readers such as lsdyna-mesh-reader keep the first one alone.
+fn nodes(cards: &mut Lines<impl Write>, mesh: &Mesh, blocks: &[Block]) -> io::Result<()> {
     cards.line("*NODE")?;
-    (1..).zip(&mesh.points).try_for_each(|(number, p)| node(cards, number, [p.x, p.y, p.z]))
+    (1..).zip(&mesh.points).try_for_each(|(number, p)| node(cards, number, [p.x, p.y, p.z]))?;
+    loading::corners(cards, mesh, blocks)
 }
 
 /// A node: its number in 8 columns, coordinates in 16 each.
@@ -88,17 +105,21 @@ fn node(cards: &mut Lines<impl Write>, number: u64, position: [f64; 3]) -> io::R
 }
 
 /// All elements by their numbers, each with the part of its phase.
-fn elements(cards: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn elements(cards: &mut Lines<impl Write>, mesh: &Mesh, blocks: &[Block]) -> io::Result<()> {
     cards.line("*ELEMENT_SOLID")?;
     for ((number, cell), phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
         element(cards, number, part(*phase), cell)?;
     }
-    if mesh.cohesive.is_empty() {
-        return Ok(());
+    if !mesh.cohesive.is_empty() {
+        cards.line("*ELEMENT_SOLID")?;
+        let first = mesh.cell_count() as u64 + 1;
+        let mut joints = (first..).zip(mesh.cohesive());
+        joints.try_for_each(|(number, nodes)| element(cards, number, part(Phase::Itz), nodes))?;
     }
-    cards.line("*ELEMENT_SOLID")?;
-    let first = mesh.cell_count() as u64 + 1;
-    (first..).zip(mesh.cohesive()).try_for_each(|(number, nodes)| element(cards, number, part(Phase::Itz), nodes))
+    if !blocks.is_empty() {
+        cards.line("*ELEMENT_SOLID")?;
+    }
+    loading::hexahedra(cards, mesh, blocks)
 }
 
 /// A solid of 4, 6 or 8 nodes on one card of 8 columns a field; of 10 nodes on two.
@@ -124,19 +145,18 @@ fn sets(cards: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result
             continue;
         }
         set(cards, "*SET_SEGMENT_TITLE", name, bit as u64 + 1)?;
-        for &(cell, face) in &sides.faces()[bit] {
-            let corners: Vec<u32> = mesh.by_owner().face(cell, face).collect();
-            // A triangle repeats its last node.
-            let last = corners[corners.len() - 1];
-            corners
-                .iter()
-                .chain((corners.len() < 4).then_some(&last))
-                .for_each(|&i| cards.integer(FIELD, u64::from(i) + 1));
-            cards.end()?;
-        }
+        sides.faces()[bit].iter().try_for_each(|&(cell, face)| segment(cards, mesh, cell, face))?;
     }
     set(cards, "*SET_PART_LIST_TITLE", "SPECIMEN", 1)?;
     list(cards, present(mesh).map(part))
+}
+
+/// The corners of a face; a triangle repeats its last one.
+fn segment(cards: &mut Lines<impl Write>, mesh: &Mesh, cell: u32, face: usize) -> io::Result<()> {
+    let corners: Vec<u32> = mesh.by_owner().face(cell, face).collect();
+    let last = corners[corners.len() - 1];
+    corners.iter().chain((corners.len() < 4).then_some(&last)).for_each(|&i| cards.integer(FIELD, u64::from(i) + 1));
+    cards.end()
 }
 
 fn set(cards: &mut Lines<impl Write>, keyword: &str, name: &str, number: u64) -> io::Result<()> {
