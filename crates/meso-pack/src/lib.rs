@@ -6,6 +6,7 @@
 // No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
+mod accept;
 pub mod check;
 pub mod labelled;
 pub mod model;
@@ -26,5 +27,6 @@ pub mod spec {
     pub use meso_spec::{Files, MixDesign, Spec, SpecError, options_from_toml, options_from_value};
 }
 
+pub use accept::Fault;
 pub use meso_spec::{Spec, SpecError};
 pub use model::{Model, pack};

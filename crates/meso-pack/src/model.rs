@@ -1,5 +1,6 @@
 //! A packed specimen: `pack` returns it, `.json` files hold it, and every other command reads it.
 
+use crate::accept::{self, Fault};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
@@ -50,7 +51,7 @@ pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
     let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     let report = meso_place::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
-    Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
+    Model { spec: spec.clone(), aggregates, inclusions, report }.accepted()
 }
 
 impl<'a> From<&'a Model> for Parts<'a> {
@@ -60,6 +61,22 @@ impl<'a> From<&'a Model> for Parts<'a> {
 }
 
 impl Model {
+    /// Accepts a model that can be read back.
+    ///
+    /// # Errors
+    /// The first value that a reader refuses.
+    pub fn accept(&self) -> Result<(), Fault> {
+        accept::model(&self.spec, &self.aggregates, &self.inclusions, &self.report)
+    }
+
+    /// This model, if it can be read back: no product is made of another.
+    pub(crate) fn accepted(self) -> Result<Self, SpecError> {
+        match self.accept() {
+            Ok(()) => Ok(self),
+            Err(fault) => Err(SpecError::value("packing", format!("could not be read back: {fault}"))),
+        }
+    }
+
     /// All that was placed, aggregates first: the body with id i is the i-th.
     pub fn bodies(&self) -> Cow<'_, [Aggregate]> {
         if self.inclusions.is_empty() {

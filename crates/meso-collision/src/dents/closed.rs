@@ -117,14 +117,15 @@ impl Triangles {
 /// Crossings this close to the edge of a triangle, as a share of its size, count.
 const ROUNDING_OF_AN_EXIT: f64 = 1e-9;
 /// Divisions of the box in a search for the deepest point.
-const MOST_HALVINGS: usize = 7;
+const MOST_HALVINGS: i32 = 7;
 /// A cube is divided where it may hold a point deeper than the best by this factor.
 const ENOUGH: f64 = 1.05;
 
 impl Aabb {
-    /// A point in this box that is about as deep as any, and its depth, mm.
+    /// A point in this box that is about as deep as any, and its depth, mm; 0 where no point that was asked is inside.
     ///
-    /// Cubes that may hold a point deeper by 5 % are divided, down to 1/64 of the longest side.
+    /// Cubes that may hold a point deeper by 5 % are divided, down to 1/64 of the longest side. A point that is deeper than the
+    /// answer by [`missed_by_deepest`](Self::missed_by_deepest) may stay unseen.
     pub(super) fn deepest(&self, depth: impl Fn(&Vec3) -> f64) -> (Vec3, f64) {
         let mut half = self.size().max() / 2.0;
         let mut cubes = vec![(self.min + self.max) / 2.0];
@@ -144,6 +145,11 @@ impl Aabb {
             }
         }
         best
+    }
+
+    /// Half a diagonal of the smallest cubes that a search for the deepest point asks, mm.
+    pub(super) fn missed_by_deepest(&self) -> f64 {
+        self.size().max() / 2.0_f64.powi(MOST_HALVINGS) * 3.0_f64.sqrt()
     }
 
     /// Volume of the points where `height` is positive, mm3, in the cube about this box. The height has a slope of 1.

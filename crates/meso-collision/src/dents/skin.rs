@@ -130,6 +130,13 @@ impl Cuts {
     }
 }
 
+/// Triangles from which a thin body's depth is searched.
+const MOST_STARTS: usize = 256;
+/// Balls that one of them tries, each smaller than the last one.
+const MOST_SHRINKS: usize = 40;
+/// Share of its radius by which a ball may cross the skin.
+const TOUCHES: f64 = 1e-6;
+
 /// The surface of a body with dents, and its skin.
 #[derive(Clone, Debug)]
 pub struct Skin {
@@ -174,10 +181,51 @@ impl Skin {
         self.up_to_caps(x, (self.depth(x) - depth, Vec3::zeros())).0
     }
 
-    /// A point that is about as deep as any, and its depth, mm.
+    /// A point that is about as deep as any, and its depth, mm. It lies in the body, whatever the shape.
     pub fn deepest(&self) -> (Vec3, f64) {
-        let (x, depth) = self.surface.aabb().deepest(|x| self.depth(x));
-        (self.within(&x), depth)
+        let aabb = self.surface.aabb();
+        let mut best = aabb.deepest(|x| self.depth(x));
+        // Parts as thin as the smallest cubes may lie between the points that were asked.
+        if best.1 < aabb.missed_by_deepest() {
+            let mut look = |x: Vec3| {
+                let depth = self.depth(&x);
+                best = if depth > best.1 { (x, depth) } else { best };
+            };
+            self.starts().filter_map(|(at, inwards)| self.touching(&at, &inwards)).for_each(&mut look);
+        }
+        (self.within(&best.0), best.1)
+    }
+
+    /// Points of the body's own skin, spread over it, and the unit vectors from there inwards.
+    fn starts(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
+        let own = self.open.as_ref().map_or(self.surface.corners().len(), |open| open.own as usize);
+        let spread = (0..own).step_by(own.div_ceil(MOST_STARTS).max(1));
+        spread.flat_map(|number| {
+            let corners = self.triangles().of(number as u32);
+            let [a, b, c] = corners;
+            let inwards = (c - a).cross(&(b - a)).try_normalize(0.0);
+            let middle = (a + b + c) / 3.0;
+            inwards.into_iter().flat_map(move |inwards| {
+                let near = corners.map(|corner| (middle + corner) / 2.0);
+                [middle].into_iter().chain(near).map(move |at| (at, inwards))
+            })
+        })
+    }
+
+    /// The middle of a ball that touches the skin at `at`, from inside, and reaches it nowhere else: a ball that is too
+    /// large shrinks until it touches the nearest point too (Ma, Bae, Choi 2012).
+    fn touching(&self, at: &Vec3, inwards: &Vec3) -> Option<Vec3> {
+        let mut radius = self.surface.aabb().size().norm() / 2.0;
+        for _ in 0..MOST_SHRINKS {
+            let (nearest, distance) = self.nearest(&(at + inwards * radius))?;
+            let way = nearest - at;
+            let smaller = way.norm_squared() / (2.0 * way.dot(inwards));
+            if distance >= radius * (1.0 - TOUCHES) || !(smaller > 0.0 && smaller < radius) {
+                break;
+            }
+            radius = smaller;
+        }
+        Some(at + inwards * radius)
     }
 
     /// The point of the cut space that is nearest to `x`.

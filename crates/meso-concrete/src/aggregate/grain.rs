@@ -162,7 +162,8 @@ impl Grain {
     pub(super) fn dented(ids: (u16, u32), unit: &Polyhedron, length: f64, stream: &mut Stream) -> Self {
         let turn = stream.rotation().to_rotation_matrix().into_inner();
         let body = unit.mapped(|vertex| narrowed(&snap(&(turn * (vertex * length)))));
-        let inner_radius = body.surface().depth(&Vec3::zeros());
+        // Single precision may close a part that is thinner than a millionth of the grain.
+        let inner_radius = body.surface().depth(&Vec3::zeros()).max(0.0);
         Self::around_origin(Kind::Aggregate, ids, body, inner_radius)
     }
 

@@ -37,13 +37,14 @@ const AT_ONCE: usize = 32;
 /// Writes `model` to `out`, some aggregates at a time.
 ///
 /// # Errors
-/// Fails with the errors of `out`.
+/// Fails with the errors of `out`, and refuses a model that could not be read back.
 pub fn write(model: &Model, mut out: impl Write) -> io::Result<()> {
     write_to(model, &mut out)
 }
 
 /// Writes `model`; compiled once, here.
 fn write_to(model: &Model, out: &mut dyn Write) -> io::Result<()> {
+    model.accept().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     let mut out = BufWriter::with_capacity(1 << 15, seal::Sealing::new(out));
     out.write_all(b"{")?;
     entry(&mut out, "mesocrete", VERSION)?;
@@ -65,7 +66,7 @@ fn write_to(model: &Model, out: &mut dyn Write) -> io::Result<()> {
 /// Writes the model as JSON, compressed by gzip.
 ///
 /// # Errors
-/// Fails with the errors of `out`.
+/// Fails like [`write`].
 pub fn write_compressed(model: &Model, mut out: impl Write) -> io::Result<()> {
     let mut out = gzip::Members::new(&mut out as &mut dyn Write);
     write_to(model, &mut out)?;

@@ -4,6 +4,7 @@
 
 use super::polygons::Polygons;
 use super::{VERSION, gzip, seal};
+use crate::accept::{self, Fault};
 use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
@@ -13,7 +14,7 @@ use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_place::Report;
 use meso_spec::distinct;
-use meso_spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
+use meso_spec::{NoFiles, Spec, SpecError, options_from_value};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
@@ -40,25 +41,9 @@ pub enum ReadError {
     /// Its spec cannot be.
     #[error("its spec is wrong: {0}")]
     Spec(#[from] SpecError),
-    /// Two entries that must agree do not.
-    #[error("{0}")]
-    Contradiction(String),
-    /// A void or fibre that is none of those the spec asks for, or no closed surface.
-    #[error("body {index}, one of the inclusions: {reason}")]
-    Inclusion {
-        /// Position in the file, counted from the first aggregate.
-        index: usize,
-        /// The fault.
-        reason: String,
-    },
-    /// An aggregate whose surface is not closed.
-    #[error("aggregate {index}: {reason}")]
-    Aggregate {
-        /// Position in the file, from 0.
-        index: usize,
-        /// The fault.
-        reason: String,
-    },
+    /// Values that no model has.
+    #[error(transparent)]
+    Fault(#[from] Fault),
 }
 
 #[derive(Deserialize)]
@@ -154,7 +139,10 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     let inclusions = (aggregates.len()..).zip(file.inclusions);
     let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
     let report = match file.report {
-        Some(report) => accept_report(report, &spec, aggregates.len())?,
+        Some(report) => {
+            accept::report(&report, &spec, aggregates.len())?;
+            report
+        }
         None => Report::of_bodies(&target(&spec), &aggregates, &inclusions),
     };
     Ok(Model { spec, aggregates, inclusions, report })
@@ -213,44 +201,21 @@ fn accept_version(found: &str) -> Result<(), ReadError> {
 }
 
 /// `seed` and `specimen` stand twice in the file.
-fn accept_repeats(file: &File, spec: &Spec) -> Result<(), ReadError> {
+fn accept_repeats(file: &File, spec: &Spec) -> Result<(), Fault> {
     if file.seed != spec.seed {
         let message = format!("seed is {} but spec.seed is {}; they must agree", file.seed, spec.seed);
-        return Err(ReadError::Contradiction(message));
+        return Err(Fault::Contradiction(message));
     }
     let specimen = options_from_value(&file.specimen).ok();
     if specimen.as_ref() != Some(&spec.specimen) {
-        return Err(ReadError::Contradiction("specimen and spec.specimen differ; they must agree".to_owned()));
+        return Err(Fault::Contradiction("specimen and spec.specimen differ; they must agree".to_owned()));
     }
     Ok(())
 }
 
-fn accept_report(report: Report, spec: &Spec, aggregates: usize) -> Result<Report, ReadError> {
-    let classes = spec.grading.classes().len();
-    if report.aggregates != aggregates || report.classes.len() != classes || report.seed != spec.seed {
-        let message = format!(
-            "report speaks of {} aggregates in {} classes with seed {}, the file holds {aggregates} in {classes} with seed {}",
-            report.aggregates,
-            report.classes.len(),
-            report.seed,
-            spec.seed
-        );
-        return Err(ReadError::Contradiction(message));
-    }
-    Ok(report)
-}
-
-fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggregate, ReadError> {
-    let wrong = |reason: String| ReadError::Aggregate { index, reason };
-    if file.id as usize != index {
-        return Err(wrong(format!("its id is {}; ids count from 0 in the order of the file", file.id)));
-    }
-    if usize::from(file.class) >= classes {
-        return Err(wrong(format!("its class is {}; the spec has {classes} classes, counted from 0", file.class)));
-    }
-    if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
-        return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
-    }
+fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggregate, Fault> {
+    let wrong = |reason: String| Fault::Aggregate { index, reason };
+    accept::values(index, file.id, (file.class, classes), file.itz_thickness_mm).map_err(wrong)?;
     let FileAggregate { id, class, itz_thickness_mm, dents, round, vertices, faces } = file;
     if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
         return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
@@ -277,8 +242,8 @@ fn rounded(octahedron: &Polyhedron) -> Result<Polyhedron, String> {
 const TILT: f64 = 1e-3;
 
 /// A void or fibre, of the phases that the spec asks for.
-fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate, ReadError> {
-    let wrong = |reason: String| ReadError::Inclusion { index, reason };
+fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate, Fault> {
+    let wrong = |reason: String| Fault::Inclusion { index, reason };
     if file.id as usize != index {
         return Err(wrong(format!("its id is {}; ids count on from the last aggregate's", file.id)));
     }
@@ -293,12 +258,10 @@ fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate
 
 fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> {
     stop::point();
-    let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
-    if let Some(vertex) = vertices.iter().position(|v| !in_reach(v)) {
-        return Err(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM));
-    }
+    let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
+    accept::in_reach(&vertices)?;
     closed_surface(vertices.len(), &faces)?;
-    Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces.iter()))
+    Ok(Polyhedron::from_parts(vertices, faces.iter()))
 }
 
 /// Every face has three corners or more, all of them there, every edge is passed once in each direction, and no vertex is
