@@ -99,6 +99,26 @@ fn a_mesh_that_has_far_from_a_phase_is_refused_unless_that_is_accepted() {
     assert!(said.ends_with("take a smaller element_size_mm, or the method conforming"), "{said}");
 }
 
+/// The case `hooked_fibre.toml`: an ITZ of NaN passed the rule of 10 %.
+#[test]
+fn a_volume_that_is_no_number_is_off_by_more_than_any_share() {
+    let volumes = |aggregate: f64, itz: f64| PhaseVolumes { aggregate, itz, mortar: 500.0, fibre: 0.0 };
+    for (meshed, exact) in [
+        (volumes(300.0, 200.0), volumes(300.0, f64::NAN)),
+        (volumes(300.0, f64::NAN), volumes(300.0, 200.0)),
+        (volumes(f64::NAN, 200.0), volumes(100.0, 200.0)),
+        (volumes(300.0, f64::INFINITY), volumes(100.0, f64::INFINITY)),
+        (volumes(300.0, 200.0), volumes(300.0, -f64::NAN)),
+    ] {
+        let off = PhaseOff::between(&meshed, &exact, 1000.0).unwrap();
+        assert!(
+            off.error().is_nan() && [0.0, 0.1, 1e300, f64::INFINITY].map(|share| off.is_beyond(share)) == [true; 4]
+        );
+    }
+    let off = PhaseOff::between(&volumes(300.0, 210.0), &volumes(300.0, 200.0), 1000.0).unwrap();
+    assert!(off.phase == Phase::Itz && off.is_beyond(0.049) && !off.is_beyond(0.051) && !off.is_beyond(f64::INFINITY));
+}
+
 /// A conforming mesh takes neither spheres nor dents, so that it is no remedy for them.
 #[test]
 fn a_refused_mesh_of_spheres_names_no_method_that_refuses_them() {

@@ -20,7 +20,7 @@ pub mod stop;
 mod thousands;
 pub mod watch;
 
-pub use out_of_range::{OutOfRange, Ranges};
+pub use out_of_range::{OutOfRange, Ranges, exceeds};
 pub use parts::{Parts, mark_caps};
 pub use printable::printable;
 pub use room::Room;

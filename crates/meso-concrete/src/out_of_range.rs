@@ -64,6 +64,12 @@ impl Ranges {
     }
 }
 
+/// Whether `value` is beyond a limit that it must keep; NaN keeps none.
+pub fn exceeds(value: f64, limit: f64) -> bool {
+    let is_kept = value <= limit;
+    !is_kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

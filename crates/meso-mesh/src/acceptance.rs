@@ -6,7 +6,7 @@ use super::error::{MeshError, Ways};
 use super::options::{ItzForm, MeshOptions, MethodName, is_faceted};
 use crate::cells::{Cells, Mesh, Phase, cell_volume};
 use crate::figures::PhaseVolumes;
-use meso_concrete::{Parts, parallel};
+use meso_concrete::{Parts, exceeds, parallel};
 
 /// Refuses cells of which one has no positive volume: no solver takes them.
 pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
@@ -51,16 +51,17 @@ impl PhaseOff {
     ) -> Result<Option<Self>, MeshError> {
         let parts = parts.into();
         let off = Self::of(mesh, &parts, options);
-        match off.filter(|off| off.error().abs() > accepted) {
+        match off.filter(|off| off.is_beyond(accepted)) {
             Some(off) => Err(off.refused(options, parts.bodies.iter().all(is_faceted), None)),
             None => Ok(off),
         }
     }
 
-    /// The phase whose volume in `meshed` is farthest from `exact`, in a specimen of `whole` mm3; `None` without a phase.
+    /// The phase whose volume in `meshed` is farthest from `exact`, in a specimen of `whole` mm3; `None` without a phase. A volume
+    /// that is no number is the farthest of all.
     pub fn between(meshed: &PhaseVolumes, exact: &PhaseVolumes, whole: f64) -> Option<Self> {
         let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
-        let wanted = Phase::ALL.into_iter().map(off).filter(|off| off.exact > 0.0);
+        let wanted = Phase::ALL.into_iter().map(off).filter(|off| exceeds(off.exact, 0.0));
         wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
     }
 
@@ -78,6 +79,11 @@ impl PhaseOff {
     /// Its excess, or, below 0, its lack, as a share of its exact volume.
     pub fn error(&self) -> f64 {
         self.meshed / self.exact - 1.0
+    }
+
+    /// Whether it is off by more than this share of its exact volume; a volume that is no number is off by more than any.
+    pub fn is_beyond(&self, share: f64) -> bool {
+        exceeds(self.error().abs(), share)
     }
 
     /// The error that says so, with remedies. `are_faceted` says that all bodies are convex polyhedra, which a conforming mesh

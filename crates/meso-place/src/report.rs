@@ -4,7 +4,7 @@ use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, Reduction, Shape, Template};
 use meso_concrete::specimen::Specimen;
-use meso_concrete::{short, thousands};
+use meso_concrete::{exceeds, short, thousands};
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -332,7 +332,7 @@ impl Report {
     /// Says that grains are so large for their specimen that the fraction is off, though every class is within one of them.
     fn coarse_grains(&self) -> Option<String> {
         let off = self.off();
-        (off.abs() > COARSE).then(|| {
+        exceeds(off.abs(), COARSE).then(|| {
             let (fraction, percent) = (self.fraction, 100.0 * off);
             format!(
                 "the fraction is {fraction:.5}, {percent:+.1} % off its target: each size class is within one of its grains, \

@@ -1,6 +1,7 @@
 //! Doubts about a mesh that is to be tested, known before the first step.
 
 use crate::sample::Sample;
+use meso_concrete::exceeds;
 use meso_mesh::{Mesh, Phase, PhaseOff, PhaseVolumes};
 
 /// Difference of the volume of bodies in the mesh from their own, over that, which is worth a warning.
@@ -21,7 +22,7 @@ impl Sample<'_> {
 
     /// Faults of the mesh that a strength must not be cited without, in a few words each: results carry them.
     pub fn flags(&self) -> Vec<String> {
-        let coarse = self.phase_off().filter(|off| off.error().abs() > PhaseOff::ACCEPTED);
+        let coarse = self.phase_off().filter(|off| off.is_beyond(PhaseOff::ACCEPTED));
         let coarse = coarse.map(|off| {
             let (phase, percent) = (off.phase.name().to_ascii_lowercase(), 100.0 * off.error());
             format!("mesh too coarse: {phase} {percent:+.0} %")
@@ -83,7 +84,7 @@ impl Sample<'_> {
             ("voids", voids, "refine the mesh"),
         ];
         let off = bodies.into_iter().filter_map(|(name, volumes, remedy)| Some((name, volumes?, remedy)));
-        off.filter(|(_, [meshed, exact], _)| (meshed - exact).abs() > VOLUME * exact)
+        off.filter(|(_, [meshed, exact], _)| exceeds((meshed - exact).abs(), VOLUME * exact))
             .map(|(name, volumes, remedy)| {
                 let [share, exact] = volumes.map(|volume| 100.0 * volume / self.volume_mm3);
                 format!(

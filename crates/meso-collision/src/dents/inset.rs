@@ -27,7 +27,8 @@ impl Polyhedron {
     /// near to the other side, by more than a tenth of the thickness, root mean square over all corners.
     pub fn is_thin(&self, thickness: f64) -> bool {
         let inner = self.moved_inwards(thickness);
-        self.off(&inner, thickness, |depth| (depth / thickness - 1.0).min(0.0)) > MOST_OFF
+        let is_kept = self.off(&inner, thickness, |depth| (depth / thickness - 1.0).min(0.0)) <= MOST_OFF;
+        !is_kept
     }
 
     /// Each corner where the faces of its skin meet that are moved `thickness` mm inwards; corners of caps stay in their planes.

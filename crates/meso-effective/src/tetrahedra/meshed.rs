@@ -144,8 +144,7 @@ impl<'a> Bodies<'a> {
         let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
         let found = if is_fine { PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)? } else { None };
-        if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.error().abs() > PhaseOff::ACCEPTED)
-        {
+        if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.is_beyond(PhaseOff::ACCEPTED)) {
             return Err(EffectiveError::Coarse { phase: phase.name(), meshed, exact });
         }
         Ok(Domain::new(mesh))

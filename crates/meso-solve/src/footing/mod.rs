@@ -75,7 +75,7 @@ impl Footing {
         if self.accepted().is_infinite() || is_quick || specimen.volume() < FAR_LARGER * trial.cube_mm().powi(3) {
             return Ok(());
         }
-        match trial.of(&self.options).filter(|tried| tried.off.error().abs() > HOPELESS) {
+        match trial.of(&self.options).filter(|tried| tried.off.is_beyond(HOPELESS)) {
             Some(tried) => {
                 let are_faceted = MeshOptions::are_faceted(&trial.spec.shape);
                 Err(trial.advised(tried.off.refused(&self.options, are_faceted, Some(trial.cube_mm()))))

@@ -6,6 +6,7 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
+use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, TestKind, TurnOf};
@@ -335,12 +336,12 @@ impl Summary {
             self.errors.push(format!("the device failed: {why}; the curve is valid until then; {fix}"));
         }
         self.warn_of_speed();
-        if self.hourglass_over_internal > HOURGLASS {
+        if exceeds(self.hourglass_over_internal, HOURGLASS) {
             let share = 100.0 * self.hourglass_over_internal;
             let way_out = "take smaller elements or less hourglass stiffness";
             self.warnings.push(format!("hourglass modes have {share:.1} % of the internal energy; {way_out}"));
         }
-        if self.energy_balance_error > BALANCE {
+        if exceeds(self.energy_balance_error, BALANCE) {
             let share = 100.0 * self.energy_balance_error;
             let way_out = if gave_back(&run.state.rows) {
                 "cracks that closed gave energy back, as they may with the laws cdp and cdpm2; take the law meso, or a smaller \
@@ -377,7 +378,7 @@ impl Summary {
     /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.
     fn dynamic_percent(&self) -> Option<f64> {
         let share = self.kinetic_over_internal_to_half_peak;
-        (share > SLOW && !self.is_free()).then_some(100.0 * share)
+        (exceeds(share, SLOW) && !self.is_free()).then_some(100.0 * share)
     }
 
     fn dynamic_flag(&self) -> Option<String> {
@@ -412,7 +413,7 @@ impl Summary {
                  take a longer duration"
             )
         };
-        if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
+        if exceeds(kinetic, FAST) { self.errors.push(text) } else { self.warnings.push(text) }
     }
 
     /// Warns of splitting strips that are narrower than two elements: one row of nodes cuts into the specimen like a wedge.
@@ -434,7 +435,7 @@ impl Summary {
     /// Warns of notches that the mesh fills or widens: those narrower than two elements.
     fn warn_of_notches(&mut self, run: &Run) {
         let error = 100.0 * run.sample.notch_error();
-        if error.abs() > NOTCH {
+        if exceeds(error.abs(), NOTCH) {
             let does = if error > 0.0 { "fills" } else { "widens" };
             let error = error.abs();
             self.warnings.push(format!(

@@ -1,7 +1,7 @@
 //! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
 use crate::stderr;
-use meso_concrete::thousands;
+use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::mesh::figures::{MassScaling, PhaseScaling, QualityReport};
@@ -175,7 +175,7 @@ impl MeshReport {
     fn lost_inclusions(&self) {
         let fibres = self.quality.exact_volumes_mm3.map(|exact| [self.quality.volumes_mm3.fibre, exact.fibre]);
         for (name, volumes) in [("fibres", fibres), ("voids", self.voids_mm3)] {
-            if volumes.is_some_and(|[meshed, exact]| (meshed - exact).abs() > INCLUSIONS_OFF * exact) {
+            if volumes.is_some_and(|[meshed, exact]| exceeds((meshed - exact).abs(), INCLUSIONS_OFF * exact)) {
                 stderr::line(format!(
                     "the elements are too coarse for the {name}: use an --element-size-mm of at most half their diameter, or \
                      for convex grains --method conforming, which keeps them exactly"

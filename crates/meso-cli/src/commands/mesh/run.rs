@@ -72,7 +72,7 @@ const STRICT_PHASE_ERROR: f64 = 0.01;
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
 fn exit_code(off: Option<PhaseOff>) -> u8 {
-    off.filter(|off| off.error().abs() > STRICT_PHASE_ERROR).map_or(0, |off| {
+    off.filter(|off| off.is_beyond(STRICT_PHASE_ERROR)).map_or(0, |off| {
         let (phase, error) = (off.phase.name(), 100.0 * off.error());
         stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
         SHORT

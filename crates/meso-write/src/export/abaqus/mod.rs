@@ -22,7 +22,7 @@ use crate::export::lines::Lines;
 pub(crate) use curve::write_curve;
 pub(crate) use limits::DECK;
 use meso_concrete::specimen::Specimen;
-use meso_concrete::{OutOfRange, thousands};
+use meso_concrete::{OutOfRange, exceeds, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
@@ -411,7 +411,7 @@ const VOLUMES_OFF: f64 = 0.05;
 /// Warns of aggregates that are far from their own volume.
 fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     let (exact, meshed) = (exact?.aggregate, PhaseVolumes::of_mesh(mesh).aggregate);
-    ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
+    exceeds((meshed - exact).abs(), VOLUMES_OFF * exact).then(|| {
         let percent = 100.0 * (meshed / exact - 1.0);
         format!(
             "the aggregates of this mesh have {percent:+.1} % of their exact volume, so this is another concrete; take \
