@@ -212,18 +212,22 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         filled,
         filled_fraction: hollow_voxels as f64 / voxels,
     };
-    let bodies: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
-    Ok(assembled(&bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
+    let surfaces: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
+    let bodies = parallel::map_each(&surfaces, |mesh| Polyhedron::of_surface(mesh));
+    Ok(assembled(bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
 }
 
-fn assembled(
-    surfaces: &[&TriangleMesh],
+/// The model of these bodies, in a box of so many voxels: everything in it but their places follows from them.
+///
+/// # Errors
+/// Bodies that no spec can describe.
+pub(crate) fn assembled(
+    bodies: Vec<Polyhedron>,
     counts: [usize; 3],
     spacing: [f64; 3],
     itz: f64,
     labels: LabelReport,
 ) -> Result<Model, SpecError> {
-    let bodies = parallel::map_each(surfaces, |mesh| Polyhedron::of_surface(mesh));
     let sizes = parallel::map_each(&bodies, Polyhedron::sieve_size);
     let volumes: Vec<f64> = bodies.iter().map(Polyhedron::volume).collect();
     let grading = measured(&sizes, &volumes);
@@ -257,7 +261,7 @@ fn assembled(
         labels: Some(labels),
         ..Report::of_bodies(&target(&spec), &aggregates, &[])
     };
-    Ok(Model { spec, aggregates, inclusions: Vec::new(), report })
+    Model { spec, aggregates, inclusions: Vec::new(), report }.accepted()
 }
 
 /// Name of the strategy in reports: nothing was placed.

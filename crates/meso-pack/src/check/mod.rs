@@ -5,6 +5,7 @@
 //! body must be one of them, and the report must follow from them. Findings are listed, never repaired.
 
 mod inclusions;
+mod labels;
 mod pairs;
 mod report;
 mod solid;
@@ -46,7 +47,10 @@ const NOT_CHECKED: [&str; 4] = [
     "which of the versions up to this one wrote the file",
 ];
 /// Where the grains are a label volume's.
-const NOT_CHECKED_OF_LABELS: &str = "that the bodies are the label volume's: import it again and compare";
+const NOT_CHECKED_OF_LABELS: [&str; 2] = [
+    "that the bodies are the label volume's: import it again and compare",
+    "how many grains were dropped, filled, or touched in the label volume: its voxels alone show that",
+];
 /// Where a time limit or the user ended the run.
 const NOT_CHECKED_IF_STOPPED: &str = "how many grains were made and discarded before the stop";
 /// Where the spec makes far more grains than the file accounts for.
@@ -186,6 +190,7 @@ impl Check {
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));
+        findings.extend(labels::check(model));
         watch.stage(Stage::Prove, 1.0);
         let not_checked = not_checked(model, taken.is_some());
         Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
@@ -204,7 +209,7 @@ pub fn check(model: &Model) -> Check {
 
 fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
     if model.report.labels.is_some() {
-        return vec![NOT_CHECKED_OF_LABELS, NOT_CHECKED[3]];
+        return NOT_CHECKED_OF_LABELS.into_iter().chain([NOT_CHECKED[3]]).collect();
     }
     let stopped = taken::was_stopped(model).then_some(NOT_CHECKED_IF_STOPPED);
     let too_many = (!made_again).then_some(NOT_CHECKED_IF_TOO_MANY);
@@ -288,12 +293,17 @@ const SHELL_ROUNDING: f64 = 1e-9;
 /// A point deeper than the shell is thick proves a core; only where the mean of the vertices is none, the core is made.
 fn itz(aggregate: &Aggregate) -> Option<Finding> {
     let thickness = aggregate.itz_thickness_mm;
+    if thickness == 0.0 {
+        return None;
+    }
     if solid::depth_of_inner_point(&aggregate.body, thickness) > thickness + SHELL_ROUNDING {
         return None;
     }
+    let without_core = || format!("a shell of {thickness} mm leaves no core");
     let reason = match aggregate.core() {
+        _ if !aggregate.body.is_convex() => without_core(),
         Err(error) => error.to_string(),
-        Ok(None) => format!("a shell of {thickness} mm leaves no core"),
+        Ok(None) => without_core(),
         Ok(Some(core)) => {
             return too_thin(&aggregate.body, &core, thickness)
                 .map(|reason| Finding::Itz { aggregate: aggregate.id, reason });

@@ -25,15 +25,10 @@ pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
         differences("", &plain(report), &plain(&right), &mut reasons);
         reasons.extend(stopped(model, taken, &right));
     }
-    if let Some(labels) = &report.labels {
-        differences("", &plain(report), &plain(&of_labels(model)), &mut reasons);
-        let (said, found) = (labels.labels.len(), model.aggregates.len());
-        reasons.extend((said != found).then(|| format!("labels.labels has {said} labels for {found} aggregates")));
-    }
     reasons.into_iter().map(wrong).collect()
 }
 
-fn wrong(reason: String) -> Finding {
+pub(super) fn wrong(reason: String) -> Finding {
     Finding::Report { reason }
 }
 
@@ -48,15 +43,6 @@ fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     }
     let (strategy, stop_detail) = (said.strategy.clone(), said.stop_detail.clone());
     Report { strategy, stop_detail, discarded: said.discarded, ..right }
-}
-
-/// The report of a label volume's model as it must be; how it was made is taken from the file.
-fn of_labels(model: &Model) -> Report {
-    let said = model.report.clone();
-    let right = Report::of_bodies(&target(&model.spec), &model.aggregates, &model.inclusions);
-    let grading = model.spec.grading.describe();
-    let Report { version, strategy, itz_limited, itz_thin, labels, stop_detail, seconds, work, .. } = said;
-    Report { version, grading, strategy, itz_limited, itz_thin, labels, stop_detail, seconds, work, ..right }
 }
 
 /// Checks the report of a run that was stopped.
@@ -89,12 +75,12 @@ fn is_known(version: &str) -> bool {
     numbers(version).is_some_and(|found| found.len() == 3 && found >= vec![0, 1, 0] && Some(found) <= numbers(VERSION))
 }
 
-fn plain(report: &Report) -> Value {
+pub(super) fn plain(report: &Report) -> Value {
     serde_json::to_value(report).expect("the keys of a report are strings")
 }
 
 /// Names every leaf of the trees that differs.
-fn differences(path: &str, said: &Value, right: &Value, reasons: &mut Vec<String>) {
+pub(super) fn differences(path: &str, said: &Value, right: &Value, reasons: &mut Vec<String>) {
     match (said, right) {
         (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => {
             let dot = if path.is_empty() { "" } else { "." };

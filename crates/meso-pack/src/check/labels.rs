@@ -1,0 +1,122 @@
+//! Does the model of a label volume follow from its bodies? It is made again from them, and every key compared. What the volume
+//! alone can tell is held against the bodies as far as they bound it.
+
+use super::Finding;
+use super::report::{differences, plain, wrong};
+use crate::labelled::{LabelOptions, assembled};
+use crate::model::Model;
+use meso_collision::geometry::Polyhedron;
+use meso_concrete::aggregate::Aggregate;
+use meso_place::{LabelReport, Report};
+use serde_json::Value;
+
+/// A share of the voxels is a whole number of them to this.
+const WHOLE: f64 = 1e-3;
+
+/// Finds every figure that differs from those of a model of these bodies.
+pub(super) fn check(model: &Model) -> Vec<Finding> {
+    let reasons = model.report.labels.as_ref().map(|labels| reasons(model, labels));
+    reasons.into_iter().flatten().map(wrong).collect()
+}
+
+fn reasons(model: &Model, labels: &LabelReport) -> Vec<String> {
+    let mut reasons = alone(labels, model.aggregates.len());
+    if let Err(error) = options(labels).validate() {
+        reasons.push(error.to_string());
+        return reasons;
+    }
+    let bodies: Vec<Polyhedron> = model.aggregates.iter().map(|aggregate| aggregate.body.clone()).collect();
+    let itz = model.spec.itz.thickness_mm[0];
+    match assembled(bodies, labels.voxels, labels.voxel_size_mm, itz, labels.clone()) {
+        Ok(right) => against(model, right, &mut reasons),
+        Err(error) => reasons.push(format!("its bodies make no model: {error}")),
+    }
+    reasons.extend(filled(model, labels));
+    reasons
+}
+
+/// The options of an import with voxels of this size.
+fn options(labels: &LabelReport) -> LabelOptions {
+    LabelOptions { voxel_size_mm: Some(labels.voxel_size_mm), ..LabelOptions::default() }
+}
+
+/// Faults that the entry shows alone.
+fn alone(labels: &LabelReport, aggregates: usize) -> Vec<String> {
+    let LabelReport { fraction, dropped, dropped_fraction, filled, filled_fraction, farthest_mm, .. } = *labels;
+    let voxels: f64 = labels.voxels.iter().map(|count| *count as f64).product();
+    let mut reasons = Vec::new();
+    let mut say = |is_right: bool, reason: String| reasons.extend((!is_right).then_some(reason));
+    let said = labels.labels.len();
+    say(said == aggregates, format!("labels.labels has {said} labels for {aggregates} aggregates"));
+    say(labels.labels.is_sorted(), "labels.labels do not ascend".to_owned());
+    for (name, share) in
+        [("fraction", fraction), ("dropped_fraction", dropped_fraction), ("filled_fraction", filled_fraction)]
+    {
+        let count = share * voxels;
+        let is_share = (0.0..=1.0).contains(&share) && (count - count.round()).abs() <= WHOLE;
+        say(is_share, format!("labels.{name} is {share}, which is no share of {voxels} voxels"));
+    }
+    say(
+        fraction + dropped_fraction <= 1.0,
+        format!("labels.dropped_fraction is {dropped_fraction} beside {fraction} of grains"),
+    );
+    say(filled_fraction <= fraction, format!("labels.filled_fraction is {filled_fraction}, of {fraction} of grains"));
+    say(dropped > 0 || dropped_fraction == 0.0, format!("labels.dropped is 0 and dropped_fraction {dropped_fraction}"));
+    say(
+        (filled > 0) == (filled_fraction > 0.0),
+        format!("labels.filled is {filled} and filled_fraction {filled_fraction}"),
+    );
+    let most = filled_fraction * voxels;
+    say(filled as f64 <= most + WHOLE, format!("labels.filled is {filled} grains with {most:.0} voxels"));
+    let pairs = aggregates.saturating_mul(aggregates.saturating_sub(1)) / 2;
+    let separated = labels.separated_pairs;
+    say(
+        separated <= pairs,
+        format!("labels.separated_pairs is {separated}; {aggregates} aggregates have {pairs} pairs"),
+    );
+    let diagonal =
+        (0..3).map(|axis| labels.voxels[axis] as f64 * labels.voxel_size_mm[axis]).map(|x| x * x).sum::<f64>();
+    let is_distance = (0.0..=diagonal.sqrt()).contains(&farthest_mm);
+    say(is_distance, format!("labels.farthest_mm is {farthest_mm}, which is no distance in the volume"));
+    reasons
+}
+
+/// Names what differs from the model that is `right`; how long it took is taken from the file.
+fn against(model: &Model, right: Model, reasons: &mut Vec<String>) {
+    let spec = |model: &Model| {
+        let text = model.spec.to_json().ok();
+        text.and_then(|text| serde_json::from_str::<Value>(&text).ok()).unwrap_or_default()
+    };
+    differences("spec", &spec(model), &spec(&right), reasons);
+    let Report { version, seconds, work, .. } = model.report.clone();
+    let report = Report { version, seconds, work, ..right.report.clone() };
+    differences("", &plain(&model.report), &plain(&report), reasons);
+    for (said, right) in model.aggregates.iter().zip(&right.aggregates) {
+        let of = |aggregate: &Aggregate| (aggregate.class, aggregate.itz_thickness_mm);
+        if of(said) != of(right) {
+            let ((class, itz), (own_class, own_itz)) = (of(said), of(right));
+            reasons.push(format!(
+                "aggregate {} has the class {class} and an ITZ of {itz} mm; its body gives {own_class} and {own_itz} mm",
+                said.id
+            ));
+        }
+    }
+}
+
+/// The volume of the grains' voxels differs from that of the bodies by what lies between their surfaces, which are nowhere
+/// farther apart than the file says.
+fn filled(model: &Model, labels: &LabelReport) -> Option<String> {
+    let far = labels.farthest_mm;
+    let between = |aggregate: &Aggregate| {
+        let (volume, area) = (aggregate.body.volume(), aggregate.body.area());
+        // A ball of this ratio grows by so much, or less.
+        area * far * (1.0 + far * area / (3.0 * volume)).powi(2)
+    };
+    let own: f64 = model.aggregates.iter().map(|aggregate| aggregate.body.volume()).sum();
+    let most: f64 = model.aggregates.iter().map(between).sum();
+    let said = labels.fraction * model.spec.specimen.volume();
+    let is_near = (said - own).abs() <= most;
+    (!is_near).then(|| {
+        format!("labels.fraction gives {said:.6} mm3 of grains, and the bodies have {own:.6}; their surfaces are within {far} mm")
+    })
+}
