@@ -96,7 +96,7 @@ def test_who_reads_a_model_shows_the_proof_of_its_surface(command, large_surface
 def test_the_bar_stays_on_one_line_and_never_falls(command, tmp_path, columns):
     """Every drawing fits the terminal; percentages rise; the stages come in their order."""
     text = on_terminal(command, ["pack", "--fraction", "0.5", "-o", "model.json"], columns, tmp_path)
-    bars = drawn(text, ("take", "place", "prove", "measure", "write"))
+    bars = drawn(text, ("take", "place", "prove", "write", "statistics"))
     assert max(map(len, bars)) <= columns
     assert percent_of(bars[-1]) > 50
     assert "Ctrl-C keeps what is placed" in text or columns < 72

@@ -28,8 +28,9 @@ pub(crate) const PACK: [(Stage, f64); 7] = [
     (Stage::Place, 4.0),
     (Stage::Prove, 1.0),
     (Stage::Mesh, 3.0),
-    (Stage::Measure, 2.0),
     (Stage::Write, 2.0),
+    // A page's: it is written last.
+    (Stage::Measure, 2.0),
 ];
 
 /// The stages of work on a saved model, with the weight of `stage` beside that of reading a large surface.
@@ -93,6 +94,11 @@ impl Watch {
     pub(crate) fn placed(&mut self) {
         drop(self.polling.take());
         self.leaves("Ctrl-C leaves no file");
+    }
+
+    /// All files but the page are there.
+    pub(crate) fn has_but_the_page(&self) {
+        self.leaves("Ctrl-C leaves out the page");
     }
 
     /// Takes the bar away.

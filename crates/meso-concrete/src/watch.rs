@@ -42,7 +42,7 @@ impl Stage {
             Self::Prove => "prove",
             Self::Mesh => "mesh",
             Self::Solve => "solve",
-            Self::Measure => "measure",
+            Self::Measure => "statistics",
             Self::Image => "image",
             Self::Write => "write",
         }

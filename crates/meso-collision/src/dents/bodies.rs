@@ -10,6 +10,9 @@ const EROSION_HALVINGS: [usize; 2] = [4, 8];
 /// The smallest cubes are at most so large, over the volume of the body by its area: 3/8 of a plate's thickness.
 const COARSEST: f64 = 0.75;
 
+/// Steps to and fro between two surfaces that bound their distance.
+const TURNS: usize = 8;
+
 impl Polyhedron {
     /// How far `x` is from the body, mm, negative inside: beyond the farthest face plane, which is less than the distance
     /// where an edge or corner is nearest; the distance itself where the body has dents.
@@ -63,10 +66,15 @@ impl Polyhedron {
         if self.is_convex() && other.is_convex() {
             return gjk::distance(self.vertices(), other.vertices());
         }
-        let of_corners =
-            self.vertices().iter().flat_map(|v| other.vertices().iter().map(move |w| (v - w).norm_squared()));
-        let most = of_corners.fold(f64::INFINITY, f64::min).sqrt();
-        Ok(self.surface().distance_below(&other.surface(), most))
+        let [own, others] = [self, other].map(Self::surface);
+        // Two points that are nearest to the other surface in turn bound the distance.
+        let (mut at, mut most) = ((own.aabb().min + own.aabb().max) / 2.0, f64::INFINITY);
+        for _ in 0..TURNS {
+            let Some((over, _)) = others.nearest(&at) else { break };
+            let Some((back, distance)) = own.nearest(&over) else { break };
+            (at, most) = (back, distance);
+        }
+        Ok(own.distance_below(&others, most))
     }
 
     /// True where two bodies are more than `gap` mm apart.

@@ -120,16 +120,18 @@ impl Plan {
         self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
 
-    /// Writes all files; the summary last, because it states how long the others took.
+    /// Writes all files: pages after the others, as their statistics may take long, and the summary last, because it states
+    /// how long the others took.
     pub(super) fn write(
         &self,
         model: &Model,
         mesh: Option<(&Mesh, &DeckOptions)>,
         watch: &Watch,
     ) -> Result<(), Failure> {
-        let mut unit = Unit::default();
         let start = watch.elapsed();
-        for (number, (target, content)) in self.outputs.iter().enumerate() {
+        let (pages, others): (Vec<_>, Vec<_>) = self.outputs.iter().partition(|(_, content)| *content == Content::Page);
+        let mut unit = Unit::default();
+        for (number, (target, content)) in others.into_iter().enumerate() {
             watch.stage(Stage::Write, number as f64 / self.outputs.len() as f64);
             match (content, mesh) {
                 (Content::Packing(format), _) => {
@@ -139,11 +141,15 @@ impl Plan {
                     deck.validate(mesh).and_then(|()| format.check(deck)).map_err(|error| wrong_option(&error))?;
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
                 }
-                (Content::Mesh(_), None) => {}
-                (Content::Page, _) => {
-                    self.fill_page(&mut unit, target, model, mesh.map(|(mesh, _)| mesh), watch)?;
-                }
+                (Content::Mesh(_), None) | (Content::Page, _) => {}
             }
+        }
+        if !pages.is_empty() {
+            std::mem::take(&mut unit).commit()?;
+            watch.has_but_the_page();
+        }
+        for (target, _) in pages {
+            self.fill_page(&mut unit, target, model, mesh.map(|(mesh, _)| mesh), watch)?;
         }
         if let Some(target) = &self.summary {
             let total = watch.elapsed();
