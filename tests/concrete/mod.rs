@@ -1,6 +1,7 @@
 //! Tests of grains, specimens and read surfaces, through the facade.
 
 mod dents;
+mod found_files;
 mod grading;
 mod round;
 mod shapes;

@@ -16,6 +16,8 @@ use serde::Deserialize;
 use std::fmt;
 
 const KEY: &str = "shape.library";
+/// The other name of the key.
+const PATH: &str = "shape.path";
 const HULL: &str = "shape.hull";
 const TOLERANCE: &str = "shape.tolerance";
 /// Scans are reduced to this share of their length where no tolerance is given, and have more triangles than that.
@@ -25,6 +27,8 @@ const SCAN: usize = 20_000;
 const MOST_TOLERANCE: f64 = 0.1;
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
+/// Bodies below this share of the volume of the largest in their file are specks, as scanners leave them.
+const SPECK: f64 = 1e-3;
 /// Thickness of the flattest stone that is taken, as a share of its length.
 const LEAST_THICKNESS: f64 = 1e-3;
 const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
@@ -53,11 +57,12 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     let tolerance = tolerance(shape)?;
     let [degree, triangles] = [DEGREE, TRIANGLES].map(|option| option.taken(shape));
     let library = shape.take("library").or_else(|| shape.take("path"));
-    let Some((_, Node { value, line })) = library else {
+    let Some((key, Node { value, line })) = library else {
         let message = "counts only for a library, the grains of a file; leave it out";
         let unused = |node: Node| Err(SpecError { line: node.line, ..SpecError::value(HULL, message) });
-        return if is_harmonic { Err(SpecError::value(KEY, NO_FOLDER)) } else { hull.map_or(Ok(()), unused) };
+        return if is_harmonic { Err(SpecError::value(PATH, NO_FOLDER)) } else { hull.map_or(Ok(()), unused) };
     };
+    let key = if key == "path" { PATH } else { KEY };
     let takes_hull = match hull {
         None => false,
         Some(Node { value: Value::Bool(flag), .. }) => flag,
@@ -68,12 +73,12 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     };
     let Value::Text(name) = value else {
         let message = "must be the name of a folder, or of a file of grains (STL, PLY, OBJ, OFF, JSON) in quotes";
-        return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(KEY, message) });
+        return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(key, message) });
     };
     let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
     let grains = Reader { files, takes_hull, form, tolerance }
         .grains(&name)
-        .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
+        .map_err(|reason| SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) })?;
     let kind = if is_harmonic { None } else { shape.take("kind") };
     shape.take("kind");
     if let Value::Table(entries) = &mut shape.value {
@@ -226,24 +231,50 @@ impl Reader<'_> {
         if names.is_empty() {
             return Err(format!("the folder holds no file that ends in {readable}"));
         }
-        let mut all = Vec::new();
+        let (mut all, mut passed_over) = (Vec::new(), Vec::new());
         for file in names {
             let path = format!("{}/{file}", name.trim_end_matches('/'));
-            all.append(&mut self.read(&path).map_err(|reason| format!("{file}: {reason}"))?);
+            match self.read_of_folder(&path).map_err(|reason| format!("{file}: {reason}"))? {
+                Some(mut grains) => all.append(&mut grains),
+                None => passed_over.push(file),
+            }
+        }
+        let others = passed_over.join(", ");
+        if all.is_empty() {
+            return Err(format!("none of its files begins with a coefficient, `0 0 Re Im`: {others}"));
+        }
+        if !passed_over.is_empty() {
+            let count = passed_over.len();
+            let remark =
+                format!("{count} file(s) that begin with no coefficient, n m Re Im, were passed over: {others}");
+            self.files.remark(name, &remark);
         }
         Ok(all)
     }
 
+    /// The grains in a file of a folder; `None` where it has no coefficients, as the tables beside stones.
+    fn read_of_folder(&mut self, name: &str) -> Result<Option<Vec<Inlined>>, String> {
+        let bytes = self.files.read(name).map_err(|error| error.to_string())?;
+        if matches!(self.form, Form::Harmonics { .. }) && !Harmonics::begin(&bytes) {
+            return Ok(None);
+        }
+        self.grains_in(name, &bytes).map(Some)
+    }
+
     fn read(&mut self, name: &str) -> Result<Vec<Inlined>, String> {
         let bytes = self.files.read(name).map_err(|error| error.to_string())?;
+        self.grains_in(name, &bytes)
+    }
+
+    fn grains_in(&mut self, name: &str, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         if let Form::Harmonics { degree, triangles } = self.form {
-            return self.stone(name, &bytes, degree, triangles).map(|stone| vec![stone]);
+            return self.stone(name, bytes, degree, triangles).map(|stone| vec![stone]);
         }
         if import::ending(name).as_deref() == Some("json") {
-            return self.json_grains(name, &bytes);
+            return self.json_grains(name, bytes);
         }
         let (mut bodies, notes) =
-            import::read_bodies(name, &bytes).map_err(|error| misnamed(name, &bytes, &self.form.endings(), &error))?;
+            import::read_bodies(name, bytes).map_err(|error| misnamed(name, bytes, &self.form.endings(), &error))?;
         notes.iter().for_each(|note| self.files.remark(name, note));
         let count = bodies.len();
         let is_closed = bodies.iter().all(|body| body.check_edges().is_ok());
@@ -251,7 +282,15 @@ impl Reader<'_> {
             bodies.iter_mut().flat_map(|body| &mut body.triangles).for_each(|triangle| triangle.swap(1, 2));
             self.files.remark(name, "its triangles are clockwise seen from outside; they were turned");
         }
-        let bodies = self.without_hollows(Place { file: name, within: "" }, bodies);
+        let place = Place { file: name, within: "" };
+        let bodies = self.without_hollows(place, bodies);
+        let bodies = self.without_specks(place, bodies);
+        if let Some([outer, inner]) = nested(&bodies) {
+            return Err(format!(
+                "body {inner} of {count}, counted from 0, lies within body {outer}; turn the triangles of a hollow's surface \
+                 round, or leave one of the two out"
+            ));
+        }
         let alone = bodies.len() == 1;
         let named = |(i, body): (usize, TriangleMesh)| {
             let within = import::numbers(i, 1, if alone { 1 } else { count });
@@ -279,6 +318,32 @@ impl Reader<'_> {
             self.remark(place, &format!("{} hollow(s), {percent:.2} % of the volume, were filled", hollows.len()));
         }
         bodies.into_iter().enumerate().filter(|(i, _)| !hollows.contains(i)).collect()
+    }
+
+    /// The bodies that are no specks beside the largest one, with a remark about how many there are.
+    fn without_specks(
+        &mut self,
+        place: Place<'_>,
+        mut bodies: Vec<(usize, TriangleMesh)>,
+    ) -> Vec<(usize, TriangleMesh)> {
+        let sizes: Vec<f64> = bodies.iter().map(|(_, body)| room(body)).collect();
+        let largest = sizes.iter().copied().fold(0.0, f64::max);
+        let count = bodies.len();
+        let mut sizes = sizes.into_iter();
+        bodies.retain(|_| sizes.next().is_none_or(|size| size >= SPECK * largest));
+        let (kept, specks) = (bodies.len(), count - bodies.len());
+        if specks > 0 {
+            self.remark(
+                place,
+                &format!(
+                    "it has {count} bodies: {specks} below {SPECK} of the volume of the largest were dropped, as scans have specks; \
+                     {kept} left"
+                ),
+            );
+        } else if count > 1 {
+            self.remark(place, &format!("it has {count} bodies, and each is a grain of equal right"));
+        }
+        bodies
     }
 
     /// The distance within which a surface of so many triangles is reduced, as a share of its length and in mm; `None` where
@@ -346,6 +411,9 @@ impl Reader<'_> {
         let percent = 100.0 * surface.volume() / stone.volume();
         let (degree, triangles) = (stone.degree(), surface.triangles.len());
         self.files.remark(name, &format!("{triangles} triangles hold {percent:.1} % of the volume of degree {degree}"));
+        if stone.left_out() > 0 {
+            self.files.remark(name, &format!("{} coefficients that it leaves out count as 0", stone.left_out()));
+        }
         self.grain(Place { file: name, within: "" }, surface)
     }
 
@@ -413,6 +481,30 @@ impl Reader<'_> {
         let TriangleMesh { vertices, triangles } = surface;
         Ok(Inlined { vertices, triangles, reduced })
     }
+}
+
+/// Volume of a body, or of the box about one that is not closed.
+fn room(body: &TriangleMesh) -> f64 {
+    match body.check_edges() {
+        Ok(()) => body.volume().abs(),
+        Err(_) => Aabb::around(&body.vertices).size().product(),
+    }
+}
+
+/// The numbers of the first two bodies of which one lies within the other.
+fn nested(bodies: &[(usize, TriangleMesh)]) -> Option<[usize; 2]> {
+    let boxes: Vec<Aabb> = bodies.iter().map(|(_, body)| Aabb::around(&body.vertices)).collect();
+    let holds = |outer: &Aabb, inner: &Aabb| {
+        (0..3).all(|axis| outer.min[axis] <= inner.min[axis] && inner.max[axis] <= outer.max[axis])
+    };
+    bodies.iter().zip(&boxes).find_map(|((outer, body), aabb)| {
+        let mut within = bodies.iter().zip(&boxes).filter(|((inner, _), inside)| inner != outer && holds(aabb, inside));
+        let first = within.next()?;
+        let surface = body.facets();
+        let lies_within = |((_, inner), _): &(&(usize, TriangleMesh), &Aabb)| surface.contains(&inner.vertices[0]);
+        let found = std::iter::once(first).chain(within).find(lies_within)?;
+        Some([*outer, found.0.0])
+    })
 }
 
 /// The error of a file's bytes, or of its name where that says another format than they have.

@@ -1,5 +1,6 @@
 //! Stones as spherical harmonics, in the files of NIST's VCCTL: one coefficient a line, `n m Re Im`.
 //!
+//! Lines that are left out are coefficients of 0. A heading may stand before the first one, and exponents may begin with D.
 //! The surface is r(theta, phi) = sum of a_nm Y_nm(theta, phi) about the stone's centre, where a_n,-m is (-1)^m times the
 //! conjugate of a_nm, so that r is real: E. J. Garboczi, Cem. Concr. Res. 32 (2002) 1621. It becomes triangles between
 //! directions that are spread evenly.
@@ -23,14 +24,9 @@ pub enum HarmonicsError {
         /// The text found there.
         found: String,
     },
-    /// A coefficient that is not there.
-    #[error("it has no coefficient n = {n}, m = {m}; all up to the degree are needed{}", lower(*n))]
-    Missing {
-        /// Degree.
-        n: u32,
-        /// Order.
-        m: u32,
-    },
+    /// The mean radius that is not there.
+    #[error("it has no coefficient n = 0, m = 0, which is the mean radius")]
+    Missing,
     /// Two lines that give one coefficient different values.
     #[error(
         "line {line}: n = {n}, m = {m} differs from an earlier line, or from a_n,-m = (-1)^m times the conjugate of a_nm; \
@@ -56,11 +52,6 @@ pub enum HarmonicsError {
     },
 }
 
-/// What helps where a coefficient of degree `n` is missing.
-fn lower(n: u32) -> String {
-    if n > 1 { format!(", so lower degree to {}", n - 1) } else { String::new() }
-}
-
 /// Highest degree that is evaluated: published files end at 30.
 pub const MOST_DEGREE: u32 = 40;
 /// Lines about one coefficient may differ by this share of the mean radius, as rounded or fitted ones do.
@@ -74,6 +65,8 @@ pub struct Harmonics {
     degree: u32,
     /// Real and imaginary parts of a_nm for m from 0 to n, n from 0.
     coefficients: Vec<[f64; 2]>,
+    /// Of these, those that the file leaves out.
+    left_out: usize,
 }
 
 impl Harmonics {
@@ -87,7 +80,7 @@ impl Harmonics {
         let text = text.trim_start_matches('\u{feff}');
         let mut found: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
         let mut lines = Vec::new();
-        for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        for (number, line) in rows(text) {
             let wrong = || HarmonicsError::Line { line: number + 1, found: line.trim().chars().take(40).collect() };
             let (n, m, value) = coefficient(line).ok_or_else(wrong)?;
             if n <= degree {
@@ -106,9 +99,23 @@ impl Harmonics {
             }
         }
         let degree = found.keys().map(|(n, _)| *n).max().unwrap_or(0);
+        if !found.contains_key(&(0, 0)) {
+            return Err(HarmonicsError::Missing);
+        }
         let wanted = (0..=degree).flat_map(|n| (0..=n).map(move |m| (n, m)));
-        let value = |(n, m)| found.get(&(n, m)).copied().ok_or(HarmonicsError::Missing { n, m });
-        Ok(Self { degree, coefficients: wanted.map(value).collect::<Result<_, _>>()? })
+        let coefficients: Vec<[f64; 2]> = wanted.map(|nm| found.get(&nm).copied().unwrap_or_default()).collect();
+        Ok(Self { degree, left_out: coefficients.len() - found.len(), coefficients })
+    }
+
+    /// Whether the first line of a text, behind a heading, is a coefficient.
+    pub fn begin(bytes: &[u8]) -> bool {
+        let text = std::str::from_utf8(bytes).unwrap_or_default();
+        rows(text.trim_start_matches('\u{feff}')).next().is_some_and(|(_, row)| coefficient(row).is_some())
+    }
+
+    /// Number of coefficients that the file leaves out, of those of orders from 0.
+    pub fn left_out(&self) -> usize {
+        self.left_out
     }
 
     /// Highest degree of the coefficients.
@@ -175,13 +182,29 @@ fn mirrored(m: i32, [re, im]: [f64; 2]) -> [f64; 2] {
     }
 }
 
+/// The lines of a text with their numbers, from 0, without empty ones, and without the words of a heading before all numbers.
+fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let is_words = |line: &str| words(line).next().is_some_and(|word| number(word).is_none());
+    let rows = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    rows.skip_while(move |(_, line)| is_words(line))
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|letter: char| letter.is_whitespace() || letter == ',').filter(|word| !word.is_empty())
+}
+
+/// A number, as Fortran writes it, too.
+fn number(word: &str) -> Option<f64> {
+    let digits = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
+    digits(word).or_else(|| digits(&word.replace(['d', 'D'], "e")))
+}
+
 /// Degree, order and value of a line.
 fn coefficient(line: &str) -> Option<(u32, i32, [f64; 2])> {
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let [n, m, re, im] = words[..] else { return None };
-    let (n, m) = (n.parse::<u32>().ok()?, m.parse::<i32>().ok()?);
-    let value = [re.parse::<f64>().ok()?, im.parse::<f64>().ok()?];
-    (m.unsigned_abs() <= n && n <= 1000 && value.iter().all(|x| x.is_finite())).then_some((n, m, value))
+    let numbers: Vec<f64> = words(line).map(number).collect::<Option<_>>()?;
+    let [n, m, re, im] = numbers[..] else { return None };
+    let is_pair = n.fract() == 0.0 && m.fract() == 0.0 && (0.0..=1000.0).contains(&n) && m.abs() <= n;
+    is_pair.then_some((n as u32, m as i32, [re, im]))
 }
 
 /// Unit vectors spread evenly (a Fibonacci lattice).
@@ -228,8 +251,31 @@ mod tests {
             assert_eq!(error, HarmonicsError::Contradiction { line, n, m });
         }
         assert_eq!(read("0 0 7 1\n"), Err(HarmonicsError::Contradiction { line: 1, n: 0, m: 0 }));
-        let [none, two] = ["", "0 0 7 0\n1 0 1 0\n1 1 1 0\n2 0 1 0\n"].map(|text| read(text).unwrap_err().to_string());
-        assert!(none.ends_with("are needed") && two.ends_with("so lower degree to 1"), "{none} {two}");
+        assert!(["", "1 0 1 0\n", "heading"].map(|text| read(text)) == [const { Err(HarmonicsError::Missing) }; 3]);
+    }
+
+    #[test]
+    fn files_as_they_are_published_are_read() {
+        let whole = "0 0 7 0\n1 0 0 0\n1 1 0 0\n2 0 0.5 0\n2 1 0 0\n2 2 0.25 -0.125\n";
+        let stone = Harmonics::read(whole.as_bytes(), 12).unwrap();
+        assert_eq!(stone.left_out(), 0);
+        for (text, left_out) in [
+            ("0 0 7 0\n2 0 0.5 0\n2 2 0.25 -0.125\n", 3),
+            ("n m Re Im\n0 0 7 0\n1 0 0 0\n1 1 0 0\n2 0 .5 0\n2 1 0 0\n2 2 0.25 -0.125\n", 0),
+            ("# a stone\n\n0 0 7 0\n2 0 0.5 0\n2 -2 0.25 0.125\n", 3),
+            ("0 0 7.0D+00 0.0D0\n2 0 5d-1 0\n2 2 2.5D-01 -1.25d-1\n", 3),
+            ("0.0 0.0 7 0\n2.0 0.0 0.5 0\n2.0 2.0 0.25 -0.125\n", 3),
+            ("0, 0, 7, 0\n2, 0, 0.5, 0\n2,2,0.25,-0.125\n", 3),
+        ] {
+            let read = Harmonics::read(text.as_bytes(), 12).unwrap();
+            assert_eq!((&read.coefficients, read.left_out()), (&stone.coefficients, left_out), "{text}");
+            assert!(Harmonics::begin(text.as_bytes()), "{text}");
+        }
+        for other in
+            ["0.0 0.0 0.0 0.0 0.0\n", "mean length 18.2\n", "", "0 1 2 3\n", "0.5 0 1 0\n", "0 0 nan 0\n", "\u{0}"]
+        {
+            assert!(!Harmonics::begin(other.as_bytes()), "{other}");
+        }
     }
 
     #[test]

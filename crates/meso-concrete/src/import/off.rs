@@ -1,43 +1,116 @@
 //! OFF, the text of Geomview: numbers of vertices and faces, a line for each.
 //!
-//! `COFF`, `NOFF` and the like have colours or normals behind each position, which are ignored.
+//! `COFF`, `NOFF` and the like have colours or normals behind each position, which are ignored; `4OFF` has a fourth coordinate that
+//! divides the others. The first number may follow the keyword at once. Numbers need no lines of their own where a vertex has
+//! its position alone.
 
-use super::words::{is, lines_of_words, number, position, text, unreadable};
+use super::words::{is, lines_of_words, number, text, unreadable};
 use super::{Facets, ImportError};
+use meso_collision::math::Vec3;
+
+/// A line that has words, and its number.
+type Line<'a> = (usize, Vec<&'a [u8]>);
+
+/// What the lines behind the numbers hold.
+struct Counts {
+    vertices: usize,
+    faces: usize,
+    /// Numbers of a position: 3, or 4 of which the last divides the others.
+    size: usize,
+}
 
 pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
     let mut lines = lines_of_words(text(bytes)?).peekable();
     let begin = |wanted: &str| ImportError::Begin { format: "an OFF", wanted: wanted.to_owned() };
-    let Some((line, mut counts)) = lines.next() else { return Err(begin("it is empty")) };
-    let keyword = counts.remove(0).to_ascii_uppercase();
-    if !["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"].iter().any(|known| is(&keyword, known))
-    {
-        return Err(begin("it must begin with OFF, of three dimensions"));
+    let Some((line, mut words)) = lines.next() else { return Err(begin("it is empty")) };
+    let (keyword, digits) =
+        words[0].split_at(words[0].iter().rposition(u8::is_ascii_alphabetic).map_or(0, |at| at + 1));
+    match digits {
+        [] => drop(words.remove(0)),
+        _ => words[0] = digits,
     }
-    if counts.first().is_some_and(|word| is(word, "binary")) {
+    if keyword == b"nOFF" || keyword.ends_with(b"nOFF") {
+        return Err(begin("it is an nOFF, of any number of dimensions; save it as OFF, of three"));
+    }
+    let plain = keyword.strip_prefix(b"4").unwrap_or(keyword);
+    let extras = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"];
+    let Some(extra) = extras.iter().position(|known| is(plain, known)) else {
+        return Err(begin("it must begin with OFF, of three dimensions"));
+    };
+    if words.first().is_some_and(|word| is(word, "binary")) {
         return Err(begin("it is binary; save it as text"));
     }
-    let (line, counts) = if counts.is_empty() { lines.next().unwrap_or((line, counts)) } else { (line, counts) };
-    let wanted = "the numbers of vertices and faces";
-    let count = |k: usize| counts.get(k).and_then(|word| number::<usize>(word));
-    let (Some(vertex_count), Some(face_count)) = (count(0), count(1)) else {
-        return Err(unreadable(line, &counts, wanted));
+    let (line, words) = if words.is_empty() { lines.next().unwrap_or((line, words)) } else { (line, words) };
+    let count = |k: usize| words.get(k).and_then(|word| number::<usize>(word));
+    let (Some(vertices), Some(faces)) = (count(0), count(1)) else {
+        return Err(unreadable(line, &words, "the numbers of vertices and faces"));
     };
-    let of_vertex = |(line, words): (usize, Vec<&[u8]>)| {
-        position(&words).ok_or_else(|| unreadable(line, &words, "a vertex of three numbers"))
+    let counts = Counts { vertices, faces, size: if plain.len() < keyword.len() { 4 } else { 3 } };
+    let mut lines: Vec<Line> = lines.collect();
+    let found = by_lines(&counts, &lines);
+    if found.is_ok() || extra > 0 {
+        return found;
+    }
+    // The number of edges, which counts for nothing, may be absent.
+    let more = words.get(3..).filter(|more| !more.is_empty());
+    more.into_iter().for_each(|more| lines.insert(0, (line, more.to_vec())));
+    by_numbers(&counts, &lines).ok_or(()).or(found)
+}
+
+/// A vertex a line, a face a line.
+fn by_lines(counts: &Counts, lines: &[Line]) -> Result<Facets, ImportError> {
+    let of_vertex = |(line, words): &Line| {
+        position(counts.size, words).ok_or_else(|| unreadable(*line, words, "a vertex of three numbers"))
     };
-    let vertices = lines.by_ref().take(vertex_count).map(of_vertex).collect::<Result<Vec<_>, _>>()?;
-    if vertices.len() < vertex_count {
+    let vertices = lines.iter().take(counts.vertices).map(of_vertex).collect::<Result<Vec<_>, _>>()?;
+    if vertices.len() < counts.vertices {
         return Err(ImportError::Cut { part: "vertices" });
     }
+    faces_by_lines(counts, &vertices, &lines[counts.vertices..])
+}
+
+fn faces_by_lines(counts: &Counts, vertices: &[Vec3], lines: &[Line]) -> Result<Facets, ImportError> {
     let (mut facets, mut faces) = (Facets::default(), 0);
-    for (line, words) in lines.take(face_count) {
+    for (line, words) in lines.iter().take(counts.faces) {
         let corners =
-            face(&words).ok_or_else(|| unreadable(line, &words, "a face: how many corners, and their numbers"))?;
-        facets.polygon(&vertices, faces, &corners)?;
+            face(words).ok_or_else(|| unreadable(*line, words, "a face: how many corners, and their numbers"))?;
+        facets.polygon(vertices, faces, &corners)?;
         faces += 1;
     }
-    if faces < face_count { Err(ImportError::Cut { part: "faces" }) } else { Ok(facets) }
+    if faces < counts.faces { Err(ImportError::Cut { part: "faces" }) } else { Ok(facets) }
+}
+
+/// One number behind the other, whatever their lines; faces with colours have a line each. `None` where numbers are missing or
+/// left over.
+fn by_numbers(counts: &Counts, lines: &[Line]) -> Option<Facets> {
+    let ends = lines.iter().scan(0, |end, (_, words)| {
+        *end += words.len();
+        Some(*end)
+    });
+    let ends: Vec<usize> = ends.collect();
+    let words: Vec<&[u8]> = lines.iter().flat_map(|(_, words)| words.iter().copied()).collect();
+    let behind = counts.vertices.checked_mul(counts.size).filter(|behind| *behind <= words.len())?;
+    let of_vertex = |words: &[&[u8]]| position(counts.size, words);
+    let vertices: Vec<Vec3> = words[..behind].chunks_exact(counts.size).map(of_vertex).collect::<Option<_>>()?;
+    let rest = ends.partition_point(|end| *end <= behind);
+    let begins_a_line = behind == 0 || ends.binary_search(&behind).is_ok();
+    if begins_a_line && let Ok(facets) = faces_by_lines(counts, &vertices, &lines[rest..]) {
+        return Some(facets);
+    }
+    let (mut facets, mut left) = (Facets::default(), &words[behind..]);
+    for number in 0..counts.faces {
+        let corners = face(left)?;
+        left = &left[corners.len() + 1..];
+        facets.polygon(&vertices, number, &corners).ok()?;
+    }
+    left.is_empty().then_some(facets)
+}
+
+/// The position of a vertex with so many coordinates.
+fn position(size: usize, words: &[&[u8]]) -> Option<Vec3> {
+    let numbers = words.get(..size)?.iter().map(|word| number::<f64>(word)).collect::<Option<Vec<f64>>>()?;
+    let over = numbers.get(3).copied().unwrap_or(1.0);
+    (over != 0.0).then(|| Vec3::new(numbers[0], numbers[1], numbers[2]) / over)
 }
 
 /// The corners of a face; a colour may follow them.

@@ -1,4 +1,7 @@
 //! PLY, text or binary of either byte order: a header that names elements and their properties, then the numbers.
+//!
+//! Faces are polygons, or strips of triangles: each corner of a strip makes a triangle with the two before it, every other one
+//! turned round, and -1 ends a strip.
 
 use super::words::{is, lines, number, text, words};
 use super::{Facets, ImportError};
@@ -37,6 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
     let mut face_rows = Vec::new();
     for element in &elements {
         let (is_vertex, is_face) = (is(&element.name, "vertex"), is(&element.name, "face"));
+        let is_strip = is(&element.name, "tristrips");
         let cut = || ImportError::Cut { part: if is_vertex { "vertices" } else { "faces" } };
         // Elements without properties take no bytes, whatever their number.
         let count = if element.properties.is_empty() { 0 } else { element.count };
@@ -45,9 +49,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
                 vertices.push(vertex(element, &mut values).ok_or_else(cut)?);
             } else {
                 let corners = row(element, &mut values).ok_or_else(cut)?;
+                if is_strip {
+                    face_rows.extend(triangles(&corners));
+                }
                 face_rows.extend(is_face.then_some(corners));
             }
         }
+    }
+    let names = || elements.iter().map(|element| String::from_utf8_lossy(&element.name).into_owned());
+    if face_rows.is_empty() && !names().any(|name| name == "face" || name == "tristrips") {
+        let elements = names().collect::<Vec<_>>().join(", ");
+        let wanted = format!("a surface has an element face or tristrips, and its elements are {elements}");
+        return Err(ImportError::Begin { format: "a PLY", wanted });
     }
     face_rows.iter().enumerate().try_for_each(|(face, corners)| facets.polygon(&vertices, face, corners))?;
     Ok(facets)
@@ -172,6 +185,14 @@ fn vertex(element: &Element, values: &mut Values<'_>) -> Option<Vec3> {
         values.of(property, |x| axis.into_iter().for_each(|axis| position[axis] = x))?;
     }
     Some(position)
+}
+
+/// The triangles of strips, without those that have a corner twice, which lead from one strip to the next.
+fn triangles(corners: &[i64]) -> impl Iterator<Item = Vec<i64>> {
+    let is_end = |corner: &i64| *corner < 0 || *corner == i64::from(u32::MAX);
+    let strips = corners.split(is_end).flat_map(|strip| strip.windows(3).enumerate());
+    let turned = strips.map(|(number, t)| if number % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
+    turned.filter(|[a, b, c]| a != b && b != c && c != a).map(Vec::from)
 }
 
 /// The corners of a face; rows of other elements are read past.
