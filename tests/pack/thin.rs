@@ -106,7 +106,7 @@ fn the_deepest_point_of_a_thin_body_is_in_its_middle() {
 }
 
 #[test]
-fn what_no_reader_takes_is_not_written() {
+fn a_model_that_no_reader_takes_is_not_written() {
     let honest = packed(&prism(&zigzag(0.2), 5.0), "[0, 0]");
     let refused = |change: fn(&mut Model)| {
         let mut model = honest.clone();
