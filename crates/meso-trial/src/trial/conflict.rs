@@ -6,7 +6,6 @@
 
 use crate::error::TEST;
 use crate::trial::load::{Rule, Side, Strip, SupportSpec};
-use crate::trial::named::Rig;
 use crate::trial::setup::word;
 use meso_concrete::OutOfRange;
 use meso_concrete::specimen::Specimen;
@@ -192,24 +191,19 @@ pub(super) fn suits(supports: &[SupportSpec], specimen: &Specimen) -> Result<(),
     Ok(())
 }
 
-impl Rig {
-    /// Refuses supports that give two places to a node; `members` has a row of a node and the number of its support for each
-    /// node that a support meets.
-    ///
-    /// # Errors
-    /// Two supports that contradict each other, both by name.
-    pub fn agree(&self, mut members: Vec<(u32, u32)>) -> Result<(), OutOfRange> {
-        members.sort_unstable();
-        let of = |row: &(u32, u32)| &self.supports[row.1 as usize];
-        for same in members.chunk_by(|one, other| one.0 == other.0) {
-            for (place, one) in same.iter().enumerate() {
-                for other in &same[place + 1..] {
-                    if let Some(axis) = of(one).contradicts(of(other)) {
-                        return Err(of(other).error(of(one), axis));
-                    }
+/// Refuses supports that give two places to a node; `members` has a row of a node and the number of its support for each
+/// node that a support meets.
+pub(super) fn agree(supports: &[SupportSpec], mut members: Vec<(u32, u32)>) -> Result<(), OutOfRange> {
+    members.sort_unstable();
+    let of = |row: &(u32, u32)| &supports[row.1 as usize];
+    for same in members.chunk_by(|one, other| one.0 == other.0) {
+        for (place, one) in same.iter().enumerate() {
+            for other in &same[place + 1..] {
+                if let Some(axis) = of(one).contradicts(of(other)) {
+                    return Err(of(other).error(of(one), axis));
                 }
             }
         }
-        Ok(())
     }
+    Ok(())
 }

@@ -5,6 +5,7 @@ use crate::sample::Geometry;
 use crate::trial::conflict;
 use crate::trial::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 use crate::trial::{Control, Test, TestKind};
+use meso_concrete::OutOfRange;
 use meso_concrete::specimen::Specimen;
 use std::f64::consts::PI;
 
@@ -21,6 +22,17 @@ pub struct Rig {
     pub section_mm2: f64,
     /// Area that breaks, mm2: energies are given over it.
     pub breaking_mm2: f64,
+}
+
+impl Rig {
+    /// Refuses supports that give two places to a node; `members` has a row of a node and the number of its support for each
+    /// node that a support meets.
+    ///
+    /// # Errors
+    /// Two supports that contradict each other, both by name.
+    pub fn agree(&self, members: Vec<(u32, u32)>) -> Result<(), OutOfRange> {
+        conflict::agree(&self.supports, members)
+    }
 }
 
 /// Width of a splitting strip over the diameter: EN 12390-6 has strips of 10 mm on cylinders of 100 and 150 mm.
