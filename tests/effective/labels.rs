@@ -50,6 +50,166 @@ fn walls_have_their_values_at_the_faces_of_the_voxels() {
     assert_eq!(found.resolution.boundary, ["fixed"; 3]);
 }
 
+/// bugs_eff_layers.py: every second voxel lost the layer or doubled it, 0.72 below 0 or 0.20 for 0.139.
+#[test]
+fn a_layer_of_one_voxel_has_its_resistance_wherever_it_lies() {
+    for at in [3, 8, 9, 12] {
+        let found = solve(&specimen([16, 16, 16], |[.., k]| i64::from(k == at)), &phases(&[("0", 1.0), ("1", 0.01)]));
+        let exact = [15.01 / 16.0, 15.01 / 16.0, 16.0 / (15.0 + 100.0)];
+        for (axis, exact) in exact.into_iter().enumerate() {
+            let (value, error) = (found.tensor[axis][axis].unwrap(), found.error[axis][axis].unwrap());
+            assert!((value / exact - 1.0).abs() < 1e-7 && error < 1e-5 * exact, "{value} {error} for {exact}");
+        }
+    }
+    let striped = LabelSpecimen { periodic: [true; 3], ..specimen([8, 8, 8], |[.., k]| k as i64 % 2) };
+    let found = solve(&striped, &phases(&[("0", 1.0), ("1", 0.1)]));
+    let [along, across] = [0, 2].map(|axis| found.tensor[axis][axis].unwrap());
+    assert!((along - 0.55).abs() < 1e-7 && (across - 2.0 / 11.0).abs() < 1e-7, "{along} {across}");
+    let pore = solve(&specimen([20, 20, 10], |at| i64::from(at[..2] != [10, 10])), &phases(&[("0", 1.0), ("1", 0.0)]));
+    let along = pore.tensor[2][2].unwrap();
+    assert!((along - 0.0025).abs() < 1e-9, "{along}");
+    assert_eq!([pore.tensor[0][0], pore.error[0][0]], [Some(0.0); 2]);
+}
+
+/// Every voxel in 8 and in 64: the links' value rises to the exact one, which the error contains.
+#[test]
+fn the_error_of_a_label_volume_contains_the_value_of_finer_voxels() {
+    let noise = |[i, j, k]: [usize; 3]| (i * 7919 + j * 104_729 + k * 1_299_709) / 1000;
+    let ball = |[i, j, k]: [usize; 3]| {
+        let square = |at: usize| (2.0 * at as f64 - 11.0).powi(2);
+        (square(i) + square(j) + square(k)).sqrt()
+    };
+    type Of<'a> = &'a dyn Fn([usize; 3]) -> i64;
+    let volumes: [(Of, [f64; 2]); 6] = [
+        (&|at| i64::from(noise(at) % 10 < 4), [1.0, 0.0]),
+        (&|at| i64::from(noise(at) % 10 < 4), [1.0, 100.0]),
+        (&|at| i64::from(noise(at) % 3 == 0), [3.0, 0.02]),
+        (&|at| i64::from(ball(at) < 7.0), [1.0, 0.0]),
+        (&|at| i64::from((6.0..8.0).contains(&ball(at))), [1.0, 50.0]),
+        (&|[i, j, _]| i64::from((i + j) / 3 % 2 == 0), [1.0, 6.0]),
+    ];
+    for (number, (of, values)) in volumes.into_iter().enumerate() {
+        let given = phases(&[("0", values[0]), ("1", values[1])]);
+        let on = |parts: usize| {
+            let volume = specimen([12 * parts; 3], |at| of(at.map(|at| at / parts)));
+            solve(&LabelSpecimen { periodic: [number % 2 == 0; 3], ..volume }, &given)
+        };
+        let [found, finer] = [1, 4].map(on);
+        for axis in 0..3 {
+            let at = |of: &[[Option<f64>; 3]; 3]| of[axis][axis].unwrap();
+            let (value, error, fine) = (at(&found.tensor), at(&found.error), at(&finer.fine));
+            let context = format!("{value} +- {error} for {fine} of {number} along {axis}, {:?}", found.bounds);
+            assert!((value - at(&finer.tensor)).abs() <= error && fine >= at(&found.fine) - 1e-6, "{context}");
+            assert!(fine >= value - error && fine <= value + error, "{context}");
+            assert!(value >= found.bounds.reuss && value <= found.bounds.voigt, "{context}");
+        }
+    }
+}
+
+/// bugs_eff_pocket.py: the iterations ended with NaN.
+#[test]
+fn pockets_that_touch_no_face_carry_nothing() {
+    let values = phases(&[("0", 0.0), ("1", 1.0), ("2", 5.0)]);
+    for (count, from, to) in [(12, 4, 8), (13, 4, 8), (14, 4, 8), (16, 4, 8), (18, 4, 8), (12, 5, 7), (12, 3, 8)] {
+        for periodic in [false, true] {
+            let is_inside = |at: [usize; 3]| at.iter().all(|at| (from..to).contains(at));
+            let mut volume = specimen([count; 3], |at| i64::from(is_inside(at)));
+            volume.periodic = [periodic; 3];
+            let found = solve(&volume, &values);
+            assert_eq!([found.tensor, found.error], [[[Some(0.0); 3]; 3]; 2], "{count} {from} {to}");
+            assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+            // A pore along x beside the pocket: only x conducts.
+            let mut beside = specimen([count; 3], |at| if at[1..] == [0, 0] { 2 } else { i64::from(is_inside(at)) });
+            beside.periodic = [periodic; 3];
+            let found = solve(&beside, &values);
+            let pore = 5.0 / (count * count) as f64;
+            assert!((found.tensor[0][0].unwrap() - pore).abs() < 1e-8, "{:?}", found.tensor);
+            assert_eq!([found.tensor[1][1], found.error[1][1], found.tensor[2][2]], [Some(0.0); 3]);
+        }
+    }
+    // A pore that leads around a period along x and y carries both, and a spiral counts too.
+    let diagonal = |[i, j, k]: [usize; 3]| i64::from(k == 2 && (i == j || (i + 1) % 8 == j));
+    let found = solve(&LabelSpecimen { periodic: [true; 3], ..specimen([8, 8, 8], diagonal) }, &values);
+    assert!(found.tensor[0][0].unwrap() > 0.001 && found.tensor[0][1].unwrap() > 0.001, "{:?}", found.tensor);
+    assert_eq!([found.tensor[2][2], found.error[2][2]], [Some(0.0); 2]);
+}
+
+/// twice_label_0.toml: the last of the two counted.
+#[test]
+fn a_label_that_is_given_twice_is_refused() {
+    let scan = specimen([4, 4, 4], |[i, ..]| i as i64 / 2);
+    let options = EffectiveOptions::new(Property::Diffusivity, 1.0);
+    for names in [["0", "00"], ["-0", "0"], ["000", "0"], ["+0", "0"]] {
+        let given = phases(&[(names[0], 1.0), (names[1], 50.0), ("1", 2.0)]);
+        let refused = effective_of_labels(&scan, &given, &options, &Silent).err().unwrap().to_string();
+        assert!(refused.starts_with("[diffusivity] has the label 0 twice, as "), "{refused}");
+    }
+    let moduli = serde_json::json!({ "youngs_modulus_mpa": 20000 });
+    let given = serde_json::json!({ "stiffness": { "0": moduli, "1": moduli, "01": moduli } });
+    let given: LabelPhases = serde_json::from_value(given).unwrap();
+    let refused = stiffness_of_labels(&scan, &given, &StiffnessOptions::new(1.0), &Silent).err().unwrap().to_string();
+    assert_eq!(refused, "[stiffness] has the label 1 twice, as 01 and as 1; keep one of them");
+}
+
+#[test]
+fn a_homogeneous_volume_has_its_value_within_its_bounds() {
+    let found = solve(&specimen([6, 6, 6], |_| 0), &phases(&[("0", 0.1)]));
+    for axis in 0..3 {
+        assert_eq!([found.tensor[axis][axis], found.error[axis][axis]], [Some(0.1), Some(0.0)]);
+    }
+    assert_eq!([found.bounds.reuss, found.bounds.voigt], [0.1; 2]);
+}
+
+/// Voxels in 8 and in 64: the stiffness falls to the exact one.
+#[test]
+fn the_error_of_a_stiffness_of_labels_contains_that_of_finer_voxels() {
+    let noise = |[i, j, k]: [usize; 3]| (i * 7919 + j * 104_729 + k * 1_299_709) / 1000;
+    type Of<'a> = &'a dyn Fn([usize; 3]) -> i64;
+    let volumes: [(Of, f64); 3] = [
+        (&|at| i64::from(noise(at) % 10 < 4), 0.0),
+        (&|at| i64::from(noise(at) % 3 == 0), 10.0),
+        (&|[i, ..]| i as i64 % 2, 50.0),
+    ];
+    for (of, stiffer) in volumes {
+        let given = serde_json::json!({ "stiffness": {
+            "0": { "youngs_modulus_mpa": 20000, "poisson_ratio": 0.2, "eigenstrain": -1e-4 },
+            "1": { "youngs_modulus_mpa": 20000.0 * stiffer, "poisson_ratio": 0.3 } } });
+        let given: LabelPhases = serde_json::from_value(given).unwrap();
+        let on = |parts: usize| {
+            let volume = specimen([6 * parts; 3], |at| of(at.map(|at| at / parts)));
+            let volume = LabelSpecimen { periodic: [true; 3], ..volume };
+            stiffness_of_labels(
+                &volume,
+                &given,
+                &StiffnessOptions { tolerance: 1e-8, ..StiffnessOptions::new(1.0) },
+                &Silent,
+            )
+            .unwrap()
+            .0
+        };
+        let [found, finer] = [1, 4].map(on);
+        for i in 0..6 {
+            let (value, error) = (found.tensor[i][i], found.error[i][i]);
+            assert!(
+                (value - finer.tensor[i][i]).abs() <= error,
+                "{value} +- {error} for {} of {stiffer}",
+                finer.tensor[i][i]
+            );
+            assert!(
+                (value - finer.fine[i][i]).abs() <= error,
+                "{value} +- {error} for {} of {stiffer}",
+                finer.fine[i][i]
+            );
+            assert!((found.expansion[i] - finer.expansion[i]).abs() <= found.expansion_error[i] + 1e-9);
+        }
+        let of = |stiffness: &Stiffness| [stiffness.isotropic.bulk_modulus_mpa, stiffness.isotropic.shear_modulus_mpa];
+        let errors = [found.isotropic_error.bulk_modulus_mpa, found.isotropic_error.shear_modulus_mpa];
+        for ((value, fine), error) in of(&found).into_iter().zip(of(&finer)).zip(errors) {
+            assert!((value - fine).abs() <= error, "{value} +- {error} for {fine}");
+        }
+    }
+}
+
 #[test]
 fn a_closed_volume_conducts_nothing_and_an_island_does_not_matter() {
     let island = |[i, j, k]: [usize; 3]| i64::from(k == 5) * 2 + i64::from([i, j, k] == [2, 2, 2]);

@@ -53,6 +53,12 @@ impl PropertyBounds {
     }
 }
 
+/// Whether volume fractions are those of bodies within the specimen: bodies that reach beyond leave the mortar less than nothing, and
+/// have no bounds.
+pub(crate) fn are_within(mut fractions: impl Iterator<Item = f64>) -> bool {
+    fractions.all(|fraction| fraction >= -ROUNDING)
+}
+
 /// Crossings below this share of a value are rounding: links have single precision.
 const ROUNDING: f64 = 1e-6;
 

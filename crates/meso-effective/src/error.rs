@@ -57,6 +57,16 @@ pub enum EffectiveError {
         /// The key.
         name: String,
     },
+    /// One label under two names.
+    #[error("[{table}] has the label {label} twice, as {} and as {}; keep one of them", names[0], names[1])]
+    Twice {
+        /// Table of the phases file.
+        table: &'static str,
+        /// The label.
+        label: i64,
+        /// Its keys.
+        names: [String; 2],
+    },
     /// Only zeros.
     #[error("all labels of the volume have the value 0 in [{0}]; one must have more")]
     Nothing(&'static str),

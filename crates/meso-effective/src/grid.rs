@@ -101,6 +101,23 @@ const MOST: f64 = 1e9;
 /// Fewest voxels along an axis: the second resolution has half as many.
 const FEWEST: usize = 4;
 
+/// Grids of twice and four times the size, as far as they have two voxels along each axis.
+pub(crate) fn coarser(counts: [usize; 3]) -> Vec<[usize; 3]> {
+    let twice = counts.map(|count| count.div_ceil(2));
+    let fourfold = twice.map(|count| count.div_ceil(2));
+    [twice, fourfold].into_iter().filter(|counts| counts.iter().all(|count| *count > 1)).collect()
+}
+
+/// Sizes of the voxels of [`coarser`] grids over the fine ones', mean of the axes.
+pub(crate) fn ratios(counts: [usize; 3]) -> [f64; 2] {
+    let of = |coarse: [usize; 3]| {
+        let ratio = |axis: usize| counts[axis] as f64 / coarse[axis] as f64;
+        (ratio(0) + ratio(1) + ratio(2)) / 3.0
+    };
+    let twice = counts.map(|count| count.div_ceil(2));
+    [of(twice), of(twice.map(|count| count.div_ceil(2)))]
+}
+
 /// An even number of voxels along each axis of a box, of nearly `size` mm.
 pub(crate) fn counts(specimen: &Specimen, size: f64) -> Result<[usize; 3], EffectiveError> {
     if !specimen.container().is_box() {

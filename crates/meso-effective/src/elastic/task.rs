@@ -1,11 +1,11 @@
-//! From a packing to its stiffness: two grids, six mean strains, error, bounds and expansion.
+//! From a packing to its stiffness: three grids, six mean strains, error, bounds and expansion.
 
 use super::equations::{Elastic, WEIGHTS};
 use super::field::StressField;
 use super::voxels::Voxels;
-use crate::bounds::PropertyBounds;
-use crate::effective::REST;
+use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
+use crate::estimate::{Estimate, Sizes};
 use crate::grid::{self, Grid, Space};
 use crate::moduli::{Moduli, PhaseModuli, Table};
 use crate::resolution::Resolution;
@@ -101,14 +101,15 @@ pub struct Isotropic {
 pub struct Stiffness {
     /// Property: `stiffness`.
     pub what: &'static str,
-    /// The tensor, extrapolated from two sizes of voxels or tetrahedra.
+    /// The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt;
+    /// of a label volume, lowered by the strains' variation within voxels.
     pub tensor: StiffnessTensor,
-    /// Estimated error of each entry: the step of the extrapolation, and the error of the equations.
+    /// Error of each entry, by the changes from size to size or the variation within voxels.
     pub error: StiffnessTensor,
     /// The tensor on the voxels or tetrahedra.
     pub fine: StiffnessTensor,
-    /// The tensor on those of twice the size.
-    pub coarse: StiffnessTensor,
+    /// The tensor on those of twice the size; none of a label volume.
+    pub coarse: Option<StiffnessTensor>,
     /// Constants of the nearest isotropic material.
     pub isotropic: Isotropic,
     /// Their estimated errors.
@@ -145,7 +146,7 @@ pub fn stiffness<'a>(
     of_medium(&Packing { bodies: &bodies, specimen, table }, counts, options, watch)
 }
 
-/// The stiffness of `medium`, on grids of `counts` voxels and of half as many along each axis.
+/// The stiffness of `medium` on a grid of `counts` voxels, and on coarser ones unless every voxel has one phase.
 pub(crate) fn of_medium(
     medium: &dyn ElasticMedium,
     counts: [usize; 3],
@@ -159,11 +160,13 @@ pub(crate) fn of_medium(
         let voxels = medium.voxels(&grid);
         Solved::of(&mut Elastic::new(&grid, &voxels), options.tolerance, fields, report)
     };
-    let coarse = on(counts.map(|count| count.div_ceil(2)), false, &|_| ())?;
+    let grids = if medium.is_of_voxels() { Vec::new() } else { grid::coarser(counts) };
+    let coarser = grids.into_iter().map(|counts| on(counts, false, &|_| ())).collect::<Result<Vec<_>, _>>()?;
     let mut fine = on(counts, options.fields, &|share| watch.stage(Stage::Solve, share))?;
     let fields = std::mem::take(&mut fine.fields);
     let resolution = Resolution::of_voxels(space.boundary("uniform-strain"), counts, space.spacing(counts));
-    Ok((Stiffness::new([&fine, &coarse], medium.phases(), medium.rest(), resolution), fields))
+    let coarser = (&coarser[..], Sizes(grid::ratios(counts), 1.0));
+    Ok((Stiffness::new(&fine, coarser, medium.phases(), resolution), fields))
 }
 
 /// Geometry and constants of elastic phases.
@@ -174,8 +177,10 @@ pub(crate) trait ElasticMedium {
     fn voxels(&self, grid: &Grid) -> Voxels;
     /// The phases with their volumes.
     fn phases(&self) -> Vec<(Moduli, ElasticShare)>;
-    /// Share of the change from voxels of twice the size by which the fine result is still off (Richardson).
-    fn rest(&self) -> f64;
+    /// Whether every voxel has one phase, so that coarser voxels would have another geometry.
+    fn is_of_voxels(&self) -> bool {
+        false
+    }
 }
 
 /// A packing with its constants.
@@ -200,10 +205,6 @@ impl ElasticMedium for Packing<'_> {
     fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
         shares(&self.table, self.bodies, self.specimen)
     }
-
-    fn rest(&self) -> f64 {
-        REST
-    }
 }
 
 /// The phases with their exact volumes.
@@ -226,6 +227,8 @@ impl ElasticShare {
 /// Solutions on one division of a specimen.
 pub(crate) struct Solved<F> {
     tensor: StiffnessTensor,
+    /// Energy of the strains' variation within voxels, over the volume and twice, for each unit strain.
+    variation: [f64; 6],
     /// Mean stress of the specimen without strain.
     eigenstress: [f64; 6],
     iterations: Vec<usize>,
@@ -262,6 +265,7 @@ impl<F> Solved<F> {
     ) -> Result<Self, EffectiveError> {
         let mut solved = Self {
             tensor: [[0.0; 6]; 6],
+            variation: [0.0; 6],
             eigenstress: [0.0; 6],
             iterations: Vec::new(),
             error: 0.0,
@@ -297,6 +301,7 @@ impl<F> Solved<F> {
         let volume = strained.volume();
         (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);
         self.tensor[column][column] = sums.energy / volume;
+        self.variation[column] = sums.variation / volume;
         self.eigenstress[column] = sums.eigen / volume;
         if fields {
             self.fields.push(strained.field(&found.potential, &mean, column));
@@ -307,45 +312,129 @@ impl<F> Solved<F> {
     }
 }
 
+/// The exact stiffness of a label volume lies below that on its voxels by this many times the energy of the strains' variation within
+/// them, about.
+const VARIATION: f64 = 3.0;
+/// Parts of one voxel lock: the error rises with the square of that energy over what displacements take off Voigt's bound, from this
+/// share on.
+const LOCKED: f64 = 0.1;
+
 impl Stiffness {
-    /// The result of the solutions on fine and coarse cells; the coarse ones' difference times `share` is the fine ones' error.
+    /// The result of the solutions on fine cells and on coarser ones, with their sizes.
     pub(crate) fn new<F>(
-        [fine, coarse]: [&Solved<F>; 2],
+        fine: &Solved<F>,
+        (coarser, sizes): (&[Solved<F>], Sizes),
         phases: Vec<(Moduli, ElasticShare)>,
-        share: f64,
         resolution: Resolution,
     ) -> Self {
-        let rest = |fine: f64, coarse: f64| fine + share * (fine - coarse);
-        let each = |of: &dyn Fn(usize, usize) -> f64| {
-            let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| of(i, j));
+        let bounds = ElasticBounds::of(&phases);
+        let found = if coarser.is_empty() { fine.by_variation(&phases) } else { fine.by_sizes(coarser, sizes) };
+        let solver_error = fine.error;
+        let are_bounds = bounds::are_within(phases.iter().map(|(_, share)| share.volume_fraction));
+        let within = |of: Estimate, low: f64, high: f64| if are_bounds { of.within(low, high) } else { of };
+        let each = |of: &dyn Fn(Estimate) -> f64| {
+            let entry = |i: usize, j: usize| {
+                let estimate = found.entries[i][j].solved(solver_error, fine.tensor[j][j]);
+                let [low, high] = bounds.of_entry(i);
+                of(if i == j { within(estimate, low, high) } else { estimate })
+            };
+            let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| entry(i, j));
             [row(0), row(1), row(2), row(3), row(4), row(5)]
         };
-        let tensor = each(&|i, j| rest(fine.tensor[i][j], coarse.tensor[i][j]));
-        let solver_error = fine.error;
-        let error = each(&|i, j| {
-            share * (fine.tensor[i][j] - coarse.tensor[i][j]).abs() + solver_error * fine.tensor[j][j].abs()
-        });
-        let (isotropic, on_fine) = (Isotropic::of(&tensor), Isotropic::of(&fine.tensor));
-        let [by_fine, by_coarse] = [fine, coarse].map(Solved::expansion);
-        let strain = |i: usize| rest(by_fine[i], by_coarse[i]);
-        let strain_error = |i: usize| share * (by_fine[i] - by_coarse[i]).abs();
-        let isotropic_error = isotropic.distance(&on_fine);
-        let bounds = ElasticBounds::of(&phases);
+        let (tensor, error) = (each(&|estimate| estimate.value), each(&|estimate| estimate.error));
+        let modulus = |value: f64, found: Estimate, bounds: &PropertyBounds| {
+            let error = found.error + (value - found.value).abs();
+            within(Estimate { value, error }.solved(solver_error, value), bounds.reuss, bounds.voigt)
+        };
+        let of_tensor = Isotropic::of(&tensor);
+        let bulk = modulus(of_tensor.bulk_modulus_mpa, found.moduli[0], &bounds.bulk_modulus_mpa);
+        let shear = modulus(of_tensor.shear_modulus_mpa, found.moduli[1], &bounds.shear_modulus_mpa);
+        let isotropic = Isotropic::of_moduli(bulk.value, shear.value);
+        let isotropic_error = isotropic.error(bulk.error, shear.error);
         Self {
             what: "stiffness",
             warnings: warnings(&isotropic, &isotropic_error, &bounds, resolution.remedy()),
             tensor,
             error,
             fine: fine.tensor,
-            coarse: coarse.tensor,
+            coarse: coarser.first().map(|coarse| coarse.tensor),
             isotropic,
             isotropic_error,
-            expansion: [0, 1, 2, 3, 4, 5].map(strain),
-            expansion_error: [0, 1, 2, 3, 4, 5].map(strain_error),
+            expansion: found.expansion.map(|strain| strain.value),
+            expansion_error: found.expansion.map(|strain| strain.error),
             bounds,
             phases: phases.into_iter().map(|(_, share)| share).collect(),
             resolution: Resolution { iterations: fine.iterations.clone(), solver_error, ..resolution },
         }
+    }
+}
+
+/// Quantities with their errors.
+struct Estimates {
+    entries: [[Estimate; 6]; 6],
+    /// Bulk and shear modulus.
+    moduli: [Estimate; 2],
+    expansion: [Estimate; 6],
+}
+
+impl<F> Solved<F> {
+    /// Estimates from several sizes of cells. Entries that an isotropic tensor has equal are alike.
+    fn by_sizes(&self, coarser: &[Self], sizes: Sizes) -> Estimates {
+        let like = |of: &dyn Fn(&Self) -> Vec<f64>| {
+            let (fine, coarser): (Vec<f64>, Vec<Vec<f64>>) = (of(self), coarser.iter().map(of).collect());
+            let on = |number: usize, at: usize| coarser.get(number).map(|of| of[at]);
+            sizes.estimates(&(0..fine.len()).map(|at| (fine[at], on(0, at), on(1, at))).collect::<Vec<_>>())
+        };
+        let zero = Estimate { value: 0.0, error: 0.0 };
+        let mut entries = [[zero; 6]; 6];
+        let kind = |i: usize, j: usize| match (i == j, i < 3, j < 3) {
+            (true, is_normal, _) => usize::from(is_normal),
+            (false, true, true) => 2,
+            _ => 3,
+        };
+        for number in 0..4 {
+            let places: Vec<(usize, usize)> =
+                (0..36).map(|at| (at / 6, at % 6)).filter(|(i, j)| kind(*i, *j) == number).collect();
+            let found = like(&|of| places.iter().map(|(i, j)| of.tensor[*i][*j]).collect());
+            places.iter().zip(found).for_each(|((i, j), estimate)| entries[*i][*j] = estimate);
+        }
+        let modulus = |of: fn(&Isotropic) -> f64| like(&|solved| vec![of(&Isotropic::of(&solved.tensor))])[0];
+        let moduli = [modulus(|is| is.bulk_modulus_mpa), modulus(|is| is.shear_modulus_mpa)];
+        let [normal, shear] = [0, 3].map(|first| like(&|of| of.expansion()[first..first + 3].to_vec()));
+        let expansion = std::array::from_fn(|i| if i < 3 { normal[i] } else { shear[i - 3] });
+        Estimates { entries, moduli, expansion }
+    }
+
+    /// Estimates from the variation of the strains within voxels: displacements that are exact on the voxels of a label volume would
+    /// have as much less energy.
+    fn by_variation(&self, phases: &[(Moduli, ElasticShare)]) -> Estimates {
+        let less = |i: usize| VARIATION * self.variation[i] / self.tensor[i][i];
+        let factor = |i: usize| libm::exp(-less(i) / 2.0);
+        let bounds = ElasticBounds::of(phases);
+        let worse = |i: usize| {
+            let taken = (bounds.of_entry(i)[1] - self.tensor[i][i]).max(self.variation[i]);
+            1.0 + if taken > 0.0 { (self.variation[i] / (LOCKED * taken)).powi(2) } else { 0.0 }
+        };
+        let entry = |i: usize, j: usize| {
+            let own = |i: usize| less(i) * worse(i) * self.tensor[i][i];
+            Estimate { value: factor(i) * factor(j) * self.tensor[i][j], error: (own(i) * own(j)).sqrt() }
+        };
+        let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| entry(i, j));
+        let entries = [row(0), row(1), row(2), row(3), row(4), row(5)];
+        let values = entries.map(|row| row.map(|entry| entry.value));
+        let [lowered, own] = [&values, &self.tensor].map(Isotropic::of);
+        let worst = (0..6).map(worse).fold(1.0, f64::max);
+        let modulus = |value: f64, on_voxels: f64| Estimate { value, error: worst * (on_voxels - value).abs() };
+        let moduli = [
+            modulus(lowered.bulk_modulus_mpa, own.bulk_modulus_mpa),
+            modulus(lowered.shear_modulus_mpa, own.shear_modulus_mpa),
+        ];
+        let present =
+            || phases.iter().filter(|(_, share)| share.volume_fraction > 0.0).map(|(phase, _)| phase.eigenstrain);
+        let range = present().fold(f64::NEG_INFINITY, f64::max) - present().fold(f64::INFINITY, f64::min);
+        let most = (0..6).map(|i| less(i) * worse(i)).fold(0.0, f64::max);
+        let expansion = self.expansion().map(|value| Estimate { value, error: most * range });
+        Estimates { entries, moduli, expansion }
     }
 }
 
@@ -355,6 +444,13 @@ impl ElasticBounds {
         let [bulk_modulus_mpa, shear_modulus_mpa] =
             PropertyBounds::of_moduli(&phases.iter().map(of).collect::<Vec<_>>());
         Self { bulk_modulus_mpa, shear_modulus_mpa }
+    }
+
+    /// Bounds of Reuss and Voigt on the entry of a tensor's diagonal, which hold for every specimen.
+    fn of_entry(&self, row: usize) -> [f64; 2] {
+        let (bulk, shear) = (&self.bulk_modulus_mpa, &self.shear_modulus_mpa);
+        let of = |bulk: f64, shear: f64| if row < 3 { bulk + 4.0 / 3.0 * shear } else { shear };
+        [of(bulk.reuss, shear.reuss), of(bulk.voigt, shear.voigt)]
     }
 }
 
@@ -380,20 +476,32 @@ impl Isotropic {
         let across = c[0][1] + c[1][2] + c[0][2];
         let k = (along + 2.0 * across) / 9.0;
         let g = (along - across + 3.0 * (c[3][3] + c[4][4] + c[5][5])) / 15.0;
+        Self::of_moduli(k, g)
+    }
+
+    /// Constants by bulk and shear modulus.
+    fn of_moduli(k: f64, g: f64) -> Self {
+        let over = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
         Self {
             bulk_modulus_mpa: k,
             shear_modulus_mpa: g,
-            youngs_modulus_mpa: 9.0 * k * g / (3.0 * k + g),
-            poisson_ratio: (3.0 * k - 2.0 * g) / (6.0 * k + 2.0 * g),
+            youngs_modulus_mpa: over(9.0 * k * g, 3.0 * k + g),
+            poisson_ratio: over(3.0 * k - 2.0 * g, 6.0 * k + 2.0 * g),
         }
     }
 
-    fn distance(&self, other: &Self) -> Self {
+    /// Errors of the constants by those of bulk and shear modulus.
+    fn error(&self, bulk: f64, shear: f64) -> Self {
+        let (k, g) = (self.bulk_modulus_mpa, self.shear_modulus_mpa);
+        let corners = [(bulk, shear), (bulk, -shear), (-bulk, shear), (-bulk, -shear)];
+        let corners = corners.map(|(dk, dg)| Self::of_moduli((k + dk).max(0.0), (g + dg).max(0.0)));
+        let most =
+            |of: fn(&Self) -> f64| corners.iter().map(|corner| (of(corner) - of(self)).abs()).fold(0.0, f64::max);
         Self {
-            bulk_modulus_mpa: (self.bulk_modulus_mpa - other.bulk_modulus_mpa).abs(),
-            shear_modulus_mpa: (self.shear_modulus_mpa - other.shear_modulus_mpa).abs(),
-            youngs_modulus_mpa: (self.youngs_modulus_mpa - other.youngs_modulus_mpa).abs(),
-            poisson_ratio: (self.poisson_ratio - other.poisson_ratio).abs(),
+            bulk_modulus_mpa: bulk,
+            shear_modulus_mpa: shear,
+            youngs_modulus_mpa: most(|is| is.youngs_modulus_mpa),
+            poisson_ratio: most(|is| is.poisson_ratio),
         }
     }
 }
@@ -423,6 +531,8 @@ impl<F> Solved<F> {
 pub(crate) struct Sums {
     pub(crate) stress: [f64; 6],
     pub(crate) energy: f64,
+    /// The part of the energy that the strains' variation within cells has.
+    pub(crate) variation: f64,
     /// Eigenstress times strain: by reciprocity the mean eigenstress of the specimen (Levin, 1967).
     pub(crate) eigen: f64,
 }
@@ -450,19 +560,22 @@ impl Strained for Elastic<'_> {
         let [nx, ny, nz] = self.grid.counts;
         let volume = self.grid.volume() / (nx * ny * nz) as f64;
         let layers = parallel::map(nz, |k| {
-            let mut sums = [0.0; 8];
+            let mut sums = [0.0; 9];
             for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
                 let at = [i, j, k];
                 let (strain, stress) = (self.strain(at, u, mean), self.stress(at, u, mean));
                 for row in 0..6 {
                     sums[row] += stress[row][0];
-                    sums[6] += (0..8).map(|mode| WEIGHTS[mode] * stress[row][mode] * strain[row][mode]).sum::<f64>();
+                    let mode = |mode: usize| WEIGHTS[mode] * stress[row][mode] * strain[row][mode];
+                    let varied = (1..8).map(mode).sum::<f64>();
+                    sums[6] += mode(0) + varied;
+                    sums[8] += varied;
                     sums[7] += f64::from(self.material(at).eigenstress[row]) * strain[row][0];
                 }
             }
             sums
         });
         let sum = |which: usize| layers.iter().map(|layer| layer[which]).sum::<f64>() * volume;
-        Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), eigen: sum(7) }
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), variation: sum(8), eigen: sum(7) }
     }
 }

@@ -30,7 +30,10 @@ impl Layer {
     pub(crate) fn all(bodies: &[Aggregate], values: &PhaseValues, last: usize) -> Vec<Self> {
         let turn = |v: &Vec3| Vec3::new(v[(last + 1) % 3], v[(last + 2) % 3], v[last]);
         let has_itz = values.itz != values.of(Phase::Aggregate);
-        Surface::all(bodies, has_itz, &turn).into_iter().map(|surface| Self::new(surface, values)).collect()
+        // A core within an insulating shell carries nothing, whatever its value.
+        let counts = |surface: &Surface| values.itz > 0.0 || surface.outside != Phase::Itz;
+        let surfaces = Surface::all(bodies, has_itz, &turn).into_iter().filter(counts);
+        surfaces.map(|surface| Self::new(surface, values)).collect()
     }
 
     fn new(surface: Surface, values: &PhaseValues) -> Self {

@@ -19,6 +19,7 @@
 
 mod corners;
 mod layers;
+mod parts;
 
 pub(crate) use corners::Corners;
 pub(crate) use layers::Layer;
@@ -42,6 +43,8 @@ pub(crate) struct Links {
     pub(crate) across: [Vec<f32>; 3],
     /// Width of the last voxel along each axis, over that of the others: blocks of odd counts have narrow last ones.
     pub(crate) last: [f32; 3],
+    /// Axes along which a part carries a flux.
+    pub(crate) carries: [bool; 3],
     /// Coupled links at oblique interfaces.
     pub(crate) corners: Option<Corners>,
 }
@@ -49,7 +52,7 @@ pub(crate) struct Links {
 impl Links {
     /// Links of a grid, whose voxels are alike.
     pub(crate) fn of(counts: [usize; 3], wraps: bool, across: [Vec<f32>; 3]) -> Self {
-        Self { counts, wraps, across, last: [1.0; 3], corners: None }
+        Self { counts, wraps, across, last: [1.0; 3], carries: [true; 3], corners: None }
     }
 
     /// The links of `layers` in mortar of value `mortar`.

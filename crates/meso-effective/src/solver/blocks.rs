@@ -118,8 +118,7 @@ impl Links {
             _ => self.last[axis] / 2.0,
         };
         let counts = [0, 1, 2].map(|axis| self.counts[axis].div_ceil(steps[axis]));
-        let mut coarse =
-            Self { counts, wraps: self.wraps, across: Default::default(), last: [0, 1, 2].map(last), corners: None };
+        let mut coarse = Self { last: [0, 1, 2].map(last), ..Self::of(counts, self.wraps, Default::default()) };
         coarse.across = [0, 1, 2].map(|axis| self.coarse_along(axis, steps, &coarse));
         coarse
     }

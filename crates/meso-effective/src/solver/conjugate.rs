@@ -19,6 +19,9 @@ const MOST: usize = 500;
 /// A result below this share of the energy without equilibrium is zero.
 const BLOCKED: f64 = 1e-9;
 
+/// A residual below this share of the energy may be rounding alone.
+const LEFT: f64 = 1e-6;
+
 /// Energy at the potentials found so far.
 #[derive(Clone, Copy)]
 pub(crate) struct Energy {
@@ -140,6 +143,16 @@ pub(crate) fn solve_equations<E: Equations>(
             along = follow(&mut p, z, -pz / curvature, &r, len);
         }
         curvature = equations.apply(&p, &mut product);
+        // Rounding within parts that no link leaves has no step, nor do numbers that are none.
+        let has_step = curvature > 0.0 && along.is_finite();
+        if !has_step && error <= LEFT {
+            potential.resize(r.len(), 0.0);
+            return Ok(Solution { potential, iterations, error });
+        }
+        if !has_step {
+            let fix = "lower the contrast of the phases";
+            return Err(EffectiveError::Diverged { iterations, reached: error, fix });
+        }
         let step: f64 = E::Number::of(along / curvature).into();
         match iterations {
             0 => potential = parallel::map_short(r.len(), |i| step * p[i].into()),

@@ -4,8 +4,9 @@ use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
 use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
 use crate::boundary::Boundary;
-use crate::effective::{Column, Effective, EffectiveOptions, REST, reporting};
+use crate::effective::{Column, Effective, EffectiveOptions, reporting};
 use crate::error::{self, EffectiveError};
+use crate::estimate::Sizes;
 use crate::grid::Space;
 use crate::phases::{PhaseValues, Phases};
 use crate::resolution::Resolution;
@@ -42,12 +43,13 @@ pub fn effective_in_tetrahedra<'a>(
         let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
         Task { conduction: Conduction::new(domain, &meshed, &values), options, fields, watch, stages }.columns()
     };
-    let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
+    let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
     let boundary = Space::of(specimen).boundary(options.boundary.name());
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
     let fields = MeshField::all(domain.mesh, fields);
-    Ok((Effective::new(options.what, [&fine, &coarse], values.shares(&bodies, specimen), REST, resolution), fields))
+    let coarser = (&coarser[..], Sizes::DOUBLED);
+    Ok((Effective::new(options.what, &fine, coarser, values.shares(&bodies, specimen), resolution), fields))
 }
 
 /// Bytes a cube of the element size, without fields: 1,930 were measured, mesh included.
@@ -245,7 +247,7 @@ impl Task<'_> {
         let found = self.solve(graph, sources, Energy::falling(energy), done)?;
         let flux = conduction.mean(&unknowns.of, axis, &found.potential);
         let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &unit(axis), &found.potential));
-        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, field })
+        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, bounds: None, field })
     }
 
     /// Solution number `done`.

@@ -116,19 +116,24 @@ impl<'a> Bodies<'a> {
         self.films.push(film);
     }
 
-    /// The solutions on elements of a size and of twice the size, and the fine mesh; `solve` learns which one it is.
+    /// The solutions on elements of a size, then those on twice and four times the size, and the fine mesh; `solve` learns which one
+    /// it is. Elements of four times the size are left out if they are too large for the specimen or its bodies.
     ///
     /// # Errors
     /// The errors of `solve`, bodies and options that cannot be meshed, and elements too large for a phase.
-    pub(super) fn on_two_sizes<S>(
+    pub(super) fn on_sizes<S>(
         &self,
         element_size_mm: f64,
         watch: &dyn Watch,
         solve: impl Fn(&Domain, bool) -> Result<S, EffectiveError>,
-    ) -> Result<([S; 2], Domain), EffectiveError> {
-        let coarse = solve(&self.mesh(2.0 * element_size_mm, false, watch)?, false)?;
+    ) -> Result<(S, Vec<S>, Domain), EffectiveError> {
+        let mut coarser = vec![solve(&self.mesh(2.0 * element_size_mm, false, watch)?, false)?];
+        if 8.0 * element_size_mm <= self.specimen.aabb().size().min() {
+            let coarsest = self.mesh(4.0 * element_size_mm, false, watch);
+            coarser.extend(coarsest.and_then(|domain| solve(&domain, false)));
+        }
         let domain = self.mesh(element_size_mm, true, watch)?;
-        Ok(([solve(&domain, true)?, coarse], domain))
+        Ok((solve(&domain, true)?, coarser, domain))
     }
 
     /// The mesh of elements of a size; in a fine one every phase has nearly its exact volume.

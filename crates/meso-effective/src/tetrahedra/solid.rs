@@ -3,9 +3,9 @@
 use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
 use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
-use crate::effective::REST;
 use crate::elastic::{Solved, Stiffness, StiffnessOptions, Strained, Sums, shares};
 use crate::error::{self, EffectiveError};
+use crate::estimate::Sizes;
 use crate::grid::Space;
 use crate::moduli::{Moduli, PhaseModuli, Table};
 use crate::resolution::Resolution;
@@ -45,11 +45,11 @@ pub fn stiffness_in_tetrahedra<'a>(
         let fields = is_fine && options.fields;
         Solved::of(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, &report)
     };
-    let ([mut fine, coarse], domain) = meshed.on_two_sizes(element_size_mm, watch, solve)?;
+    let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
-    let result = Stiffness::new([&fine, &coarse], shares(&table, &bodies, specimen), REST, resolution);
+    let result = Stiffness::new(&fine, (&coarser, Sizes::DOUBLED), shares(&table, &bodies, specimen), resolution);
     Ok((result, MeshField::all(domain.mesh, fields)))
 }
 
@@ -252,7 +252,7 @@ impl Strained for Solid<'_> {
             let volume = self.domain.cell(cell).volume;
             [stress[0], stress[1], stress[2], stress[3], stress[4], stress[5], energy, eigen].map(|sum| sum * volume)
         });
-        Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], eigen: sums[7] }
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], variation: 0.0, eigen: sums[7] }
     }
 
     fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> CellValues {

@@ -35,7 +35,14 @@ impl Task<'_> {
             resistance[(axis, axis)] = 2.0 * resistance[(axis, axis)] - energy / domain.volume;
             let field = || conduction.field(&unknowns.of, axis, &Vec3::zeros(), u);
             let field = (self.fields && self.options.axes[axis]).then(field);
-            columns.push(Column { axis, flux: [0.0; 3], iterations: found.iterations, error: found.error, field });
+            columns.push(Column {
+                axis,
+                flux: [0.0; 3],
+                iterations: found.iterations,
+                error: found.error,
+                bounds: None,
+                field,
+            });
         }
         let tensor = resistance.try_inverse().unwrap_or_default();
         columns.iter_mut().for_each(|column| column.flux = tensor.column(column.axis).into());

@@ -482,13 +482,13 @@ class Effective(Resolution):
     what: str
     """Property."""
     tensor: list[list[float | None]]
-    """The tensor, extrapolated from two sizes of voxels or tetrahedra."""
+    """The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, and within Reuss and Voigt; of a label volume, the middle of its bounds."""
     error: list[list[float | None]]
-    """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
+    """Error of each entry, which contains the exact value: by the changes from size to size, or by bounds of a label volume."""
     fine: list[list[float | None]]
     """The tensor on the voxels or tetrahedra."""
     coarse: list[list[float | None]]
-    """The tensor on those of twice the size."""
+    """The tensor on those of twice the size; nothing of a label volume."""
     bounds: PropertyBounds
     """Bounds on an isotropic mixture of the phases."""
     phases: list[PhaseShare]
@@ -540,13 +540,13 @@ class Stiffness(Resolution):
     what: str
     """Property: `stiffness`."""
     tensor: list[list[float]]
-    """The tensor, extrapolated from two sizes of voxels or tetrahedra."""
+    """The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt; of a label volume, lowered by the strains' variation within voxels."""
     error: list[list[float]]
-    """Estimated error of each entry: the step of the extrapolation, and the error of the equations."""
+    """Error of each entry, by the changes from size to size or the variation within voxels."""
     fine: list[list[float]]
     """The tensor on the voxels or tetrahedra."""
-    coarse: list[list[float]]
-    """The tensor on those of twice the size."""
+    coarse: list[list[float]] | None
+    """The tensor on those of twice the size; none of a label volume."""
     isotropic: Isotropic
     """Constants of the nearest isotropic material."""
     isotropic_error: Isotropic

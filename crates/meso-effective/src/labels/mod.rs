@@ -1,12 +1,14 @@
 //! Effective properties of label volumes: every voxel has the value of its label.
 //!
-//! A link has the harmonic mean of two voxels. Labels put interfaces on the faces of voxels, so the error falls with the first
-//! power of the size. The coarse volume takes the label at the centre of each of its voxels, as a coarser scan would.
+//! A link has the harmonic mean of two voxels. The exact value of the voxels' geometry has bounds from the solution itself: see
+//! `interval`. No coarser volume tells as much, since labels at every second voxel lose layers that are one voxel thick.
+
+mod interval;
 
 use crate::effective::{self, Effective, EffectiveOptions, Medium, PhaseShare};
 use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, StressField, Voxels};
 use crate::error::EffectiveError;
-use crate::field::FluxField;
+use crate::field::{Flow, FluxField};
 use crate::grid::{End, Grid, Space};
 use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli};
@@ -17,6 +19,7 @@ use meso_concrete::import::volume::Volume;
 use meso_concrete::watch::Watch;
 use meso_concrete::{Ranges, parallel};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// A label volume as a specimen.
@@ -138,8 +141,13 @@ fn by_label<T, U: Copy>(
     numbered: impl Fn(i64, &T) -> Result<U, EffectiveError>,
     named: impl FnOnce() -> Result<[U; Phase::ALL.len()], EffectiveError>,
 ) -> Result<Vec<U>, EffectiveError> {
-    let numbers: BTreeMap<i64, &T> =
-        given.iter().filter_map(|(name, entry)| Some((name.parse().ok()?, entry))).collect();
+    let mut numbers: BTreeMap<i64, (&str, &T)> = BTreeMap::new();
+    for (name, entry) in given {
+        let Ok(label) = name.parse() else { continue };
+        if let Some((first, _)) = numbers.insert(label, (name, entry)) {
+            return Err(EffectiveError::Twice { table, label, names: [first.to_owned(), name.clone()] });
+        }
+    }
     let missing = |label: &i64| EffectiveError::Unlabelled { table, label: *label };
     if numbers.is_empty() {
         let own = named()?;
@@ -149,7 +157,8 @@ fn by_label<T, U: Copy>(
     if let Some(name) = given.keys().find(|name| name.parse::<i64>().is_err()) {
         return Err(unknown(table, name));
     }
-    volume.labels.iter().map(|label| numbered(*label, numbers.get(label).ok_or_else(|| missing(label))?)).collect()
+    let entry = |label: &i64| numbered(*label, numbers.get(label).ok_or_else(|| missing(label))?.1);
+    volume.labels.iter().map(entry).collect()
 }
 
 fn unknown(table: &'static str, name: &str) -> EffectiveError {
@@ -162,9 +171,6 @@ struct Labelled<'a, T> {
     of: &'a [T],
 }
 
-/// Richardson's share of an error of first order.
-const FIRST_ORDER: f64 = 1.0;
-
 impl<T> Labelled<'_, T> {
     fn space(&self) -> Space {
         let LabelSpecimen { volume, spacing_mm, periodic } = self.specimen;
@@ -172,24 +178,23 @@ impl<T> Labelled<'_, T> {
         Space { min: Vec3::zeros(), size, periodic: *periodic }
     }
 
-    /// The label in the middle of every voxel of a grid of `counts`, whose third axis is the specimen's `last`.
-    fn sampled(&self, counts: [usize; 3], last: usize) -> Vec<u8> {
+    /// The labels of the voxels, the axes turned so that the specimen's `last` becomes the third.
+    fn turned(&self, last: usize) -> Cow<'_, [u8]> {
         let volume = &self.specimen.volume;
+        if last == 2 {
+            return Cow::Borrowed(&volume.of);
+        }
         let axis = |a: usize| (last + 1 + a) % 3;
+        let counts = [0, 1, 2].map(|a| volume.counts[axis(a)]);
         let stride = [1, volume.counts[0], volume.counts[0] * volume.counts[1]];
-        let places = [0, 1, 2].map(|a| {
-            let own = volume.counts[axis(a)];
-            let place = |i: usize| (2 * i + 1) * own / (2 * counts[a]) * stride[axis(a)];
-            (0..counts[a]).map(place).collect::<Vec<_>>()
-        });
-        let mut labels = vec![0; counts.iter().product()];
+        let mut labels = vec![0; volume.of.len()];
         parallel::chunks_mut(&mut labels, counts[0] * counts[1], |k, layer| {
-            for (row, y) in layer.chunks_mut(counts[0]).zip(&places[1]) {
-                let start = y + places[2][k];
-                row.iter_mut().zip(&places[0]).for_each(|(label, x)| *label = volume.of[start + x]);
+            for (j, row) in layer.chunks_mut(counts[0]).enumerate() {
+                let start = j * stride[axis(1)] + k * stride[axis(2)];
+                row.iter_mut().enumerate().for_each(|(i, label)| *label = volume.of[start + i * stride[axis(0)]]);
             }
         });
-        labels
+        Cow::Owned(labels)
     }
 
     /// Share of each label in the volume.
@@ -213,17 +218,25 @@ impl Medium for Labelled<'_, f64> {
     }
 
     fn links(&self, grid: &Grid, last: usize) -> Links {
-        let labels = self.sampled(grid.counts, last);
+        let labels = self.turned(last);
         let across = [0, 1, 2].map(|axis| along(grid, &labels, self.of, axis));
-        Links::of(grid.counts, grid.ends[2] == End::Periodic, across)
+        let mut links = Links::of(grid.counts, grid.ends[2] == End::Periodic, across);
+        if self.of.contains(&0.0) {
+            links.keep_carriers(grid.ends);
+        }
+        links
     }
 
     fn phases(&self) -> Vec<PhaseShare> {
         self.each(|name, value, volume_fraction| PhaseShare { name, value: *value, volume_fraction })
     }
 
-    fn rest(&self) -> f64 {
-        FIRST_ORDER
+    fn has_bounds(&self) -> bool {
+        true
+    }
+
+    fn bounds(&self, flow: &Flow, last: usize, found: f64) -> Option<[f64; 2]> {
+        Some(interval::bounds(self, flow, last, found))
     }
 }
 
@@ -269,14 +282,15 @@ impl ElasticMedium for Labelled<'_, Moduli> {
     }
 
     fn voxels(&self, grid: &Grid) -> Voxels {
-        Voxels::of_phases(self.sampled(grid.counts, 2).into_iter().map(u32::from).collect(), self.of)
+        debug_assert_eq!(grid.counts, self.specimen.volume.counts);
+        Voxels::of_phases(self.turned(2).iter().map(|label| u32::from(*label)).collect(), self.of)
     }
 
     fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
         self.each(|name, moduli, fraction| (*moduli, ElasticShare::new(name, moduli, fraction)))
     }
 
-    fn rest(&self) -> f64 {
-        FIRST_ORDER
+    fn is_of_voxels(&self) -> bool {
+        true
     }
 }
