@@ -21,8 +21,6 @@ CRATES = ROOT / "crates"
 # Crates that others use as libraries.
 FRONTS = {"meso-cli", "meso-py"}
 TESTS = re.compile(r"#\[cfg\((?:all\()?test[^\]]*\]\s*(?:#\[[^\]]*\]\s*)*mod \w+ \{")
-SENTENCE = re.compile(r"(?<=[.!?:])\s+(?=[A-Z`\[(])")
-LEANING = re.compile(r"(?:The same|Those|That of|Of|As \[`)\b|As \[`")
 
 
 class Figure(NamedTuple):
@@ -85,33 +83,6 @@ def folders() -> Counter[str]:
     return Counter(str(path.parent.relative_to(ROOT)) for path in sources())
 
 
-def comments(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield the sentences of a file's comments, code spans as they are, each with its place."""
-    block: list[str] = []
-    start, fenced = 0, False
-    for number, line in enumerate([*text_of(path).splitlines(), ""], 1):
-        comment = re.match(r"\s*//[/!]? ?(.*)", line)
-        words = comment[1] if comment else None
-        if words is not None and words.lstrip().startswith("```"):
-            fenced = not fenced
-            words = ""
-        is_heading = words is not None and words.startswith("# ")
-        if words is not None and not fenced and words.strip() and not is_heading:
-            start = start if block else number
-            block.append(words.strip().removeprefix("* ").removeprefix("- "))
-            continue
-        fenced = fenced and comment is not None
-        for sentence in SENTENCE.split(" ".join(block)) if block else []:
-            if re.search(r"[A-Za-z]{2}", sentence):
-                yield f"{path.relative_to(ROOT)}:{start}", sentence
-        block = []
-
-
-def all_comments() -> list[tuple[str, str]]:
-    """List the sentences of all comments."""
-    return [sentence for path in sources() for sentence in comments(path)]
-
-
 def names_with_two_meanings() -> list[str]:
     """List the public type names that two places of the libraries define."""
     homes = defaultdict(set)
@@ -153,9 +124,6 @@ def figures() -> list[Figure]:
     largest = max(by_crate, key=by_crate.__getitem__)
     total = sum(by_crate.values())
     fullest = folders()
-    sentences = all_comments()
-    leaning = [f"{where}: {said[:80]}" for where, said in sentences if LEANING.match(said)]
-    what = [f"{where}: {said[:80]}" for where, said in sentences if re.search(r"\bwhat\b", said, re.IGNORECASE)]
     doors = [place for place in found(r"^pub fn build\w*", libraries=True) if "meso-mesh/src/build.rs" in place]
     detections = {place.split("/")[1] for place in found(r"feature_detected")}
     narrow = sorted({place.split(":")[0] for place in found(r"\bnarrow_gaps\b")})
@@ -172,8 +140,6 @@ def figures() -> list[Figure]:
         Figure("doors to mesh::build", len(doors), 1, doors),
         Figure("files that name narrow_gaps", len(narrow), 4, narrow),
         Figure("functions of gjk without an example", len(without_example()), 0, without_example()),
-        Figure("comment sentences that lean, per 1000", per_mille(leaning, sentences), 3, leaning),
-        Figure("comment sentences with what, per 1000", per_mille(what, sentences), 8, what),
     ]
 
 
@@ -191,11 +157,6 @@ def without_example() -> list[str]:
             if "```" not in match[1]:
                 places.append(at(path, text, match.end()))
     return places
-
-
-def per_mille(some: list[str], sentences: list[tuple[str, str]]) -> float:
-    """Count some of the sentences in a thousand."""
-    return round(1000 * len(some) / len(sentences), 1)
 
 
 def main() -> int:

@@ -311,7 +311,10 @@ fn uniform_conditions_are_refused_where_they_have_no_meaning() {
         assert!(text.ends_with("the specimen must be a cube, a box or a prism that has walls on all sides"), "{text}");
     }
     let text = said(Boundary::UniformFlux, &walls, 0.0);
-    assert_eq!(text, "boundary is uniform-flux; a phase without conduction meets a wall, and no flux enters there");
+    assert_eq!(
+        text,
+        "effective.boundary is uniform-flux; a phase without conduction meets a wall, and no flux enters there"
+    );
     let options =
         EffectiveOptions { boundary: Boundary::UniformFlux, ..EffectiveOptions::new(Property::Diffusivity, 2.5) };
     let text = meso_effective::effective((&[][..], &walls), &Phases::default(), &options, &Silent).err().unwrap();

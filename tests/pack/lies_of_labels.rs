@@ -62,13 +62,6 @@ fn labels(file: &mut Value) -> &mut Value {
     &mut file["report"]["labels"]
 }
 
-/// Exchanges what two aggregates have under a key.
-fn exchange(file: &mut Value, key: &str) {
-    let first = file["aggregates"][0][key].clone();
-    file["aggregates"][0][key] = file["aggregates"][1][key].take();
-    file["aggregates"][1][key] = first;
-}
-
 type Lie = (&'static str, fn(&mut Value));
 
 /// In the entry of an import.
@@ -108,9 +101,8 @@ const ENTRY: [Lie; 27] = [
 ];
 
 /// In the rest of an import.
-const REST: [Lie; 29] = [
+const REST: [Lie; 27] = [
     ("a thin ITZ that is not", |f| f["report"]["itz_thin"] = json!([0])),
-    ("no limited ITZ", |f| f["report"]["itz_limited"] = json!([])),
     ("all limited", |f| f["report"]["itz_limited"] = json!([0, 1, 2, 3, 4])),
     ("rearranged", |f| f["report"]["strategy"] = json!("rearrange")),
     ("another detail", |f| f["report"]["stop_detail"] = json!("all 9 grains of the label volume")),
@@ -140,7 +132,6 @@ const REST: [Lie; 29] = [
     ("a range of ITZ", |f| f["spec"]["itz"]["thickness_mm"] = json!([0.0, 0.9])),
     ("no ITZ of a grain", |f| f["aggregates"][0]["itz_thickness_mm"] = json!(0.0)),
     ("a thinner ITZ of a grain", |f| scale(&mut f["aggregates"][2]["itz_thickness_mm"], 0.999)),
-    ("the ITZ of another", |f| exchange(f, "itz_thickness_mm")),
     ("another class", |f| {
         let class = f["aggregates"][0]["class"].as_u64().unwrap();
         f["aggregates"][0]["class"] = json!(u64::from(class == 0));
@@ -184,15 +175,16 @@ fn sixty_lies_about_label_volumes_are_found_and_the_truth_is_not() {
     assert_eq!(is_rich, [true; 3], "{entry}");
     packing["report"]["labels"] = entry.clone();
     packing["report"]["labels"]["labels"] = json!(vec![1; packing["aggregates"].as_array().unwrap().len()]);
+    let mut idle = Vec::new();
     let believed = |(honest, (name, lie)): (&Value, &Lie)| {
         let mut file = honest.clone();
         lie(&mut file);
-        assert!(file != import, "{name} changes nothing");
+        idle.extend((file == import).then_some(*name));
         objection(&file).is_none().then_some(*name)
     };
     let lies: Vec<(&Value, &Lie)> = ENTRY.iter().chain(&REST).map(|lie| (&import, lie)).collect();
     let lies: Vec<(&Value, &Lie)> = lies.into_iter().chain(PRETENDED.iter().map(|lie| (&packing, lie))).collect();
     assert!(lies.len() >= 60);
     let believed: Vec<&str> = lies.into_iter().filter_map(believed).collect();
-    assert_eq!(believed, [""; 0]);
+    assert_eq!((believed, idle), (vec![], vec![]), "lies that are believed, and lies that change nothing");
 }

@@ -37,18 +37,6 @@ def fractions(path: Path) -> set[float]:
     return {value for value in values if value % 1 not in (0, 0.5)}
 
 
-def test_a_comment_that_leans_on_the_line_above_is_counted(tmp_path: Path) -> None:
-    """So that the bar cannot hold by counting nothing."""
-    source = tmp_path / "a.rs"
-    source.write_text("/// The same within 2e-18. Of none, all cores.\n/// A value.\nfn a() {}\n", encoding="utf-8")
-    house.ROOT, root = tmp_path, house.ROOT
-    try:
-        sentences = list(house.comments(source))
-    finally:
-        house.ROOT = root
-    assert [bool(house.LEANING.match(said)) for _, said in sentences] == [True, True, False]
-
-
 def test_names_of_tests_name_their_subject() -> None:
     """A name that begins with a pronoun cannot be read alone."""
     paths = [path for path in (house.ROOT / "tests").rglob("*.*") if path.suffix in (".rs", ".py")]

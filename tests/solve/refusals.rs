@@ -103,7 +103,7 @@ fn contradiction(lines: &[String], specimen: &Specimen) -> (&'static str, String
         return ("by the specimen", error.to_string());
     }
     let meshed = Meshed::of(&[], specimen.clone(), options(Method::FITTED, 3.0, ItzForm::None));
-    let of_deck = test.loads(&meshed.sample(), 1e-7).err().map(|error| error.to_string());
+    let of_deck = test.loads(&meshed.sample()).err().map(|error| error.to_string());
     let of_run = Run::new(meshed.sample(), &Materials::default(), &test).err().map(|error| error.to_string());
     assert_eq!(of_deck, of_run, "deck and engine differ");
     of_run.map_or(("not", String::new()), |error| ("by the mesh", error))

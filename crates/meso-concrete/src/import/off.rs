@@ -40,7 +40,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
     if words.first().is_some_and(|word| is(word, "binary")) {
         return Err(begin("it is binary; save it as text"));
     }
-    let (line, words) = if words.is_empty() { lines.next().unwrap_or((line, words)) } else { (line, words) };
+    let (line, words) = match words.is_empty() {
+        true => lines.next().ok_or(ImportError::Cut { part: "head" })?,
+        false => (line, words),
+    };
     let count = |k: usize| words.get(k).and_then(|word| number::<usize>(word));
     let (Some(vertices), Some(faces)) = (count(0), count(1)) else {
         return Err(unreadable(line, &words, "the numbers of vertices and faces"));
