@@ -5,12 +5,12 @@ in `benches/results/effective_errors.csv`; cases that have rows are not run agai
 smallest grain, and a quarter of that; a label volume has its voxels, and each of them cut in 64.
 
     python benches/effective_errors.py --command target/release/mesocrete [--cases 200]
+    python benches/effective_errors.py --quick    two cases, kept nowhere
 """
 
 import argparse
 import csv
 import json
-import platform
 import random
 import subprocess
 import tempfile
@@ -18,8 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
+from origin import origin
+
 RESULTS = Path(__file__).parent / "results" / "effective_errors.csv"
-HEAD = ["case", "kind", "values", "axis", "value", "error", "at_a_quarter", "reuss", "voigt", "contained", "within", "machine", "commit"]
+HEAD = ["case", "kind", "values", "axis", "value", "error", "at_a_quarter", "reuss", "voigt", "contained", "within", "machine", "date", "commit"]
 
 
 def run(*command):
@@ -101,29 +103,36 @@ def main():
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--from", dest="first", type=int, default=0)
     parser.add_argument("--results", type=Path, default=RESULTS)
+    parser.add_argument("--quick", action="store_true", help="two cases, kept nowhere")
     given = parser.parse_args()
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=Path(__file__).parent)
-    about = [f"{platform.machine()} {platform.system()}", commit.stdout.strip()]
+    if given.quick:
+        with tempfile.TemporaryDirectory() as folder:
+            return measure(given.command, range(2), Path(folder) / "quick.csv")
+    return measure(given.command, range(given.first, given.cases), given.results)
+
+
+def measure(command, numbers, results):
+    about = origin().split(",")
     done = set()
-    if given.results.exists():
-        with given.results.open(newline="") as file:
+    if results.exists():
+        with results.open(newline="") as file:
             done = {int(row["case"]) for row in csv.DictReader(file)}
     else:
-        given.results.write_text(",".join(HEAD) + "\n")
-    for number in range(given.first, given.cases):
+        results.write_text(",".join(HEAD) + "\n")
+    for number in numbers:
         if number in done:
             continue
         draw = random.Random(number)
         with tempfile.TemporaryDirectory() as folder:
             case = packing if number % 2 == 0 else labels
             try:
-                found = case(draw, number, given.command, Path(folder))
+                found = case(draw, number, command, Path(folder))
             except RuntimeError as error:
                 print(f"{number}: {error}")
                 continue
-        with given.results.open("a", newline="") as file:
+        with results.open("a", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(rows(number, *found, about))
-    with given.results.open(newline="") as file:
+    with results.open(newline="") as file:
         all_rows = list(csv.DictReader(file))
     for kind in sorted({row["kind"] for row in all_rows}) + ["all"]:
         own = [row for row in all_rows if kind in (row["kind"], "all")]

@@ -36,7 +36,7 @@ SOURCES = {
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/lateral.rs": ["Lateral"],
-    "meso-solve/src/test/setup.rs": ["Setup"],
+    "meso-trial/src/trial/setup.rs": ["Setup"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.

@@ -96,7 +96,7 @@ def test_lines_fit_a_screen(document):
     assert not wide, f"lines wider than {WIDEST_LINE}: {wide}"
 
 
-@pytest.mark.parametrize(("name", "most"), [("docs/meshing.md", 150), ("docs/decks.md", 150), ("CHANGELOG.md", 100)])
+@pytest.mark.parametrize(("name", "most"), [("docs/meshing.md", 150), ("docs/decks.md", 150), ("CHANGELOG.md", 130)])
 def test_manuals_and_the_changelog_stay_short(name, most):
     assert len((ROOT / name).read_text(encoding="utf-8").splitlines()) <= most
 

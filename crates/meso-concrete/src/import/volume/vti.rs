@@ -92,7 +92,7 @@ impl<'a> Section<'a> {
     }
 }
 
-fn name_of<'a>(tag: &'a str) -> &'a str {
+fn name_of(tag: &str) -> &str {
     attribute(tag, "Name").unwrap_or_default()
 }
 
