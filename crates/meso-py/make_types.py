@@ -67,8 +67,9 @@ class Types:
         """Add a schema and all its definitions."""
         self.prefix = name.removesuffix("Options")
         definitions = schema.get("$defs", {})
-        for key, definition in definitions.items():
-            text = "" if "properties" in json.dumps(definition) else self.type(definition, key)
+        # Twice, since a choice may be of other choices.
+        for key, definition in [*definitions.items(), *definitions.items()]:
+            text = "" if '"properties"' in json.dumps(definition) else self.type(definition, key)
             if text.startswith("Literal["):
                 self.choices[self.name(key)] = text
         for key, definition in definitions.items():

@@ -422,9 +422,6 @@ class MeshOptions(TypedDict, total=False):
     """Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra."""
 
 
-DeckAnalysis = Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
-
-
 class DeckCdpm2Parameters(TypedDict, total=False):
     """Parameters of Grassl et al. 2013, which decks do not have."""
 
@@ -562,7 +559,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: DeckAnalysis
+    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
     """Time of the path, s; absent: the test's own, as in the engine, and 0.02 in an impact."""
