@@ -16,9 +16,9 @@ pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
 pub use meso::Meso;
+pub use meso_mesh::materials::LawName;
 
 use crate::real::Real;
-use serde::{Deserialize, Serialize};
 
 /// A tensor, xx yy zz xy yz zx.
 pub type Tensor<R> = [R; 6];
@@ -66,19 +66,4 @@ pub struct State<R> {
     pub opening: R,
     /// Energy per volume that unloading would give back, N/mm2.
     pub stored: R,
-}
-
-/// The law of mortar and ITZ; aggregates and fibres are elastic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum LawName {
-    /// Linear elasticity.
-    Elastic,
-    /// Concrete damaged plasticity, as in the decks.
-    Cdp,
-    /// CDPM2, with the parameters of its paper beside those of `[materials]`.
-    Cdpm2,
-    /// Mortar between grains: cracks by the signs of stress, and crushing that leaves friction.
-    Meso,
 }

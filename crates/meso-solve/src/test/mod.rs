@@ -164,7 +164,7 @@ impl Default for Test {
             ramp: 0.3,
             rows: 400,
             frames: 0,
-            law: LawName::Cdp,
+            law: LawName::Meso,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

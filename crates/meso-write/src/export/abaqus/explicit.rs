@@ -6,7 +6,7 @@
 use super::geometry::present;
 use super::limits::DECK;
 use super::lines::real;
-use super::{Analysis, DeckOptions};
+use super::{Analysis, DeckOptions, LAW};
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::OutOfRange;
@@ -161,7 +161,7 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={frames}"))?;
     lines.line("*NODE OUTPUT")?;
     lines.line("U")?;
-    for phase in present(mesh).filter(|phase| options.materials.strength(*phase).is_some()) {
+    for phase in present(mesh).filter(|phase| options.materials.strength(*phase, LAW).is_some()) {
         element_output(lines, phase, "PEEQ, PEEQT, DAMAGEC, DAMAGET, SDEG")?;
     }
     if !mesh.cohesive.is_empty() {
@@ -169,7 +169,7 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
     }
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={}", frames.min(STRESS_FRAMES)))?;
     for phase in present(mesh) {
-        let plastic = if options.materials.strength(phase).is_some() { ", PE" } else { "" };
+        let plastic = if options.materials.strength(phase, LAW).is_some() { ", PE" } else { "" };
         element_output(lines, phase, &format!("S, LE{plastic}"))?;
     }
     Ok(())

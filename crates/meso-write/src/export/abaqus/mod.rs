@@ -26,9 +26,12 @@ use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::loads::Loads;
-use meso_mesh::materials::{Materials, Strength};
+use meso_mesh::materials::{LawName, Materials, Strength};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
+
+/// The law of the solver whose values a deck has.
+const LAW: LawName = LawName::Cdp;
 
 /// Content of a deck besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -201,9 +204,9 @@ impl DeckOptions {
 
     /// The inelastic strain at which the deck's curve of mortar has come to half its strength; `None` where it has no curve.
     pub fn half_strength_strain(&self, mesh: &Mesh) -> Option<f64> {
-        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let strength = self.materials.mortar_strength.of(LAW);
         let width_mm = || materials::crack_band(mesh).width_mm;
-        self.has_curves().then(|| damage::half_strength_strain(mortar, mortar_strength, width_mm()))
+        self.has_curves().then(|| damage::half_strength_strain(&self.materials.mortar, &strength, width_mm()))
     }
 
     /// Doubts about this deck of `mesh`, a sentence each. The deck can be written and run all the same.
@@ -222,11 +225,11 @@ impl DeckOptions {
         if !self.has_curves() || matches!(self.analysis, Analysis::Impact | Analysis::Test) {
             return None;
         }
-        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let (mortar, given) = (&self.materials.mortar, self.materials.mortar_strength.of(LAW));
         let (strain, width_mm) = (self.final_strain(), materials::crack_band(mesh).width_mm);
         let mut halved = (0..=HALVINGS).map(|n| {
-            let energy = mortar_strength.crushing_energy_n_per_mm / f64::from(1 << n);
-            let strength = Strength { crushing_energy_n_per_mm: energy, ..*mortar_strength };
+            let energy = given.crushing_energy_n_per_mm / f64::from(1 << n);
+            let strength = Strength { crushing_energy_n_per_mm: energy, ..given };
             (energy, damage::half_strength_strain(mortar, &strength, width_mm))
         });
         let half = halved.next()?.1;
