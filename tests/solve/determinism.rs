@@ -80,3 +80,19 @@ fn curves_and_fields_are_identical_on_every_instruction_set() {
         assert!(sets.iter().all(|&set| portable == run(set)), "{law:?} {sets:?}");
     }
 }
+
+/// A function without `#[inline(always)]` is compiled for every machine: its registers' instructions are then calls. Frames
+/// took as long as 135 steps so. Only constructors of laws, which fill registers, may call one.
+#[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn no_instruction_of_the_kernels_is_a_call() {
+    let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+    // Put together here, so that the test's own text is no match.
+    let prefix = ["_mm", "256_"].concat();
+    let names = program.split(|byte| !(byte.is_ascii_alphanumeric() || *byte == b'_'));
+    let names: Vec<&str> = names.filter_map(|name| std::str::from_utf8(name).ok()).collect();
+    assert!(names.iter().any(|name| name.contains("on_avx2")), "the program has no symbols");
+    let called = names.iter().filter_map(|name| Some(name.split_once(&prefix)?.1));
+    let called: Vec<&str> = called.filter(|name| name.contains("_ps") && !name.starts_with("set1_ps")).collect();
+    assert!(called.is_empty(), "{called:?}");
+}

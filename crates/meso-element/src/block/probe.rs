@@ -113,12 +113,12 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
     let mut history = history::<L, W>(memory);
     let response = law.stress(strain, &mut history, width);
     let state = law.state(strain, &history, width);
-    let stress = response.stress.map(L::eight);
+    let stress = eights(response.stress);
     // Laws lose stiffness or strength.
     let weakened = L::splat(0.0).lt(state.weakened);
     let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
     let [damage, tension, compression, opening, stored] =
-        [damage, state.tension, state.compression, state.opening, state.stored].map(L::eight);
+        eights([damage, state.tension, state.compression, state.opening, state.stored]);
     std::array::from_fn(|lane| Point {
         stress: stress.map(|s| s.0[lane]),
         damage: damage.0[lane],
@@ -127,4 +127,14 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
         opening_mm: opening.0[lane],
         stored: stored.0[lane],
     })
+}
+
+/// Registers in memory; a `map` over them would be a call.
+#[inline(always)]
+fn eights<L: Lanes, const N: usize>(registers: [L; N]) -> [Octet; N] {
+    let mut eights = [Octet::default(); N];
+    for (eight, register) in eights.iter_mut().zip(registers) {
+        register.store(eight);
+    }
+    eights
 }

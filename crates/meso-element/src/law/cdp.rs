@@ -306,6 +306,7 @@ impl<R: Real> Law<R> for Cdp<R> {
         PointResponse { stress: nominal, integrity }
     }
 
+    #[inline(always)]
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
         let one = R::splat(1.0);
         let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);

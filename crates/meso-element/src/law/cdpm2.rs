@@ -398,6 +398,7 @@ impl<R: Real> Cdpm2<R> {
 
     /// Elastic energy, N/mm2: that of sqrt(1 - wt) s+ + sqrt(1 - wc) s-, which is never below 0 and is exact where principal
     /// stresses have one sign. (Stress times elastic strain is not: a cracked direction adds to it by Poisson's ratio.)
+    #[inline(always)]
     fn stored(&self, effective: &Tensor<R>, crack: R, crush: R) -> R {
         let of = Invariants::of(&effective.map(|x| x * self.per_strength));
         let deviators = of.shape().map(|y| R::splat(2.0 / 3.0) * of.mises * y);
@@ -520,6 +521,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         PointResponse { stress: nominal, integrity: pressed.mul_add(crush - crack, crack) }
     }
 
+    #[inline(always)]
     fn state(&self, strain: &Tensor<R>, history: &History<R>, width: R) -> State<R> {
         let one = R::splat(1.0);
         let [crack, crush] = self.integrity(history, width);

@@ -78,6 +78,7 @@ impl<R: Real> Law<R> for Hooke<R> {
         PointResponse { stress: self.of(strain), integrity: R::splat(1.0) }
     }
 
+    #[inline(always)]
     fn state(&self, strain: &Tensor<R>, _: &[R; 0], _: R) -> State<R> {
         let none = R::splat(0.0);
         let stored = energy(&self.of(strain), strain);

@@ -273,7 +273,9 @@ impl<R: Real> Meso<R> {
         let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
         let strength = risen * of.left * share;
         let slope = R::select(softens, -(strength * of.per_scale), rising);
-        let [mises, mean, largest] = [0, 1, 2].map(|i| (-of.fall[i]).mul_add(flow, of.from[i]));
+        let ([a, b, c], [mises, mean, largest]) = (of.fall, of.from);
+        // A closure would be compiled without the registers' instruction set, and called.
+        let [mises, mean, largest] = [(-a).mul_add(flow, mises), (-b).mul_add(flow, mean), (-c).mul_add(flow, largest)];
         let tensile = zero.lt(largest);
         let weight = R::select(tensile, self.beta(risen), of.gamma);
         let pressed = self.three_alpha.mul_add(mean, mises);
@@ -373,6 +375,7 @@ impl<R: Real> Law<R> for Meso<R> {
         PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
     }
 
+    #[inline(always)]
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
         let one = R::splat(1.0);
         let bridged = self.bridged(history[CRACKED], width);
