@@ -126,7 +126,10 @@ fn volumes_without_grains_and_wrong_flags_are_refused() {
     let folder = Folder::new();
     balls(&folder, "scan.npy", 24, &THREE);
     let model = || folder.run(&["import", "scan.npy", "-o", "x.json", "--quiet"]);
-    assert_eq!(model().stderr, "warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets it\n");
+    assert_eq!(
+        model().stderr,
+        "warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets another\n"
+    );
     for (flags, code, said) in [
         (&["--mortar", "0,1,2,3"][..], 1, "it has no grain of 64 voxels or more (0 are smaller)"),
         (&["--mortar", "9"], 1, "mortar names 9, which the volume does not have; its labels are 0, 1, 2, 3"),

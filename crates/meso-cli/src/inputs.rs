@@ -2,10 +2,10 @@
 
 use crate::failure::Failure;
 use crate::stderr;
-use meso_core::import::volume::{self, LabelNumber, Volume};
+use meso_core::import::volume::{self, LabelNumber, Volume, Wanted};
 use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
-use meso_files::{Beside, missing_recipe};
+use meso_files::{Beside, free, missing_recipe};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -84,10 +84,18 @@ pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
 /// Longest label volume, bytes: a thousand million voxels of eight bytes.
 const LONGEST_VOLUME: u64 = 8 << 30;
 
-/// Reads a label volume.
-pub(crate) fn volume<N: LabelNumber>(path: &Path) -> Result<Volume<N>, Failure> {
+/// Reads a label volume, of a `.vti` the array of a name.
+pub(crate) fn volume<N: LabelNumber>(path: &Path, array: Option<&str>) -> Result<Volume<N>, Failure> {
     let bytes = read(path, LONGEST_VOLUME, "a label volume")?;
-    volume::read(&path.to_string_lossy(), &bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+    let wanted = Wanted { array, most_bytes: free::memory() };
+    let volume = volume::read_wanted(&path.to_string_lossy(), &bytes, &wanted);
+    volume.map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+}
+
+/// Warns of choices that a label volume's file left open.
+pub(crate) fn warn_of_choices<N: LabelNumber>(volume: &Volume<N>, is_sized: bool) {
+    let size = volume.size_remark(is_sized).map(|remark| format!("warning: {remark}; --voxel-size-mm sets another"));
+    size.into_iter().chain(volume.array_note.as_ref().map(|note| format!("warning: {note}"))).for_each(stderr::line);
 }
 
 fn name(path: &Path) -> String {

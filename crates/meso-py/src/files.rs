@@ -4,10 +4,11 @@ use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
-use meso_core::import::volume::{self, Volume};
+use meso_core::import::volume::{self, Volume, Wanted};
 use meso_core::mesh::{CellKind, Mesh, MeshTable, Purpose, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
+use meso_files::free;
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::footing::Footing;
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
@@ -27,13 +28,14 @@ pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
     saved::read_while(&bytes, watch).map_err(|error| wrong_value(format!("{}: {error}", path.display())))
 }
 
-/// Reads a label volume.
+/// Reads a label volume, of a `.vti` the array of a name.
 ///
 /// # Errors
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no label volume.
-pub(crate) fn volume(path: &Path) -> PyResult<Volume<u16>> {
+pub(crate) fn volume(path: &Path, array: Option<&str>) -> PyResult<Volume<u16>> {
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
-    let volume = volume::read(&path.to_string_lossy(), &bytes);
+    let wanted = Wanted { array, most_bytes: free::memory() };
+    let volume = volume::read_wanted(&path.to_string_lossy(), &bytes, &wanted);
     volume.map_err(|error| wrong_value(format!("{}: {error}", path.display())))
 }
 

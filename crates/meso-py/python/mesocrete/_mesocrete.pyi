@@ -1229,6 +1229,7 @@ def from_labels(
     labels: ArrayLike | _Path,
     voxel_size: float | Sequence[float] | None = None,
     *,
+    array: str | None = None,
     mortar: Sequence[int] | None = None,
     aggregate: Sequence[int] = (),
     least_voxels: int = 64,
@@ -1249,6 +1250,8 @@ def from_labels(
         One integer a grain or a phase; or a file (.tif, .npy, .vti).
     voxel_size : float or sequence of three float, optional
         Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
+    array : str, optional
+        Array of a .vti that has the labels. Without, its scalars, of the cells or else of the points.
     mortar : sequence of int, optional
         Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
     aggregate : sequence of int

@@ -152,6 +152,12 @@ pub(super) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
 /// The label volume that an array is.
 pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volume<N>> {
     let numpy = labels.py().import("numpy")?;
+    let mask = numpy.getattr("ma")?.call_method1("getmaskarray", (labels,));
+    if labels.hasattr("mask")? && mask?.call_method0("any")?.is_truthy()? {
+        return Err(wrong_value(
+            "labels is a masked array with masked voxels; give these a label, as in labels.filled(0)".to_owned(),
+        ));
+    }
     let array = numpy.call_method1("asarray", (labels,))?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !["b", "i", "u"].contains(&kind.as_str()) {
@@ -162,8 +168,21 @@ pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volu
     let counts = match shape[..] {
         [y, x] => [x, y, 1],
         [z, y, x] => [x, y, z],
-        _ => return Err(wrong_value(format!("labels has {} axes; it must have two or three", shape.len()))),
+        _ => {
+            let is_squeezable = shape.len() > 3 && shape.iter().filter(|length| **length != 1).count() <= 3;
+            let fix = if is_squeezable { ": remove those of length 1 by labels.squeeze()" } else { "" };
+            return Err(wrong_value(format!("labels has {} axes; it must have two or three{fix}", shape.len())));
+        }
     };
+    if kind == "u" && array.getattr("size")?.is_truthy()? {
+        let largest: u64 = array.call_method0("max")?.extract()?;
+        if i64::try_from(largest).is_err() {
+            let most = i64::MAX;
+            return Err(wrong_value(format!(
+                "labels has the label {largest}; labels are at most {most}: number them anew"
+            )));
+        }
+    }
     let flat = numpy.call_method1("ascontiguousarray", (array, "int64"))?.call_method1("reshape", (-1,))?;
     let flat = flat.cast_into::<PyArray1<i64>>()?;
     let values = flat.try_readonly().map_err(|error| wrong_value(error.to_string()))?;

@@ -8,7 +8,9 @@ use crate::run::{Plan, in_stages, listener};
 use meso_core::import::grains::{Roles, SmoothOptions};
 use meso_core::labelled::{LabelOptions, LabelsError};
 use meso_core::watch::Stage;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -23,6 +25,8 @@ use std::sync::Arc;
 ///     One integer a grain or a phase; or a file (.tif, .npy, .vti).
 /// voxel_size : float or sequence of three float, optional
 ///     Edge of a voxel, mm; three are along x, y, z. Without, the file's, or else 1.
+/// array : str, optional
+///     Array of a .vti that has the labels. Without, its scalars, of the cells or else of the points.
 /// mortar : sequence of int, optional
 ///     Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
 /// aggregate : sequence of int
@@ -53,16 +57,17 @@ use std::sync::Arc;
 /// OSError
 ///     Where the file cannot be read.
 #[pyfunction]
-#[pyo3(signature = (labels, voxel_size=None, *, mortar=None, aggregate=vec![], least_voxels=64, itz_thickness=0.0,
+#[pyo3(signature = (labels, voxel_size=None, *, array=None, mortar=None, aggregate=vec![], least_voxels=64, itz_thickness=0.0,
     tolerance=0.2, smoothing=1.0, step=2.0, progress=None))]
 #[pyo3(
-    text_signature = "(labels, voxel_size=None, *, mortar=None, aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
+    text_signature = "(labels, voxel_size=None, *, array=None, mortar=None, aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn from_labels(
     py: Python<'_>,
     labels: &Bound<'_, PyAny>,
     voxel_size: Option<&Bound<'_, PyAny>>,
+    array: Option<&str>,
     mortar: Option<Vec<i64>>,
     aggregate: Vec<i64>,
     least_voxels: usize,
@@ -82,9 +87,14 @@ pub(crate) fn from_labels(
         };
         options.validate().map_err(|error| raised(&error.into()))?;
         let volume = match labels.extract::<PathBuf>() {
-            Ok(path) => files::volume(&path)?,
+            Ok(path) => files::volume(&path, array)?,
+            Err(_) if array.is_some() => {
+                return Err(wrong_value("array is for a .vti; leave it out with an array of numpy".to_owned()));
+            }
             Err(_) => volume(labels)?,
         };
+        let is_sized = options.voxel_size_mm.is_some() || labels.extract::<PathBuf>().is_err();
+        warn(py, volume.size_remark(is_sized).into_iter().chain(volume.array_note.clone()))?;
         accept_in_memory("from_labels", LabelOptions::bytes(volume.counts), "labels")?;
         let progress = listener(py, progress)?;
         let plan = Plan::new(&[(Stage::Take, 1.0)], Some(1.0));
@@ -94,6 +104,12 @@ pub(crate) fn from_labels(
         })?;
         Ok(PyPacking(Arc::new(model.map_err(|error| raised(&error))?)))
     })
+}
+
+/// Warns at the caller's line.
+fn warn(py: Python<'_>, remarks: impl IntoIterator<Item = String>) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    remarks.into_iter().try_for_each(|remark| PyErr::warn(py, &category, &CString::new(remark)?, 1))
 }
 
 fn raised(error: &LabelsError) -> PyErr {

@@ -103,7 +103,8 @@ impl Specimen {
         if args.input() == Input::Model {
             return Ok(Self::Packing(Box::new(inputs::model(&args.model, watch)?)));
         }
-        let volume = inputs::volume(&args.model)?;
+        let volume = inputs::volume(&args.model, None)?;
+        inputs::warn_of_choices(&volume, args.ask.voxel_size_mm.is_some());
         let given = args.ask.voxel_size_mm.map(|h| [h; 3]);
         let spacing_mm = given.or(volume.spacing_mm).unwrap_or([1.0; 3]);
         let periodic = args.ask.periodic.map_or([false; 3], |axes| axes.flags());

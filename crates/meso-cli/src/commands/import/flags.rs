@@ -15,6 +15,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "H", value_delimiter = ',', value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     pub(super) voxel_size_mm: Vec<f64>,
+    /// Array of a .vti that has the labels [default: its scalars, of the cells or else of the points]
+    #[arg(long, value_name = "NAME")]
+    pub(super) array: Option<String>,
     /// Labels of the mortar; every connected part of another label is a grain
     #[arg(long, value_name = "LABELS", value_delimiter = ',', default_value = "0", allow_negative_numbers = true)]
     pub(super) mortar: Vec<i64>,

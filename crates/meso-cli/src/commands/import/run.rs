@@ -21,21 +21,18 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let (options, plan) = (args.options()?, args.plan()?);
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.volume])?;
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Take, 1.0)]);
-    let volume = inputs::volume(&args.volume)?;
+    let volume = inputs::volume(&args.volume, args.array.as_deref())?;
     room::accept_image("the grains of the volume", LabelOptions::bytes(volume.counts))?;
-    let spacing = options.voxel_size_mm.or(volume.spacing_mm);
     let model = of_labels(&volume, &options, &watch);
     watch.finish();
     let model = model.map_err(|error| Failure::Run(format!("{}: {error}", args.volume.display())))?;
+    inputs::warn_of_choices(&volume, options.voxel_size_mm.is_some());
     drop(volume);
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.writing.force, |out| format.write(&model, SurfaceOptions::default(), out))?;
     }
     unit.commit()?;
-    if spacing.is_none() {
-        stderr::line("warning: the file has no size of a voxel, so it is 1 mm; --voxel-size-mm sets it");
-    }
     if let Some(labels) = model.report.labels.as_ref().filter(|_| !args.writing.quiet) {
         print(&model, labels);
         outputs::wrote(plan.iter().map(|(target, _)| target));

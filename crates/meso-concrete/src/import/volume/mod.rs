@@ -6,6 +6,7 @@
 mod npy;
 mod tif;
 mod vti;
+mod xml;
 
 use super::{ending, list, misnamed};
 use std::collections::BTreeMap;
@@ -25,10 +26,23 @@ pub struct Volume<N = u8> {
     pub counts: [usize; 3],
     /// Edges of a voxel along x, y, z, mm; `None` if the file does not say.
     pub spacing_mm: Option<[f64; 3]>,
+    /// Why the file gives no size of a voxel, or which part of it was assumed; `None` if there is nothing to say.
+    pub size_note: Option<String>,
+    /// Which of several arrays was read, for the user.
+    pub array_note: Option<String>,
     /// The labels that occur, ascending.
     pub labels: Vec<i64>,
     /// Index into [`labels`](Self::labels) of every voxel, x fastest.
     pub of: Vec<N>,
+}
+
+/// What is asked of a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
+    /// Name of the array of a `.vti`; `None` takes its scalars.
+    pub array: Option<&'a str>,
+    /// Most bytes of memory that may be taken; `None` if unknown.
+    pub most_bytes: Option<u64>,
 }
 
 /// Why bytes are no label volume.
@@ -68,6 +82,37 @@ pub enum VolumeError {
         /// The value as text.
         value: String,
     },
+    /// An integer beyond 64 bits with a sign.
+    #[error(
+        "voxel {voxel}, counted from 0, has the label {label}; labels are at most 9223372036854775807: number them anew"
+    )]
+    Beyond {
+        /// Number, x fastest.
+        voxel: usize,
+        /// The label.
+        label: u64,
+    },
+    /// A volume that takes more memory than there is.
+    #[error("it has {} x {} x {} voxels, which take about {needed} MB of memory, and {free} MB are free; cut a part out", counts[0], counts[1], counts[2])]
+    Large {
+        /// Voxels along x, y, z.
+        counts: [usize; 3],
+        /// Memory for them, MB.
+        needed: u64,
+        /// Free memory, MB.
+        free: u64,
+    },
+    /// Memory that the system did not give.
+    #[error("there is not enough memory for it; cut a part out")]
+    Memory,
+    /// An array that is not there.
+    #[error("it has no array `{array}` of one value a voxel; {}", arrays(found))]
+    Array {
+        /// The name that was asked for.
+        array: String,
+        /// Those that are there.
+        found: Vec<String>,
+    },
     /// More labels than phases or grains could be.
     #[error("it has more than {most} labels; segment the image first, one label a phase or a grain")]
     Many {
@@ -76,21 +121,51 @@ pub enum VolumeError {
     },
 }
 
+/// Names of arrays in a sentence.
+fn arrays(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{}`", name.escape_debug())).collect();
+    if quoted.is_empty() { "it has none".to_owned() } else { format!("take one of {}", quoted.join(", ")) }
+}
+
 /// Reads the label volume in `bytes`; the ending of `name` decides the format.
 ///
 /// # Errors
 /// See [`VolumeError`].
 pub fn read<N: LabelNumber>(name: &str, bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
+    read_wanted(name, bytes, &Wanted::default())
+}
+
+/// Reads the wanted label volume in `bytes`; the ending of `name` decides the format.
+///
+/// # Errors
+/// See [`VolumeError`].
+pub fn read_wanted<N: LabelNumber>(name: &str, bytes: &[u8], wanted: &Wanted<'_>) -> Result<Volume<N>, VolumeError> {
     let found = match ending(name).as_deref() {
-        Some("tif" | "tiff") => tif::read(bytes),
-        Some("npy") => npy::read(bytes),
-        Some("vti") => vti::read(bytes),
+        Some("vti") => vti::read(bytes, wanted),
+        Some("tif" | "tiff" | "npy") if wanted.array.is_some() => {
+            let fix = "leave the name of the array out: only a .vti has several";
+            return Err(VolumeError::Unread { found: "a named array".to_owned(), fix });
+        }
+        Some("tif" | "tiff") => tif::read(bytes, wanted),
+        Some("npy") => npy::read(bytes, wanted),
         _ => Err(VolumeError::Ending),
     };
     found.map_err(|error| misnamed(name, bytes, &ENDINGS).map_or(error, VolumeError::Misnamed))
 }
 
 impl<N: LabelNumber> Volume<N> {
+    /// What the file left open about the size of a voxel, where `is_sized` says that it is given otherwise.
+    pub fn size_remark(&self, is_sized: bool) -> Option<String> {
+        match (&self.size_note, self.spacing_mm) {
+            _ if is_sized => None,
+            (note, Some(_)) => note.clone(),
+            (note, None) => {
+                let reason = note.as_deref().unwrap_or("the file has no size of a voxel");
+                Some(format!("{reason}, so it is 1 mm"))
+            }
+        }
+    }
+
     /// A volume from its labels, x fastest.
     ///
     /// # Errors
@@ -115,7 +190,22 @@ struct Values<N> {
     of: Vec<N>,
 }
 
+/// Bytes in a megabyte.
+const MB: u64 = 1_000_000;
+
 impl<N: LabelNumber> Values<N> {
+    /// Room for the labels of so many voxels, whose reading takes `beside` bytes.
+    fn of(counts: [usize; 3], beside: usize, wanted: &Wanted<'_>) -> Result<Self, VolumeError> {
+        let count = voxels(counts).ok_or(VolumeError::Cut("values"))?;
+        let needed = (size_of::<N>() as u64).saturating_mul(count as u64).saturating_add(beside as u64);
+        if let Some(free) = wanted.most_bytes.filter(|free| needed > *free) {
+            return Err(VolumeError::Large { counts, needed: needed.div_ceil(MB), free: free / MB });
+        }
+        let mut values = Self { numbers: BTreeMap::new(), last: None, of: Vec::new() };
+        values.of.try_reserve_exact(count).map_err(|_| VolumeError::Memory)?;
+        Ok(values)
+    }
+
     fn add(&mut self, label: i64) -> Result<(), VolumeError> {
         let number = match self.last {
             Some((last, number)) if last == label => number,
@@ -182,9 +272,7 @@ impl<N: LabelNumber> Values<N> {
     }
 
     fn add_unsigned(&mut self, raw: u64) -> Result<(), VolumeError> {
-        let label = i64::try_from(raw);
-        let fault = || VolumeError::Fraction { voxel: self.of.len(), value: raw.to_string() };
-        let label = label.map_err(|_| fault())?;
+        let label = i64::try_from(raw).map_err(|_| VolumeError::Beyond { voxel: self.of.len(), label: raw })?;
         self.add(label)
     }
 
@@ -205,7 +293,14 @@ impl<N: LabelNumber> Values<N> {
         }
         let is_length = |h: &f64| h.is_finite() && *h > 0.0;
         let spacing_mm = spacing_mm.filter(|spacing| spacing.iter().all(is_length));
-        Ok(Volume { counts, spacing_mm, labels: self.numbers.into_keys().collect(), of })
+        Ok(Volume {
+            counts,
+            spacing_mm,
+            size_note: None,
+            array_note: None,
+            labels: self.numbers.into_keys().collect(),
+            of,
+        })
     }
 }
 

@@ -1,11 +1,11 @@
 //! Arrays of numpy (`.npy`), two or three axes, any byte order.
 
-use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError, voxels};
+use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError, Wanted, voxels};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 const FIX: &str = "save integers with two or three axes, as in numpy.save(\"labels.npy\", labels.astype(\"uint8\"))";
 
-pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
+pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Volume<N>, VolumeError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(VolumeError::Begin("a file of numpy.save"))?;
     let cut = || VolumeError::Cut("header");
     // Two bytes of version, then the header's length in 2 bytes, or in 4 from version 2 on.
@@ -15,10 +15,10 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeErro
     let length = length.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));
     let header = rest.get(start..start.saturating_add(length)).ok_or_else(cut)?;
     let header = str::from_utf8(header).map_err(|_| VolumeError::Begin("a file of numpy.save"))?;
-    values(header, &rest[start + length..])
+    values(header, &rest[start + length..], wanted)
 }
 
-fn values<N: LabelNumber>(header: &str, data: &[u8]) -> Result<Volume<N>, VolumeError> {
+fn values<N: LabelNumber>(header: &str, data: &[u8], wanted: &Wanted<'_>) -> Result<Volume<N>, VolumeError> {
     let kind = entry(header, "descr").ok_or(VolumeError::Missing("descr"))?;
     let kind = kind.split('\'').nth(1).unwrap_or(kind);
     let unread = |found: String| VolumeError::Unread { found, fix: FIX };
@@ -32,11 +32,17 @@ fn values<N: LabelNumber>(header: &str, data: &[u8]) -> Result<Volume<N>, Volume
     let [z, y, x] = match lengths[..] {
         [y, x] => [1, y, x],
         [z, y, x] => [z, y, x],
-        _ => return Err(unread(format!("an array of {} axes", lengths.len()))),
+        _ => {
+            let found = format!("an array of {} axes", lengths.len());
+            let is_squeezable = lengths.len() > 3 && lengths.iter().filter(|length| **length != 1).count() <= 3;
+            let fix = if is_squeezable { "remove its axes of length 1 by numpy.squeeze" } else { FIX };
+            return Err(VolumeError::Unread { found, fix });
+        }
     };
-    let wanted = voxels([x, y, z]).and_then(|count| count.checked_mul(kind.size));
-    let data = wanted.and_then(|wanted| data.get(..wanted)).ok_or(VolumeError::Cut("values"))?;
-    let mut values = Values::default();
+    let size = voxels([x, y, z]).and_then(|count| count.checked_mul(kind.size));
+    let data = size.and_then(|size| data.get(..size)).ok_or(VolumeError::Cut("values"))?;
+    let beside = if is_fortran { size_of::<N>() * x * y * z } else { 0 };
+    let mut values = Values::of([x, y, z], beside, wanted)?;
     values.add_bytes(data, kind, is_big)?;
     if is_fortran {
         let of = std::mem::take(&mut values.of);

@@ -1,22 +1,27 @@
-//! VTK image data (`.vti`): the first scalar array of the cells, or else of the points.
+//! VTK image data (`.vti`): the scalars of the cells, or else of the points, or the array of a name. Arrays that VTK reserves
+//! for itself are passed over.
 //!
 //! Values are text, base64 or appended as they come, and may be compressed by zlib in blocks.
 
-use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError};
+use super::xml::{attribute, tag, tags};
+use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError, Wanted, voxels};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 const FIX: &str = "write it by ParaView's or PyVista's own writer";
 const NO_IMAGE: VolumeError = VolumeError::Begin("VTK image data");
+/// Arrays that VTK adds for itself, as vtkGhostType, begin so.
+const RESERVED: &str = "vtk";
 
-pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeError> {
+pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Volume<N>, VolumeError> {
     let end = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
     let head = str::from_utf8(&bytes[..end]).map_err(|_| NO_IMAGE)?;
     let file = tag(head, "VTKFile").ok_or(NO_IMAGE)?;
     let image = tag(head, "ImageData").ok_or(NO_IMAGE)?;
     let extent: Vec<i64> = numbers(attribute(image, "WholeExtent").ok_or(VolumeError::Missing("WholeExtent"))?);
     let [x0, x1, y0, y1, z0, z1] = extent[..] else { return Err(VolumeError::Missing("WholeExtent")) };
-    let spacing: Vec<f64> = attribute(image, "Spacing").map(numbers).unwrap_or_default();
+    is_whole(head, &extent)?;
+    let spacing = placed(image)?;
     let file = File {
         is_big: attribute(file, "byte_order") == Some("BigEndian"),
         header: if attribute(file, "header_type") == Some("UInt64") { 8 } else { 4 },
@@ -27,27 +32,93 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8]) -> Result<Volume<N>, VolumeErro
         [(x0, x1), (y0, y1), (z0, z1)]
             .map(|(from, to)| usize::try_from(i128::from(to) - i128::from(from) + i128::from(points)).unwrap_or(0))
     };
-    let (array, counts) = match (array(head, "CellData"), array(head, "PointData")) {
-        (Some(array), _) => (array, counts(0)),
-        (None, Some(array)) => (array, counts(1)),
-        (None, None) => return Err(VolumeError::Missing("scalar array")),
-    };
-    let mut values = Values::default();
-    file.read(array, &mut values)?;
-    values.volume(counts, <[f64; 3]>::try_from(spacing).ok())
+    let sections = [("CellData", 0), ("PointData", 1)].map(|(name, points)| (Section::of(head, name), counts(points)));
+    let (array, counts, note) = chosen(&sections, wanted.array)?;
+    let volume: Volume<N> = file.read(array, counts, wanted)?.volume(counts, spacing)?;
+    Ok(Volume { array_note: note, ..volume })
+}
+
+/// Refuses a file of several pieces.
+fn is_whole(head: &str, extent: &[i64]) -> Result<(), VolumeError> {
+    let mut pieces = tags(head, "Piece").filter_map(|piece| attribute(piece, "Extent"));
+    if pieces.all(|piece| numbers::<i64>(piece) == extent) {
+        return Ok(());
+    }
+    let fix = "write it as one piece, by PyVista's or ParaView's own writer";
+    Err(VolumeError::Unread { found: "a piece of another extent than the whole".to_owned(), fix })
+}
+
+/// Edges of a voxel of an image whose axes are x, y, z.
+fn placed(image: &str) -> Result<Option<[f64; 3]>, VolumeError> {
+    const TURN: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    // Rounding of a direction that was written as text.
+    const NEAR: f64 = 1e-6;
+    if let Some(text) = attribute(image, "Direction") {
+        let direction: Vec<f64> = numbers(text);
+        if direction.len() != 9 || !direction.iter().zip(TURN).all(|(a, b)| (a - b).abs() <= NEAR) {
+            let fix = "resample it along x, y, z, or set its direction to the unit matrix if only the shape counts";
+            return Err(VolumeError::Unread { found: format!("an image turned by the Direction `{text}`"), fix });
+        }
+    }
+    let Some(text) = attribute(image, "Spacing") else { return Ok(None) };
+    match numbers::<f64>(text)[..] {
+        [x, y, z] if [x, y, z].iter().all(|h| h.is_finite() && *h > 0.0) => Ok(Some([x, y, z])),
+        _ => {
+            let fix = "write three positive lengths";
+            Err(VolumeError::Unread { found: format!("the Spacing `{}`", text.escape_debug()), fix })
+        }
+    }
 }
 
 /// An array's tag, and the text that follows.
 type Array<'a> = (&'a str, &'a str);
 
-/// The scalar array that a section names as its scalars, or else its first.
-fn array<'a>(head: &'a str, section: &str) -> Option<Array<'a>> {
-    let (_, rest) = head.split_once(&format!("<{section}"))?;
-    let (body, _) = rest.split_once(&format!("</{section}>"))?;
-    let scalars = body.split('>').next().and_then(|tag| attribute(tag, "Scalars"));
-    let arrays = || body.split("<DataArray").skip(1).filter_map(|text| text.split_once('>'));
-    let arrays = || arrays().filter(|(tag, _)| attribute(tag, "NumberOfComponents").is_none_or(|count| count == "1"));
-    arrays().find(|(tag, _)| scalars.is_some() && attribute(tag, "Name") == scalars).or_else(|| arrays().next())
+/// The arrays of cells, or of points, with one value each.
+struct Section<'a> {
+    /// The array that the section names as its scalars.
+    scalars: Option<&'a str>,
+    arrays: Vec<Array<'a>>,
+}
+
+impl<'a> Section<'a> {
+    fn of(head: &'a str, name: &str) -> Self {
+        let body = head.split_once(&format!("<{name}")).and_then(|(_, rest)| rest.split_once(&format!("</{name}>")));
+        let Some((body, _)) = body else { return Self { scalars: None, arrays: Vec::new() } };
+        let scalars = body.split('>').next().and_then(|tag| attribute(tag, "Scalars"));
+        let arrays = body.split("<DataArray").skip(1).filter_map(|text| text.split_once('>'));
+        let is_scalar = |tag: &str| attribute(tag, "NumberOfComponents").is_none_or(|count| count.trim() == "1");
+        let arrays = arrays.filter(|(tag, _)| is_scalar(tag) && !name_of(tag).starts_with(RESERVED));
+        Self { scalars, arrays: arrays.collect() }
+    }
+}
+
+fn name_of<'a>(tag: &'a str) -> &'a str {
+    attribute(tag, "Name").unwrap_or_default()
+}
+
+/// The array of a name; without a name the scalars of the cells, or else of the points, and a remark if there are others.
+fn chosen<'a>(
+    sections: &[(Section<'a>, [usize; 3]); 2],
+    name: Option<&str>,
+) -> Result<(Array<'a>, [usize; 3], Option<String>), VolumeError> {
+    let all =
+        || sections.iter().flat_map(|(section, counts)| section.arrays.iter().map(move |array| (*array, *counts)));
+    let names = || all().map(|((tag, _), _)| name_of(tag).to_owned()).collect::<Vec<_>>();
+    if let Some(name) = name {
+        let found = all().find(|((tag, _), _)| name_of(tag) == name);
+        let missing = || VolumeError::Array { array: name.to_owned(), found: names() };
+        return found.map(|(array, counts)| (array, counts, None)).ok_or_else(missing);
+    }
+    let active = sections.iter().find(|(section, _)| !section.arrays.is_empty());
+    let Some((section, counts)) = active else { return Err(VolumeError::Missing("scalar array")) };
+    let is_active = |(tag, _): &&Array<'_>| section.scalars == Some(name_of(tag));
+    let array = *section.arrays.iter().find(is_active).unwrap_or(&section.arrays[0]);
+    let names = names();
+    let note = (names.len() > 1).then(|| {
+        let own = name_of(array.0).escape_debug();
+        format!("the file has {} arrays, and `{own}` was read: {}", names.len(), super::arrays(&names))
+    });
+    Ok((array, *counts, note))
 }
 
 /// How a file stores its arrays.
@@ -61,35 +132,49 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn read<N: LabelNumber>(&self, (tag, text): Array<'_>, values: &mut Values<N>) -> Result<(), VolumeError> {
+    fn read<N: LabelNumber>(
+        &self,
+        (tag, text): Array<'_>,
+        counts: [usize; 3],
+        wanted: &Wanted<'_>,
+    ) -> Result<Values<N>, VolumeError> {
         let name = attribute(tag, "type").ok_or(VolumeError::Missing("type of an array"))?;
         let unread = |found: String| VolumeError::Unread { found, fix: FIX };
         let kind = kind_of(name).ok_or_else(|| unread(format!("the type `{}`", name.escape_debug())))?;
         let inline = text.split('<').next().unwrap_or_default();
+        let size = voxels(counts).and_then(|count| count.checked_mul(kind.size)).ok_or(VolumeError::Cut("values"))?;
+        let mut values = Values::of(counts, size, wanted)?;
         match attribute(tag, "format") {
             None | Some("ascii") => {
                 let mut all = inline.split_ascii_whitespace();
-                all.try_for_each(|word| values.add_real(word.parse().unwrap_or(f64::NAN)))
+                all.try_for_each(|word| match (kind.number, word.parse()) {
+                    (Number::Unsigned, Ok(label)) => values.add_unsigned(label),
+                    (Number::Signed, _) if word.parse::<i64>().is_ok() => values.add(word.parse().unwrap_or_default()),
+                    _ => values.add_real(word.parse().unwrap_or(f64::NAN)),
+                })?;
             }
-            Some("binary") => values.add_bytes(&self.unpacked(&decoded(inline.as_bytes()))?, kind, self.is_big),
+            Some("binary") => {
+                values.add_bytes(&self.unpacked(&decoded(inline.as_bytes())?, size)?, kind, self.is_big)?;
+            }
             Some("appended") => {
                 let offset = attribute(tag, "offset").and_then(|text| text.parse().ok()).unwrap_or(0);
-                values.add_bytes(&self.read_appended(offset)?, kind, self.is_big)
+                values.add_bytes(&self.read_appended(offset, size)?, kind, self.is_big)?;
             }
-            Some(other) => Err(unread(format!("the format `{}`", other.escape_debug()))),
+            Some(other) => return Err(unread(format!("the format `{}`", other.escape_debug()))),
         }
+        Ok(values)
     }
 
-    fn read_appended(&self, offset: usize) -> Result<Vec<u8>, VolumeError> {
+    fn read_appended(&self, offset: usize, size: usize) -> Result<Vec<u8>, VolumeError> {
         let cut = || VolumeError::Cut("values");
         let start = find(self.appended, b"_").ok_or_else(cut)?;
         let tag = str::from_utf8(&self.appended[..start]).map_err(|_| cut())?;
         let data = self.appended.get((start + 1).saturating_add(offset)..).ok_or_else(cut)?;
         if attribute(tag, "encoding") == Some("base64") {
             let end = find(data, b"<").unwrap_or(data.len());
-            return self.unpacked(&decoded(&data[..end]));
+            return self.unpacked(&decoded(&data[..end])?, size);
         }
-        self.unpacked(data)
+        self.unpacked(data, size)
     }
 
     fn length(&self, data: &[u8], number: usize) -> Result<usize, VolumeError> {
@@ -100,22 +185,33 @@ impl File<'_> {
         usize::try_from(length).map_err(|_| VolumeError::Cut("values"))
     }
 
-    /// Values after their length, or blocks after their lengths.
-    fn unpacked(&self, data: &[u8]) -> Result<Vec<u8>, VolumeError> {
+    /// Values after their length, or blocks after their lengths: as many bytes as the image has.
+    fn unpacked(&self, data: &[u8], wanted: usize) -> Result<Vec<u8>, VolumeError> {
         let cut = || VolumeError::Cut("values");
         match self.compressor {
             None => {
                 let length = self.length(data, 0)?;
-                data.get(self.header..).and_then(|rest| rest.get(..length)).map(<[u8]>::to_vec).ok_or_else(cut)
+                let part = data.get(self.header..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?;
+                if length != wanted {
+                    return Err(cut());
+                }
+                let mut all = room(length)?;
+                all.extend_from_slice(part);
+                Ok(all)
             }
             Some("vtkZLibDataCompressor") => {
-                let [blocks, size] = [self.length(data, 0)?, self.length(data, 1)?];
+                let blocks = self.length(data, 0)?;
                 let mut rest = blocks.checked_add(3).and_then(|count| count.checked_mul(self.header));
                 let mut rest = rest.take().and_then(|start| data.get(start..)).ok_or_else(cut)?;
-                let mut all = Vec::new();
+                let mut all = room(wanted)?;
                 for block in 0..blocks {
                     let (packed, after) = rest.split_at_checked(self.length(data, 3 + block)?).ok_or_else(cut)?;
-                    ZlibDecoder::new(packed).take(size as u64).read_to_end(&mut all).map_err(|_| cut())?;
+                    // The file's own sizes are not believed: what the image has no voxels for is not unpacked.
+                    let left = (wanted - all.len()) as u64;
+                    ZlibDecoder::new(packed).take(left + 1).read_to_end(&mut all).map_err(|_| cut())?;
+                    if all.len() > wanted {
+                        return Err(cut());
+                    }
                     rest = after;
                 }
                 Ok(all)
@@ -146,15 +242,11 @@ fn kind_of(name: &str) -> Option<Kind> {
     Some(Kind { number, size })
 }
 
-/// The text of the first tag of a name, up to its end.
-fn tag<'a>(text: &'a str, name: &str) -> Option<&'a str> {
-    text.split_once(&format!("<{name}"))?.1.split('>').next()
-}
-
-fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
-    let rest = tag.split_once(&format!(" {name}=")).map(|(_, rest)| rest)?;
-    let quote = rest.chars().next().filter(|first| ['"', '\''].contains(first))?;
-    rest[1..].split(quote).next()
+/// An empty list with room for so many bytes.
+fn room(bytes: usize) -> Result<Vec<u8>, VolumeError> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(bytes).map_err(|_| VolumeError::Memory)?;
+    Ok(all)
 }
 
 /// The numbers of a list; what is none ends it.
@@ -167,8 +259,8 @@ fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
 }
 
 /// Bytes of base64; each group of four may end one of several texts in a row.
-fn decoded(text: &[u8]) -> Vec<u8> {
-    let value = |letter: &u8| match letter {
+fn decoded(text: &[u8]) -> Result<Vec<u8>, VolumeError> {
+    let value = |letter: u8| match letter {
         b'A'..=b'Z' => Some(letter - b'A'),
         b'a'..=b'z' => Some(letter - b'a' + 26),
         b'0'..=b'9' => Some(letter - b'0' + 52),
@@ -176,11 +268,12 @@ fn decoded(text: &[u8]) -> Vec<u8> {
         b'/' => Some(63),
         _ => None,
     };
-    let letters: Vec<u8> = text.iter().copied().filter(|letter| !letter.is_ascii_whitespace()).collect();
-    let group = |group: &[u8]| {
-        let bits = group.iter().fold(0_u32, |bits, letter| bits << 6 | u32::from(value(letter).unwrap_or(0)));
-        let count = group.iter().filter(|letter| value(letter).is_some()).count() * 3 / 4;
-        bits.to_be_bytes().into_iter().skip(1).take(count)
-    };
-    letters.chunks_exact(4).flat_map(group).collect()
+    let mut all = room(text.len() / 4 * 3)?;
+    let mut letters = text.iter().copied().filter(|letter| !letter.is_ascii_whitespace());
+    while let (Some(a), Some(b), Some(c), Some(d)) = (letters.next(), letters.next(), letters.next(), letters.next()) {
+        let group = [a, b, c, d].map(value);
+        let bits = group.iter().fold(0_u32, |bits, value| bits << 6 | u32::from(value.unwrap_or(0)));
+        all.extend_from_slice(&bits.to_be_bytes()[1..][..group.iter().flatten().count() * 3 / 4]);
+    }
+    Ok(all)
 }
