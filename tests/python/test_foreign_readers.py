@@ -124,7 +124,8 @@ def test_gmsh_and_meshio_find_nodes_cells_groups_and_sides(mesh, sides, tmp_path
     if len(joints):
         kind = 6 if width == 4 else 5
         assert np.array_equal(gmsh.model.mesh.getElementsByType(kind, 4)[1].reshape(joints.shape) - 1, joints)
-    for tag, name in enumerate(SIDES, 1):
+    assert len({tag for _, tag in groups.values()}) == len(groups), "a surface has the number of a volume"
+    for tag, name in enumerate(SIDES, 101):
         assert groups[name] == (2, tag)
         nodes = np.unique(gmsh.model.mesh.getElementsByType(face, tag)[1]) - 1
         assert len(nodes) and set(nodes) <= set(sides[name])
@@ -139,20 +140,39 @@ def test_gmsh_and_meshio_read_periodic_pairs(meshed, tmp_path, gmsh):
     lengths = points.max(axis=0) - points.min(axis=0)
     pairs = {}
     for dimension, (slave, master), _, nodes in meshio.read(tmp_path / "mesh.msh").gmsh_periodic or ():
-        assert (dimension, slave - master, slave % 2) == (2, 1, 0)
+        axis, is_upper = divmod(slave - 101, 2)
+        assert (dimension, slave - master, is_upper) == (2, 1, 1)
         pairs[int(slave)] = nodes
-        step = np.eye(3)[slave // 2 - 1] * lengths
+        step = np.eye(3)[axis] * lengths
         assert np.abs(points[nodes[:, 0]] - points[nodes[:, 1]] - step).max() < 1e-12
-    assert list(pairs) == [2 * "xyz".index(axis) + 2 for axis in specimen.get("periodic", ())]
+    assert list(pairs) == [2 * "xyz".index(axis) + 102 for axis in specimen.get("periodic", ())]
     gmsh.open(str(tmp_path / "mesh.msh"))
     found = on_planes(mesh)
     for slave, nodes in pairs.items():
         master, own, _, _ = gmsh.model.mesh.getPeriodicNodes(2, slave)
         assert master == slave - 1 and sorted(own) == sorted(nodes[:, 0] + 1)
         assert len(set(nodes[:, 0])) == len(nodes), "a node has two partners"
-        across = [axis for axis in range(3) if axis != slave // 2 - 1]
-        places = {name: set(map(tuple, points[found[name]][:, across].round(9))) for name in SIDES[slave - 2 : slave]}
+        across = [axis for axis in range(3) if axis != (slave - 101) // 2]
+        places = {name: set(map(tuple, points[found[name]][:, across].round(9))) for name in SIDES[slave - 102 : slave - 100]}
         assert set(map(tuple, points[nodes[:, 0]][:, across].round(9))) == set.intersection(*places.values())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_scikit_fem_and_gmshs_ascii_keep_every_group(tmp_path, gmsh, order):
+    """The case: sides 1 and 3 beside MORTAR 1 and AGGREGATE 3. scikit-fem called mortar XMIN, akantu lost two sides."""
+    skfem = pytest.importorskip("skfem", reason="needs scikit-fem (pip install scikit-fem)")
+    mesh = pack(False).mesh(method="lattice", element_size=5.0, itz="none", order=order, accept_phase_error=True)
+    mesh.write(tmp_path / "mesh.msh")
+    read = skfem.Mesh.load(tmp_path / "mesh.msh")
+    found = {name: len(cells) for name, cells in read.subdomains.items()}
+    assert found == {"MORTAR": np.sum(mesh.phase == 0), "AGGREGATE": np.sum(mesh.phase == 2)}
+    gmsh.open(str(tmp_path / "mesh.msh"))
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    gmsh.write(str(tmp_path / "ascii.msh"))
+    text = (tmp_path / "ascii.msh").read_text()
+    names = re.findall(r'^\d (\d+) "(\w+)"$', text, re.MULTILINE)
+    # akantu takes one name a number.
+    assert {name for _, name in names} == {"MORTAR", "AGGREGATE", *SIDES} and len(dict(names)) == 8
 
 
 def nodes_of(elements, width):

@@ -1,7 +1,8 @@
 //! Meshes as gmsh's `.msh` 4.1, binary: gmsh itself, FEniCSx, MOOSE, meshio.
 //!
 //! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical
-//! surfaces XMIN to ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or
+//! surfaces XMIN to ZMAX, numbered from 101, hold the faces on the bounding planes. No surface has the number of a
+//! volume, since scikit-fem and akantu look groups up without their dimension. gmsh knows no cohesive elements: they are prisms or
 //! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
 //!
@@ -53,7 +54,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
 }
 
 fn blocks(mesh: &Mesh, sides: &Sides) -> Vec<Block> {
-    let sides = (1..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
+    let sides = (FIRST_SIDE..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
     let phases = [Phase::Mortar, Phase::Itz, Phase::Aggregate].map(|phase| volume(mesh, phase));
     let last = [cohesive(mesh), volume(mesh, Phase::Fibre)];
     sides.chain(phases).chain(last).filter(|block| !block.connectivity.is_empty()).collect()
@@ -98,6 +99,9 @@ fn cohesive(mesh: &Mesh) -> Block {
 /// Entity of the cohesive elements.
 const COHESIVE: i32 = 4;
 
+/// Entity and physical group of the first of [`SIDES`]; the others follow.
+const FIRST_SIDE: i32 = 101;
+
 impl Block {
     /// The physical group: that of a volume is its phase's, also for cohesive elements.
     fn physical(&self) -> i32 {
@@ -106,7 +110,7 @@ impl Block {
 
     fn name(&self) -> &'static str {
         match (self.dimension, self.physical()) {
-            (2, tag) => SIDES[tag as usize - 1].2,
+            (2, tag) => SIDES[(tag - FIRST_SIDE) as usize].2,
             (_, 1) => Phase::Mortar.name(),
             (_, 2) => Phase::Itz.name(),
             (_, 3) => Phase::Aggregate.name(),
@@ -174,7 +178,7 @@ fn elements(blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
 /// them, and pairs of opposite nodes.
 fn periodic(mesh: &Mesh, sides: &Sides, blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
     let has_surface = |tag: i32| blocks.iter().any(|block| (block.dimension, block.tag) == (2, tag));
-    let tags = |axis: usize| [2 * axis as i32 + 2, 2 * axis as i32 + 1];
+    let tags = |axis: usize| [1, 0].map(|upper| FIRST_SIDE + 2 * axis as i32 + upper);
     let axes = || (0..3).filter(|axis| mesh.periodic[*axis] && tags(*axis).into_iter().all(has_surface));
     if axes().next().is_none() {
         return Ok(());
