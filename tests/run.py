@@ -4,6 +4,7 @@
     python3 tests/run.py --quick    the quick tier: formatting, clippy, docs, and the Rust tests of a second or less
     python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
     python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel, sanitizers
+    python3 tests/run.py FILTER     one subject: write::lsdyna, collision::oracle, solve, test_gjk, test_gjk::test_touching
 
 On two cores the tiers are meant to take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built.
 Each needs the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
@@ -81,6 +82,8 @@ def main() -> int:
         os.environ.setdefault("CARGO_INCREMENTAL", "0")
     # gmsh's threads sleep where they wait for each other: on busy cores, waiting took a third of its processor time.
     os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+    if args.filter:
+        return summarise(in_turn(subject_stages(args.filter)), time.monotonic() - started)
     if args.quick:
         return summarise(in_turn(quick_stages()), time.monotonic() - started)
     if args.slow:
@@ -107,6 +110,7 @@ def parse_args() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     tier = parser.add_mutually_exclusive_group()
+    tier.add_argument("filter", nargs="?", metavar="FILTER", help="run one subject, by the path of its Rust tests or its file of Python tests")
     tier.add_argument("--quick", action="store_true", help="run the quick tier alone")
     tier.add_argument("--slow", action="store_true", help="run the slow tier, too")
     return parser.parse_args()
@@ -203,6 +207,37 @@ def quick_stages() -> list[Stage]:
         ("collision alone", ["cargo", "check", "-p", "meso-collision"]),
         ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
+
+
+# Subjects of the Rust tests that share the binary `core`.
+CORE_SUBJECTS = ("concrete", "pack", "mesh", "write")
+PYTHON_TESTS = ROOT / "tests" / "python"
+
+
+def subject_stages(wanted: str) -> list[Stage]:
+    """Name the commands that test one subject, with the features of the whole suite, so that nothing is compiled twice."""
+    file, _, name = wanted.partition("::")
+    if (PYTHON_TESTS / f"{file.removesuffix('.py')}.py").exists():
+        python = make_venv()
+        install_packages(python)
+        must(*wheel(python))
+        tests = str(PYTHON_TESTS / f"{file.removesuffix('.py')}.py") + (f"::{name}" if name else "")
+        return [("pytest", [str(python), "-m", "pytest", tests])]
+    command = rust_subject(wanted)
+    found = subprocess.run([*command, "--list"], cwd=ROOT, check=False, stdout=subprocess.PIPE, text=True)
+    if found.returncode == 0 and not re.search(r": test$", found.stdout, re.MULTILINE):
+        sys.exit(f"no test has `{wanted}` in its path; name a folder of tests/ with a file (write::lsdyna), or a file of tests/python (test_gjk)")
+    return [(f"cargo test of {wanted}", command)]
+
+
+def rust_subject(wanted: str) -> list[str]:
+    """Build the command that runs the Rust tests of a subject: its binary where the first word names one, else all."""
+    first, _, rest = wanted.partition("::")
+    if first in CORE_SUBJECTS:
+        return [*cargo_test(slow=False), "--test", "core", "--", f"{first}::{rest}"]
+    if (ROOT / "tests" / first / "main.rs").exists():
+        return [*cargo_test(slow=False), "--test", first, "--", *([rest] if rest else [])]
+    return [*cargo_test(slow=False), "--lib", "--tests", "--", wanted]
 
 
 # Stages that do not run here, each with the tool or the data that is missing.

@@ -20,6 +20,33 @@ def stage():
     return module
 
 
+@pytest.fixture(scope="module")
+def suite(stage):
+    """The program tests/run.py."""
+    sys.path.insert(0, str(TESTS))
+    try:
+        spec = importlib.util.spec_from_file_location("run", TESTS / "run.py")
+        spec.loader.exec_module(module := importlib.util.module_from_spec(spec))
+    finally:
+        sys.path.remove(str(TESTS))
+    return module
+
+
+@pytest.mark.parametrize(
+    ("wanted", "end"),
+    [
+        ("write::lsdyna", ["--test", "core", "--", "write::lsdyna"]),
+        ("pack", ["--test", "core", "--", "pack::"]),
+        ("collision::oracle", ["--test", "collision", "--", "oracle"]),
+        ("solve", ["--test", "solve", "--"]),
+        ("saved", ["--lib", "--tests", "--", "saved"]),
+    ],
+)
+def test_a_subject_is_tested_with_the_features_of_the_suite(suite, wanted, end):
+    """The case: `cargo test -p meso-cli` compiled every crate a second time."""
+    assert suite.rust_subject(wanted) == ["cargo", "test", "--workspace", "--exclude", "meso-bench", *end]
+
+
 CARGO = """
 test hull::a ... FAILED
 failures:
