@@ -24,6 +24,7 @@ import sys
 from pathlib import Path
 
 import reference
+from links import dead, repository_links
 
 SITE = Path(__file__).resolve().parent
 ROOT = SITE.parent
@@ -49,10 +50,13 @@ def main() -> None:
     copy_pages()
     (PAGES / "gallery" / "index.md").write_text(gallery_index(shown), encoding="utf-8")
     entries = {"GALLERY": [(title, f"gallery/{name}.md") for name, title, _ in shown], "REFERENCE": reference.write(PAGES / "reference")}
-    repository_links(PAGES)
+    repository_links(PAGES, sources(), os.environ.get("MESOCRETE_REPOSITORY"))
     (BUILD / "mkdocs.yml").write_text(configuration(entries), encoding="utf-8")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--clean", "--config-file", str(BUILD / "mkdocs.yml")]
     subprocess.run(command, check=True, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"})
+    # mkdocs sees the links of Markdown alone.
+    if found := dead(BUILD / "site"):
+        sys.exit("\n".join(["dead links of the site:", *found]))
 
 
 def copy_pages() -> None:
@@ -67,6 +71,15 @@ def copy_pages() -> None:
     (PAGES / "results").mkdir()
     for plot in (ROOT / "benches" / "results").glob("*.svg"):
         shutil.copy(plot, PAGES / "results")
+
+
+def sources() -> dict[str, Path]:
+    """Map the pages of the site to the files of the repository that they are."""
+    found = {path.relative_to(folder).as_posix(): path for folder in (ROOT / "docs", SITE / "pages") for path in folder.rglob("*") if path.suffix != ".py"}
+    found |= {page: ROOT / document for document, page in ROOT_PAGES.items()} | {"benchmark.md": ROOT / "benchmark" / "README.md"}
+    found |= {f"results/{plot.name}": plot for plot in (ROOT / "benches" / "results").glob("*.svg")}
+    found |= {f"gallery/{script.stem}.md": script for script in (SITE / "gallery").rglob("*.py")}
+    return found | {"gallery/index.md": SITE / "gallery", "reference/index.md": SITE / "reference.py"}
 
 
 def benchmark() -> str:
@@ -182,34 +195,6 @@ def first_sentence(text: str) -> str:
     """Return the first sentence of an introduction, without its links."""
     plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text.replace("\n", " "))
     return re.split(r"(?<=[.:?])\s", plain)[0].rstrip(":")
-
-
-def repository_links(pages: Path) -> None:
-    """Point links to files outside docs/ at the site's copies, at the repository, or else at plain names."""
-    for path in pages.rglob("*.md"):
-        text = path.read_text(encoding="utf-8")
-        up = "../" * (len(path.relative_to(pages).parts) - 1)
-        linked = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)", lambda found: repository_link(path, up, found), text)
-        if linked != text:
-            path.write_text(linked, encoding="utf-8")
-
-
-def repository_link(page: Path, up: str, found: re.Match[str]) -> str:
-    """Return one link of a page as it leads somewhere on the site."""
-    image, text, target, anchor = found[1], found[2], found[3], found[4] or ""
-    if ":" in target or target.startswith("mesocrete.") or (page.parent / target).exists():
-        return found[0]
-    name = re.sub(r"^(\.\./)+", "", target)
-    if name in ROOT_PAGES:
-        return f"[{text}]({up}{ROOT_PAGES[name]}{anchor})"
-    if name.startswith("docs/") and (PAGES / name[5:]).exists():
-        return f"{image}[{text}]({up}{name[5:]}{anchor})"
-    if name.startswith("benches/results/") and name.endswith(".svg"):
-        return f"{image}[{text}]({up}results/{Path(name).name})"
-    if not (ROOT / name).exists():
-        return found[0]
-    repository = os.environ.get("MESOCRETE_REPOSITORY")
-    return f"[{text}]({repository}/blob/main/{name}{anchor})" if repository else f"{text} (`{name}`)"
 
 
 if __name__ == "__main__":

@@ -1,12 +1,17 @@
 """The README's examples run as they stand, and its links lead somewhere."""
 
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]]
+sys.path.insert(0, str(ROOT / "site"))
+import links  # noqa: E402
+
+UNREAD = {"target", ".venv", ".pytest_cache", "build", "shared"}
+PAGES = [path for path in sorted(ROOT.rglob("*.md")) if not UNREAD & set(path.relative_to(ROOT).parts)]
 
 
 # Words of the Python example, and what makes it a matter of seconds; it runs as it stands in the slow tier.
@@ -60,7 +65,28 @@ def test_the_commands_run_as_they_stand(run, tmp_path):
     assert (tmp_path / "out" / "result.html").exists()
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_links_lead_somewhere(page):
-    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", (ROOT / page).read_text(encoding="utf-8"))
-    assert [link for link in links if not ((ROOT / page).parent / link).exists()] == []
+def test_no_link_of_the_repository_is_dead():
+    """The case: 31 links of site/pages were right only on the built site."""
+    assert len(PAGES) > 30
+    assert {str(page.relative_to(ROOT)): found for page in PAGES if (found := links.dead_in_repository(page))} == {}
+
+
+def test_dead_links_are_seen_in_markdown_and_in_raw_html(tmp_path):
+    (tmp_path / "a.md").write_text("[a](a.md#x) [b](gone.md) [![p](a.md)](lost.md) [web](https://x.org)\n```\n[c](code.md)\n```\n")
+    assert links.dead_in_repository(tmp_path / "a.md") == ["gone.md", "lost.md"]
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "a.html").write_text('<a href="changelog.html">x</a><a href="../b.html#y">y</a><img src="//x.org/p">')
+    (tmp_path / "b.html").write_text('<a href="in/a.html?q=1">x</a>')
+    assert links.dead(tmp_path) == ["in/a.html: changelog.html"]
+
+
+def test_links_of_the_sites_pages_lead_to_its_pages(tmp_path):
+    """A link to a document of the repository becomes one to its page; a gallery's picture is put in."""
+    page = links.ROOT / "site" / "pages" / "learning.md"
+    (tmp_path / "learning.md").write_text(page.read_text(encoding="utf-8"), encoding="utf-8")
+    script = links.ROOT / "site" / "gallery" / "08_data_set.py"
+    sources = {"learning.md": page, "images.md": links.ROOT / "docs" / "images.md", "gallery/08_data_set.md": script}
+    links.repository_links(tmp_path, sources, None)
+    text = (tmp_path / "learning.md").read_text(encoding="utf-8")
+    assert "](images.md)" in text and "](gallery/08_data_set.md)" in text and "](gallery/08_data_set/picture.png)" in text
+    assert "Studies (`docs/studies.md`)" in text and "](../" not in text
