@@ -247,8 +247,8 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
         on("bottom", Side::ZMin, 0.5),
         SupportSpec { pressure_mpa: 2.0, ..on("top", Side::ZMax, -0.5) },
         on("wall", Side::XMin, 0.0),
-        SupportSpec { rule: Rule::Pressure, ..pressed("front", Side::YMin, 3.0) },
-        SupportSpec { rule: Rule::Pressure, ..pressed("right", Side::XMax, 1.0) },
+        SupportSpec { rule: Rule::Pressure, friction: 0.0, ..pressed("front", Side::YMin, 3.0) },
+        SupportSpec { rule: Rule::Pressure, friction: 0.0, ..pressed("right", Side::XMax, 1.0) },
         SupportSpec { stress_ratio: Some(0.1), ..on("back", Side::YMax, 0.0) },
     ];
     for test in [

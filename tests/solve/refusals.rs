@@ -67,6 +67,233 @@ fn materials_that_cannot_be_are_named() {
     }
 }
 
+/// A test with supports in the words of a TEST.toml.
+fn supports(lines: &str) -> Test {
+    let keys = [
+        "name",
+        "on",
+        "rule",
+        "friction",
+        "moves",
+        "pressure_mpa",
+        "stress_ratio",
+        "strip",
+        "axis",
+        "at_mm",
+        "width_mm",
+    ];
+    let quoted = |json: String, key: &&str| json.replace(&format!(" {key} ="), &format!(" \"{key}\":"));
+    let json = keys.iter().fold(lines.replace('\'', "\""), quoted);
+    serde_json::from_str(&format!("{{\"strain\": 0.001, \"supports\": [{json}]}}")).expect(lines)
+}
+
+/// A support as a line of a TEST.toml.
+fn support(name: &str, on: &str, rule: &str, more: &str) -> String {
+    let comma = if more.is_empty() { "" } else { ", " };
+    format!("{{ name = '{name}', on = '{on}', rule = '{rule}'{comma}{more} }}")
+}
+
+/// The refusal of a test of these supports: before there is a mesh, or by the mesh.
+fn contradiction(lines: &[String], specimen: &Specimen) -> (&'static str, String) {
+    let test = supports(&lines.join(", "));
+    if let Err(error) = test.validate() {
+        return ("at once", error.to_string());
+    }
+    if let Err(error) = test.suits(specimen) {
+        return ("by the specimen", error.to_string());
+    }
+    let meshed = Meshed::of(&[], specimen.clone(), options(Method::FITTED, 3.0, ItzForm::None));
+    let of_deck = test.loads(&meshed.sample(), 1e-7).err().map(|error| error.to_string());
+    let of_run = Run::new(meshed.sample(), &Materials::default(), &test).err().map(|error| error.to_string());
+    assert_eq!(of_deck, of_run, "deck and engine differ");
+    of_run.map_or(("not", String::new()), |error| ("by the mesh", error))
+}
+
+/// The cases: two glued supports on z-max gave 0.00 MPa in one order and 3.34 MPa in the other; a plate and a pressure on one
+/// side gave -2.50 MPa, the mean of 0 and -5; glued edges 20.35 MPa for 3.34; overlapping strips 14.05 MPa.
+#[test]
+fn supports_that_give_two_places_to_a_node_are_refused_and_both_are_named() {
+    let cube = Specimen::cube(6.0);
+    let cylinder = Specimen::Cylinder { diameter_mm: 12.0, height_mm: 12.0 };
+    let [glued, plate, pressure] = ["glued", "plate", "pressure"];
+    let below = || support("below", "z-min", glued, "");
+    let strip =
+        |axis: &str, at: f64, width: f64| format!("strip = {{ axis = '{axis}', at_mm = {at}, width_mm = {width} }}");
+    let part = |moves: f64, strip: String| format!("moves = {moves}, {strip}");
+    for (one, other, specimen, when) in [
+        (support("one", "z-max", glued, "moves = 0"), support("two", "z-max", glued, "moves = 1"), &cube, "at once"),
+        (support("two", "z-max", glued, "moves = 1"), support("one", "z-max", glued, "moves = 0"), &cube, "at once"),
+        (
+            support("one", "z-max", plate, "moves = -1"),
+            support("two", "z-max", plate, "moves = -0.5"),
+            &cube,
+            "at once",
+        ),
+        (support("one", "z-max", plate, "moves = -1"), support("two", "z-max", glued, "moves = -1"), &cube, "at once"),
+        (
+            support("one", "z-max", plate, "moves = -1"),
+            support("two", "z-max", plate, "moves = -1, friction = 0.5"),
+            &cube,
+            "at once",
+        ),
+        (
+            support("one", "z-max", plate, "moves = -1"),
+            support("two", "z-max", pressure, "pressure_mpa = 5"),
+            &cube,
+            "at once",
+        ),
+        (
+            support("two", "mantle", pressure, "pressure_mpa = 5"),
+            support("one", "x-min", plate, "moves = 0.5"),
+            &cube,
+            "at once",
+        ),
+        (
+            support("one", "z-max", plate, &part(-1.0, strip("x", -1.0, 3.0))),
+            support("two", "z-max", plate, &part(-0.5, strip("x", 1.0, 3.0))),
+            &cube,
+            "at once",
+        ),
+        (
+            support("one", "z-max", plate, &part(-1.0, strip("x", 0.0, 3.0))),
+            support("two", "z-max", plate, &part(-0.5, strip("y", 0.0, 3.0))),
+            &cube,
+            "at once",
+        ),
+        // They meet where a mesh widens them to one and a half elements, and at the border of two tiles.
+        (
+            support("one", "z-max", plate, &part(-1.0, strip("x", -1.5, 1.0))),
+            support("two", "z-max", plate, &part(-0.5, strip("x", 1.5, 1.0))),
+            &cube,
+            "by the mesh",
+        ),
+        (
+            support("one", "z-max", plate, &part(-1.0, strip("x", -1.5, 3.0))),
+            support("two", "z-max", plate, &part(-0.5, strip("x", 1.5, 3.0))),
+            &cube,
+            "by the mesh",
+        ),
+        (support("one", "z-max", glued, "moves = 1"), support("two", "x-max", glued, ""), &cube, "by the specimen"),
+        (
+            support("one", "z-max", glued, "moves = 1"),
+            support("two", "y-min", glued, "moves = 1"),
+            &cube,
+            "by the specimen",
+        ),
+        (
+            support("one", "z-max", glued, "moves = 1"),
+            support("two", "x-max", plate, "moves = -0.5"),
+            &cube,
+            "by the specimen",
+        ),
+        (
+            support("one", "z-max", glued, "moves = 1"),
+            support("two", "x-max", plate, "stress_ratio = 1"),
+            &cube,
+            "by the specimen",
+        ),
+        (
+            support("one", "z-max", glued, "moves = 1"),
+            support("two", "x-max", glued, &strip("z", 1.5, 3.0)),
+            &cube,
+            "by the specimen",
+        ),
+        (support("one", "x-max", glued, "moves = 1"), support("two", "y-max", glued, ""), &cylinder, "by the mesh"),
+        (support("one", "x-max", glued, "moves = 1"), support("two", "z-max", glued, ""), &cylinder, "by the mesh"),
+    ] {
+        let lines = [one, other, below()];
+        let (found, error) = contradiction(&lines, specimen);
+        assert!(error.contains("supports.") && found == when, "{lines:?}: {found}: {error}");
+        let named: Vec<&str> = ["one", "two", "below"].into_iter().filter(|name| error.contains(name)).collect();
+        assert_eq!(named.len(), 2, "{error}");
+    }
+}
+
+#[test]
+fn supports_that_share_nodes_and_agree_are_taken() {
+    let cube = Specimen::cube(6.0);
+    let [glued, plate, pressure] = ["glued", "plate", "pressure"];
+    let strip = |at: f64| format!("moves = -1, strip = {{ axis = 'x', at_mm = {at}, width_mm = 3 }}");
+    let below = || support("below", "z-min", plate, "");
+    for lines in [
+        vec![support("one", "z-max", plate, &strip(-1.5)), support("two", "z-max", plate, &strip(1.5)), below()],
+        vec![support("one", "z-max", plate, "moves = -1"), support("wall", "x-min", plate, "friction = 0.1"), below()],
+        vec![
+            support("one", "z-max", plate, "moves = -1"),
+            support("side", "mantle", pressure, "pressure_mpa = 2"),
+            below(),
+        ],
+        vec![
+            support("one", "z-max", plate, "moves = -1"),
+            support("side", "x-max", plate, "stress_ratio = 0.5"),
+            below(),
+        ],
+        vec![
+            support("one", "z-max", glued, "moves = 1"),
+            support("wall", "x-min", plate, ""),
+            support("b", "z-min", glued, ""),
+        ],
+        vec![
+            support("one", "z-max", plate, "moves = -1"),
+            support("foot", "z-min", glued, ""),
+            support("wall", "x-min", glued, "strip = { axis = 'z', at_mm = -2, width_mm = 1 }"),
+        ],
+    ] {
+        assert_eq!(contradiction(&lines, &cube), ("not", String::new()), "{lines:?}");
+    }
+}
+
+#[test]
+fn keys_of_a_support_without_effect_and_paths_that_strain_nothing_are_refused() {
+    let [glued, plate, pressure] = ["glued", "plate", "pressure"];
+    let strip = "strip = { axis = 'x', at_mm = 0, width_mm = 3 }";
+    let pressed_strip = format!("pressure_mpa = 2, {strip}");
+    for (line, text) in [
+        (support("a", "z-max", glued, "friction = 0.1"), "test.supports.a.friction is 0.1; only a plate rubs"),
+        (
+            support("a", "z-max", pressure, "moves = 1, pressure_mpa = 1"),
+            "test.supports.a.moves is 1; a pressure follows no path",
+        ),
+        (support("a", "z-max", pressure, "stress_ratio = 1"), "test.supports.a.stress_ratio is 1; a pressure follows"),
+        (
+            support("a", "z-max", pressure, &pressed_strip),
+            "test.supports.a.strip is given; a pressure and a servo act on a whole side",
+        ),
+        (support("a", "z-max", plate, &pressed_strip), "test.supports.a.strip is given"),
+        (support("a", "z-max", plate, "pressure_mpa = -1"), "test.supports.a.pressure_mpa is -1; a plate cannot pull"),
+        (support("a", "z-max", plate, "moves = -1, stress_ratio = 1"), "leave moves out, or stress_ratio"),
+        (
+            format!("{}, {}", support("a", "z-max", glued, "moves = 1"), support("b", "z-min", glued, "moves = 1")),
+            "test.supports.a.moves is 1; all supports along its axis move alike",
+        ),
+    ] {
+        let error = supports(&line).validate().err().expect(&line).to_string();
+        assert!(error.contains(text), "{error}");
+    }
+}
+
+/// The case: the plate above moves away; the test had a peak of 0.00 MPa, no remark, and the exit code 0.
+#[test]
+fn a_plate_that_never_touches_the_specimen_gets_a_remark() {
+    let [plate, glued] = ["plate", "glued"];
+    let lines = [support("above", "z-max", plate, "moves = 1"), support("below", "z-min", plate, "")];
+    let free = cube().solve(&Materials::default(), &supports(&lines.join(", ")));
+    let idle = "the plate above never touched the specimen: its moves of 1 lead it away; take -1, or rule = \"glued\"";
+    assert!(free.result.errors.contains(&idle.to_owned()), "{:?}", free.result.errors);
+    let lines = [
+        support("above", "z-max", glued, "moves = 1"),
+        support("below", "z-min", glued, ""),
+        support("wall", "x-max", plate, ""),
+    ];
+    let pulled = cube().solve(&Materials::default(), &supports(&lines.join(", ")));
+    let idle = |text: &String| text.starts_with("the plate wall never touched the specimen: let a support press");
+    assert!(pulled.result.warnings.iter().any(idle), "{:?}", pulled.result.warnings);
+    let lines = [support("above", "z-max", plate, "moves = -1"), support("below", "z-min", plate, "")];
+    let pressed = cube().solve(&Materials::default(), &supports(&lines.join(", ")));
+    let idle = |text: &String| text.contains("never touched");
+    assert!(!pressed.result.warnings.iter().chain(&pressed.result.errors).any(idle));
+}
+
 #[test]
 fn boxes_are_not_smoothed() {
     let meshed = Meshed::mortar([6.0; 3], Method::VOXEL, 3.0);

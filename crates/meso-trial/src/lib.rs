@@ -19,6 +19,6 @@ pub use law::LawName;
 pub use loads::{Hold, Loads, Pressure, RigidSupport};
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use trial::{
-    Along, Below, Control, Course, Expansion, Gauge, Interface, PHASES, Rig, Rule, STRAINS, Setup, Side, Smoothing,
-    Strip, SupportSpec, Test, TestKind, Turn, TurnOf, word,
+    Along, Below, Control, Course, Expansion, Gauge, Interface, MOST_SUPPORTS, PHASES, Rig, Rule, STRAINS, Setup, Side,
+    Smoothing, Strip, SupportSpec, Test, TestKind, Turn, TurnOf, word,
 };

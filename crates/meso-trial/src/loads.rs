@@ -101,9 +101,13 @@ impl Test {
         let rig = self.rig(&geometry)?;
         let sides = Sides::of(sample.mesh);
         let mut path_mm = self.path_mm(rig.length_mm)?;
-        let rigid = rig.supports.iter().filter(|support| support.rule != Rule::Pressure);
-        let supports: Vec<RigidSupport> =
-            rigid.map(|support| self.support(sample, &sides, &rig, support)).collect::<Result<_, _>>()?;
+        let (mut supports, mut members) = (Vec::new(), Vec::new());
+        for (place, support) in (0..).zip(&rig.supports).filter(|(_, support)| support.rule != Rule::Pressure) {
+            let rigid = self.support(sample, &sides, &rig, support)?;
+            members.extend(rigid.nodes.iter().map(|&node| (node, place)));
+            supports.push(rigid);
+        }
+        rig.agree(members)?;
         let pressed = rig.supports.iter().filter(|support| support.rule == Rule::Pressure);
         let pressures: Vec<Pressure> =
             pressed.map(|support| pressure(sample, &sides, support)).collect::<Result<_, _>>()?;

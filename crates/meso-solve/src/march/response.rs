@@ -8,7 +8,7 @@ use crate::march::lateral::Lateral;
 use crate::march::run::Run;
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
-use meso_trial::{Control, Gauge, Setup, Smoothing, TestKind, TurnOf};
+use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, TestKind, TurnOf};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -326,6 +326,7 @@ impl Summary {
         self.warn_of_strips(run);
         self.warn_of_notches(run);
         self.warn_of_turns(run);
+        self.warn_of_idle_plates(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -455,6 +456,30 @@ impl Summary {
                 "the path never met its turn at {at} MPa and turned at its strain of {strain} instead; the stress was \
                  {low:.2} to {high:.2} MPa, so take a turn within it"
             ));
+        }
+    }
+
+    /// Warns of plates that never touched the specimen; if no support carries a force, the curve is none.
+    fn warn_of_idle_plates(&mut self, run: &Run) {
+        let (extra, first, rows) = (run.extra(), run.gauges.len(), run.state.rows.len());
+        let has_columns = extra.names.len() == first + run.supports.all.len();
+        if !run.test.has_path() || self.ended != Ended::Completed || rows == 0 || !has_columns {
+            return;
+        }
+        let is_idle = |place: usize| (0..rows).all(|row| extra.row(row)[first + place] == 0.0);
+        let all_idle = (0..run.supports.all.len()).all(is_idle);
+        for (place, plate) in run.supports.all.iter().enumerate() {
+            if plate.face.rule != Rule::Plate || !is_idle(place) {
+                continue;
+            }
+            let (name, leaves) = (&plate.name, plate.moves * plate.face.inward < 0.0);
+            let why = if leaves {
+                format!("its moves of {} lead it away; take {}, or rule = \"glued\"", plate.moves, -plate.moves)
+            } else {
+                "let a support press the specimen against it, or leave it out".to_owned()
+            };
+            let text = format!("the plate {name} never touched the specimen: {why}");
+            if all_idle { self.errors.push(text) } else { self.warnings.push(text) }
         }
     }
 

@@ -108,6 +108,9 @@ pub struct SupportSpec {
     pub stress_ratio: Option<f64>,
 }
 
+/// Supports of a test, at most.
+pub const MOST_SUPPORTS: usize = 8;
+
 /// Widest strip and longest span, mm.
 pub(super) const WIDEST_MM: f64 = 1e4;
 
@@ -135,8 +138,29 @@ impl SupportSpec {
         }
         let pressure = self.pressure_mpa;
         TEST.require(named("pressure_mpa"), pressure, pressure.abs() <= 1000.0, "it must be -1000 to 1000")?;
+        self.validate_effects()?;
         let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;
         TEST.require(named("on"), "mantle", on_faces, "only a pressure acts on the mantle; take one of the six sides")
+    }
+
+    /// Refuses keys without effect under its rule.
+    fn validate_effects(&self) -> Result<(), OutOfRange> {
+        let named = |key: &str| format!("supports.{}.{key}", self.name);
+        let (is_plate, presses) = (self.rule == Rule::Plate, self.rule == Rule::Pressure);
+        let free = "only a plate rubs; leave it out, or take rule = \"plate\"";
+        TEST.require(named("friction"), self.friction, is_plate || self.friction == 0.0, free)?;
+        let dead = "a pressure follows no path; leave it out, or take rule = \"plate\"";
+        TEST.require(named("moves"), self.moves, !presses || self.moves == 0.0, dead)?;
+        let (ratio, has_ratio) = (self.stress_ratio.unwrap_or_default(), self.stress_ratio.is_some());
+        TEST.require(named("stress_ratio"), ratio, !presses || !has_ratio, dead)?;
+        let both = "a plate follows a stress or the path; leave moves out, or stress_ratio";
+        TEST.require(named("moves"), self.moves, !has_ratio || self.moves == 0.0, both)?;
+        let pulls = "a plate cannot pull; take 0 or more, or rule = \"glued\"";
+        TEST.require(named("pressure_mpa"), self.pressure_mpa, !is_plate || self.pressure_mpa >= 0.0, pulls)?;
+        let is_whole = self.strip.is_none() || !presses && !has_ratio && self.pressure_mpa == 0.0;
+        let whole =
+            "a pressure and a servo act on a whole side; leave the strip out, or the pressure and the stress ratio";
+        TEST.require(named("strip"), "given", is_whole, whole)
     }
 
     /// Finds out whether its strip lies on a specimen of this size.

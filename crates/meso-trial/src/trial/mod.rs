@@ -1,5 +1,6 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
+mod conflict;
 mod expansion;
 mod load;
 mod named;
@@ -8,7 +9,7 @@ mod setup;
 mod tables;
 
 pub use expansion::{Below, Course, Expansion, PHASES, STRAINS};
-pub use load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+pub use load::{Along, Gauge, MOST_SUPPORTS, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 pub use named::Rig;
 pub use setup::Setup;
 pub use setup::word;
@@ -417,7 +418,10 @@ impl Test {
             let why = "only a TEST.toml and Python read a table, and have no turns then; give the turns";
             return Err(TEST.error("history", name, why));
         }
+        let (count, most) = (self.supports.len(), load::MOST_SUPPORTS);
+        TEST.require("supports", count, count <= most, format!("at most {most} supports are taken"))?;
         self.supports.iter().try_for_each(SupportSpec::validate)?;
+        conflict::validate(&self.supports)?;
         self.gauges.iter().try_for_each(Gauge::validate)?;
         let gauges = self.gauges.iter().map(|gauge| ("gauges.name", gauge.name()));
         let supports = self.supports.iter().map(|support| ("supports.name", &*support.name));

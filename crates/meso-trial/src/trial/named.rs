@@ -2,6 +2,7 @@
 
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
+use crate::trial::conflict;
 use crate::trial::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 use crate::trial::{Control, Test, TestKind};
 use meso_concrete::specimen::Specimen;
@@ -82,6 +83,7 @@ impl Test {
         self.suits_notch(&geometry)?;
         self.gauges().iter().try_for_each(|gauge| gauge.suits(&geometry.size_mm))?;
         rig.supports.iter().try_for_each(|support| support.suits(&geometry.size_mm))?;
+        conflict::suits(&rig.supports, specimen)?;
         let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
         let flat = [(TestKind::Biaxial, "biaxial"), (TestKind::Shear, "shear")];
         if let Some((_, name)) = flat.into_iter().find(|(kind, _)| *kind == self.kind && is_round) {

@@ -5,16 +5,16 @@
 
 pub(crate) mod contact;
 
-use crate::error::{SolveError, TEST};
+use crate::error::SolveError;
 use crate::march::supports::contact::{Contact, Face, Load, Motion, Moved};
 use meso_mesh::cells::Sides;
 use meso_trial::Rig;
 use meso_trial::Sample;
 use meso_trial::nodes;
-use meso_trial::{Rule, SupportSpec};
+use meso_trial::{MOST_SUPPORTS, Rule, SupportSpec};
 
 /// Supports of a test, at most.
-pub(crate) const MOST: usize = 8;
+pub(crate) const MOST: usize = MOST_SUPPORTS;
 
 /// Mass of a plate with a servo over the mass of its nodes. Forces of a step move the plate in the next one, which is
 /// stable where the plate is heavier than its nodes.
@@ -78,13 +78,11 @@ impl Supports {
     /// Supports of `rig`; `number` gives the engine's numbers of the mesh's nodes, and `mass` their mass.
     ///
     /// # Errors
-    /// No face of the specimen looks to a support, or no node lies under a strip.
+    /// No face of the specimen looks to a support, no node lies under a strip, or two supports contradict each other.
     pub(crate) fn new(sample: &Sample, rig: Rig, number: &[u32], mass: &[f64], e_mpa: f64) -> Result<Self, SolveError> {
-        let (most, count) = (format!("at most {MOST} supports are taken"), rig.supports.len());
-        TEST.require("supports", count, count <= MOST, most)?;
         let sides = Sides::of(sample.mesh);
         let (mut contacts, mut loads) = (Vec::new(), Vec::new());
-        let mut all = Vec::with_capacity(count);
+        let mut all = Vec::with_capacity(rig.supports.len());
         for (place, support) in (0..).zip(&rig.supports) {
             let mut fixture = Fixture::new(support, rig.axis);
             if support.rule == Rule::Pressure {
@@ -103,6 +101,8 @@ impl Supports {
             }
             all.push(fixture);
         }
+        let members = contacts.iter().map(|contact| (contact.node, contact.support)).collect();
+        rig.agree(members)?;
         let axis = |contact: &Contact| all[contact.support as usize].face.axis;
         contacts.sort_by_key(|contact| (contact.node, contact.support));
         contacts.dedup_by(|a, b| a.node == b.node && axis(a) == axis(b));
