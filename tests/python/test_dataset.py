@@ -4,6 +4,7 @@ import ast
 import hashlib
 import json
 import pickle
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -31,14 +32,108 @@ def test_a_data_set_has_the_same_bytes_on_any_number_of_jobs_and_after_a_loss(tm
     one = mc.dataset(5, sampled, sink=tmp_path / "1" / sink, jobs=1, **arguments)
     mc.dataset(5, sampled, sink=tmp_path / "2" / sink, jobs=3, **arguments)
     whole = contents(tmp_path / "1" / sink)
-    assert whole == contents(tmp_path / "2" / sink) and len([name for name in whole if "models" in name]) == 5
+    assert whole == contents(tmp_path / "2" / sink) and len([name for name in whole if name.endswith(".json.gz")]) == 5
     lost = next(tmp_path / "1" / sink / name for name in one.cases[3]["files"])
     lost.write_bytes(lost.read_bytes()[:-1])
     made = []
     mc.dataset(5, sampled, sink=tmp_path / "1" / sink, progress=lambda done, total: made.append((done, total)), **arguments)
     assert made == [(5, 5)] and contents(tmp_path / "1" / sink) == whole
-    shorter = mc.dataset(3, sampled, sink=tmp_path / "1" / sink, **arguments)
+    with pytest.raises(FileExistsError, match="holds 5 volumes .*, more than n = 3; this request is of 3 volumes"):
+        mc.dataset(3, sampled, sink=tmp_path / "1" / sink, **arguments)
+    shorter = mc.dataset(3, sampled, sink=tmp_path / "1" / sink, overwrite=True, **arguments)
     assert len(shorter) == 3 and shorter.cases == one.cases[:3]
+
+
+SINKS = ["folder", "data.zarr", "data.h5"]
+RANGES = {"fraction": (0.1, 0.25)}
+
+
+def small(n, sink, sampler=RANGES, **changes):
+    """A data set of eight voxels a side, and the numbers of volumes that the call made."""
+    made = []
+    arguments = {"spec": TINY, "shape": 8, "sink": sink, "progress": lambda done, _: made.append(done)} | changes
+    return mc.dataset(n, sampler, **arguments), made
+
+
+@pytest.mark.parametrize("sink", SINKS)
+def test_another_request_destroys_no_data_set(tmp_path, sink):
+    """The case: 200 volumes of 48 voxels became 5 of 128 without a word."""
+    if sink.endswith("h5"):
+        pytest.importorskip("h5py")
+    path = tmp_path / sink
+    data, _ = small(3, path)
+    told = r"holds 3 volumes of shape 8, phase, fraction 0.1 to 0.25, seed 0, .*; this request is of"
+    for change in (
+        {"shape": 9},
+        {"what": ["grain"]},
+        {"seed": 1},
+        {"sampler": {"fraction": (0.1, 0.2)}},
+        {"spec": TINY | {"grading": mc.Grading.fuller(5, 9)}},
+        {"sampler": None},
+        {"n": 2},
+    ):
+        with pytest.raises(FileExistsError, match=told):
+            small(**{"n": 3, "sink": path, **change})
+    assert mc.Dataset(path).cases == data.cases and small(3, path)[1] == []
+    other, made = small(2, path, {"fraction": [0.1, 0.2]}, shape=5, overwrite=True)
+    assert made == [1, 2] and len(other) == 2 and other[0]["phase"].shape == (5, 5, 5)
+
+
+def test_files_of_others_are_no_data_set_and_stay(tmp_path):
+    """Neither an array of one's own nor a group of zarr is taken for volumes."""
+    for name, file in (("folder", "000000.npz"), ("d.zarr", ".zgroup"), ("d.zarr2.zarr", "zarr.json"), ("d.h5", None)):
+        path = tmp_path / name if file is None else tmp_path / name / file
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"mine")
+        if name.endswith("h5"):
+            pytest.importorskip("h5py")
+        with pytest.raises(FileExistsError, match="no data set; this request is of 1 volumes"):
+            small(1, tmp_path / name)
+        assert path.read_bytes() == b"mine"
+    (tmp_path / "mixed" / "models").mkdir(parents=True)
+    (tmp_path / "mixed" / "models" / "own.txt").write_text("mine")
+    small(1, tmp_path / "mixed", model=True)
+    small(1, tmp_path / "mixed", seed=2, overwrite=True)
+    assert sorted(path.name for path in (tmp_path / "mixed" / "models").iterdir()) == ["own.txt"]
+
+
+@pytest.mark.parametrize("sink", SINKS)
+def test_a_data_set_grows_and_its_damage_is_found_and_made_again(tmp_path, sink):
+    """The cases: n = 8 after n = 6 changed every volume; zeros in an HDF5 file and flipped bits were taken as done."""
+    if sink.endswith("h5"):
+        h5py = pytest.importorskip("h5py")
+    path = tmp_path / sink
+    first, _ = small(3, path)
+    grown, made = small(5, path)
+    assert made == [4, 5] and [case["hash"] for case in grown.cases[:3]] == [case["hash"] for case in first.cases]
+    whole = [volume["phase"] for volume in grown]
+    at_once, _ = small(5, tmp_path / "at_once" / sink)
+    grown_files = {name: hash for name, hash in contents(tmp_path).items() if not name.startswith("at_once")}
+    assert contents(tmp_path / "at_once") == grown_files
+    for number in (0, 4):
+        if sink.endswith("h5"):
+            with h5py.File(path, "r+") as file:
+                file["phase"][number] = 0
+        else:
+            damaged = path / next(iter(grown.cases[number]["files"]))
+            flipped = bytearray(damaged.read_bytes())
+            flipped[len(flipped) // 2] ^= 16
+            damaged.write_bytes(flipped)
+        with pytest.raises(OSError, match=f"volume {number} of .* is damaged; the same call of mc.dataset makes it again"):
+            mc.Dataset(path)[number]
+        again, made = small(5, path)
+        assert made == [5] and all(np.array_equal(volume["phase"], old) for volume, old in zip(again, whole, strict=True))
+    if not sink.endswith("h5"):
+        record = path / "cases" / "000001.json"
+        record.write_text(record.read_text(encoding="utf-8").replace('"voxel_size_mm": 3.75', '"voxel_size_mm": 3.85'), encoding="utf-8")
+        assert small(5, path)[1] == [5]
+
+
+def test_a_value_that_is_no_range_is_named(tmp_path):
+    """The case: 'float' object is not iterable."""
+    for value in (0.3, "0.3", {"low": 0.1}, None):
+        with pytest.raises(TypeError, match=r"fraction is .*; give a range \(low, high\) or a list; what is the same for all goes"):
+            small(2, tmp_path / "d", {"fraction": value})
 
 
 def test_volumes_are_those_of_their_packings_in_every_sink(tmp_path):
@@ -48,14 +143,14 @@ def test_volumes_are_those_of_their_packings_in_every_sink(tmp_path):
         sets.append(mc.dataset(3, sampled, shape=20, what=["phase", "grain"], sink=tmp_path / "d.h5"))
     for data in sets:
         assert [case["number"] for case in data.cases] == [0, 1, 2] and len({case["seed"] for case in data.cases}) == 3
-        for volume in pickle.loads(pickle.dumps(data)):
-            case = volume["case"]
+        for volume, case in zip(pickle.loads(pickle.dumps(data)), data.cases, strict=True):
+            assert volume["number"] == case["number"]
             packing = mc.pack(mc.Spec(**case["spec"]))
             assert packing.fraction == case["figures"]["fraction"] and case["voxel_size_mm"] == 1.5
             assert np.array_equal(volume["phase"], packing.voxelize(1.5))
             assert np.array_equal(volume["grain"], packing.voxelize(1.5, "grain")) and volume["grain"].dtype == np.int32
         assert data.table()["fraction"].tolist() == [case["figures"]["fraction"] for case in data.cases]
-        assert data[1:][0]["case"] == data.cases[1] and mc.Dataset(data.path).cases == data.cases
+        assert data[1:][0]["number"] == 1 and mc.Dataset(data.path).cases == data.cases
 
 
 def test_h5py_and_zarr_read_data_sets(tmp_path):
@@ -73,15 +168,23 @@ def test_h5py_and_zarr_read_data_sets(tmp_path):
     same = mc.dataset(2, sampled, shape=16, sink=tmp_path / "d.zarr", seed=1)
     assert np.array_equal(same[1]["phase"], data[1]["phase"])
     zarr = pytest.importorskip("zarr", reason="needs zarr (pip install zarr)")
-    assert np.array_equal(zarr.open_group(str(tmp_path / "d.zarr"), mode="r")["phase"][1], data[1]["phase"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        group = zarr.open_group(str(tmp_path / "d.zarr"), mode="r")
+        assert sorted(name for name, _ in group.members()) == ["cases", "phase"]
+    assert np.array_equal(group["phase"][1], data[1]["phase"])
+    attributes = dict(group["phase"].attrs)
+    assert attributes["voxel_size_mm"] == 1.875 and attributes["axes"] == ["volume", "z", "y", "x"]
+    assert attributes["legend"]["2"] == "aggregate"
 
 
 def test_a_latin_hypercube_has_one_volume_in_every_stratum(tmp_path):
-    """Ranges are pairs, choices are lists; each volume has a seed of its own."""
+    """Ranges are pairs, choices are lists; each volume has a seed of its own. Its first half is a hypercube of its own."""
     ranges = {"fraction": (0.1, 0.3), "grading.d_max_mm": [9, 10]}
     data = mc.dataset(8, ranges, spec=TINY, shape=8, sink=tmp_path / "d")
     table = data.table()
     assert sorted(((table["target_fraction"] - 0.1) / 0.2 * 8).astype(int)) == list(range(8))
+    assert sorted(((table["target_fraction"][:4] - 0.1) / 0.2 * 4).astype(int)) == list(range(4))
     assert sorted(case["spec"]["grading"]["d_max_mm"] for case in data.cases) == [9] * 4 + [10] * 4
     assert len(set(table["seed"])) == 8 and set(data.cases[0]["values"]) == set(ranges)
 
@@ -156,6 +259,8 @@ def test_pytorch_loads_the_class_of_the_gallery(tmp_path):
     names = {"mc": mc, "np": np, "Any": object}
     exec(compile(ast.Module(kept, []), page.name, "exec"), names)
     data = mc.dataset(4, sampled, shape=16, what=["phase", "scan"], sink=tmp_path / "data.zarr")
+    plain = next(iter(torch.utils.data.DataLoader(data, batch_size=2)))
+    assert plain["phase"].shape == (2, 16, 16, 16) and plain["number"].tolist() == [0, 1]
     batches = list(torch.utils.data.DataLoader(names["Volumes"](data), batch_size=2, num_workers=1))
     assert [(tuple(scan.shape), tuple(label.shape)) for scan, label in batches] == [((2, 1, 16, 16, 16), (2, 16, 16, 16))] * 2
     assert all(scan.dtype == torch.float32 and label.dtype == torch.int64 for scan, label in batches)

@@ -2,7 +2,8 @@
 //!
 //! A draw depends on its seed, its option and its number alone. So a longer random study keeps the cases of a shorter one,
 //! and a further option changes no other. A Latin hypercube [1] divides each range into as many strata as there are cases,
-//! and takes one value from each.
+//! and takes one value from each. A nested one keeps the cases of a shorter one: each doubling of the cases halves the strata
+//! and takes one value from each half that is empty.
 //!
 //! [1] M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (2), 1979, 239-245.
 
@@ -24,6 +25,8 @@ pub enum Design {
     Random,
     /// One value from each of as many strata as there are cases, in random order.
     LatinHypercube,
+    /// A Latin hypercube of every power of two of cases, which keeps the cases of a shorter one.
+    NestedHypercube,
 }
 
 /// A table `[draw]` of a study.
@@ -108,16 +111,44 @@ fn shares(draw: &Sampling, key: &str) -> Vec<f64> {
     let single: Vec<f64> = (0..draw.cases).map(|_| stream.unit()).collect();
     match draw.design {
         Design::Random => single,
+        Design::NestedHypercube => nested(&single, |level| Stream::new(draw.seed, Draw::Sample, level, number)),
         Design::LatinHypercube => {
             let mut strata: Vec<usize> = (0..draw.cases).collect();
-            // Fisher and Yates.
-            for last in (1..draw.cases).rev() {
-                strata.swap(last, (stream.unit() * (last + 1) as f64) as usize);
-            }
+            shuffle(&mut strata, &mut stream);
             let within = |(stratum, share): (usize, f64)| (stratum as f64 + share) / draw.cases as f64;
             strata.into_iter().zip(single).map(within).collect()
         }
     }
+}
+
+/// Mixes by Fisher and Yates.
+fn shuffle(strata: &mut [usize], stream: &mut Stream) {
+    for last in (1..strata.len()).rev() {
+        strata.swap(last, (stream.unit() * (last + 1) as f64) as usize);
+    }
+}
+
+/// Shares of a nested hypercube; each level of strata has a stream of its own, and `single` a share within each stratum.
+fn nested(single: &[f64], stream: impl Fn(u16) -> Stream) -> Vec<f64> {
+    // Rounding must not carry a share into the next stratum.
+    let within =
+        |stratum: usize, case: usize, strata: usize| (stratum as f64 + single[case].min(1.0 - 1e-9)) / strata as f64;
+    let mut shares = vec![within(0, 0, 1)];
+    for level in 1.. {
+        if shares.len() >= single.len() {
+            break;
+        }
+        let strata = 1_usize << level;
+        let mut is_taken = vec![false; strata];
+        shares.iter().for_each(|share| is_taken[(share * strata as f64) as usize] = true);
+        let mut empty: Vec<usize> = (0..strata).filter(|stratum| !is_taken[*stratum]).collect();
+        shuffle(&mut empty, &mut stream(level));
+        let wanted = single.len() - shares.len();
+        for stratum in empty.into_iter().take(wanted) {
+            shares.push(within(stratum, shares.len(), strata));
+        }
+    }
+    shares
 }
 
 impl<'a> Law<'a> {

@@ -1,17 +1,19 @@
 """Data sets: many labelled volumes from one call, with the metadata of each.
 
 A case is packed, turned into arrays and forgotten. Its metadata are written last, so that a killed call goes on where it was.
+The sink keeps the request, so that another one destroys nothing, and the hash of each file, so that damage is found.
 Arrays are compressed by zlib alone, and the files have no times: equal calls give equal bytes.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,10 @@ _QUANTITIES = ("phase", "grain", "share", "distance", "scan")
 # Labels have long runs: more than the fastest level saves a tenth of the space for thrice the time.
 _LEVEL = 1
 _CASES = "cases"
+_REQUEST = f"{_CASES}/request.json"
+_TOLD = {"mesocrete", "shape", "what", "over", "seed", "hash"}
+# Labels of phases in images.
+_LABELS = {"0": "mortar", "1": "itz", "2": "aggregate", "3": "void", "4": "fibre", "255": "outside"}
 _HDF5 = (".h5", ".hdf5", ".hdf")
 _MOST = 1_000_000
 
@@ -39,8 +45,9 @@ _Job = tuple[int, Spec, "int | None", dict[str, Any]]
 class Dataset(Sequence[dict[str, Any]]):
     """The volumes of a data set, read when they are asked for; `dataset` returns one.
 
-    `data[i]` is a dict: an array for each quantity, and `case`, the metadata. It is what PyTorch calls a map-style data set,
-    and it pickles, so that workers can load volumes.
+    `data[i]` is a dict: an array for each quantity, the volume's `number`, and its sampled values. It is what PyTorch calls a
+    map-style data set: `DataLoader(data)` collates volumes of equal shape, and workers get it by pickling. All metadata stand
+    in `data.cases[i]`.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -55,11 +62,17 @@ class Dataset(Sequence[dict[str, Any]]):
         return len(self.cases)
 
     def __getitem__(self, number: Any) -> Any:
-        """Return the arrays of a volume and its metadata; of a slice, a list."""
+        """Return the arrays of a volume, its number and its sampled values; of a slice, a list.
+
+        Raises
+        ------
+        OSError
+            If the files of the volume are damaged or lost.
+        """
         if isinstance(number, slice):
             return [self[i] for i in range(*number.indices(len(self)))]
         case = self.cases[number]
-        return {**self._store.read(case), "case": case}
+        return {**case["values"], **self._store.read(case), "number": case["number"]}
 
     def table(self, frame: str | None = None) -> Any:
         """Return one row a case: number, seed, sampled values and figures. `frame` is "pandas" or "polars", else a dict."""
@@ -87,6 +100,7 @@ def dataset(
     scan: Mapping[str, Any] | None = None,
     model: bool = False,
     jobs: int | None = None,
+    overwrite: bool = False,
     progress: bool | Callable[..., object] | None = None,
 ) -> Dataset:
     """Pack `n` specimens and write each as labelled voxels, with its metadata.
@@ -97,8 +111,8 @@ def dataset(
         Number of volumes.
     sampler : callable, list or dict, optional
         A callable returns the spec of a volume, ``sampler(rng)``; `rng` is a `numpy.random.Generator` of that volume. A list
-        has `n` specs. A dict maps dotted keys to ranges `(low, high)` or lists of values, of which a Latin hypercube is
-        drawn. Absent: the seed alone differs.
+        has `n` specs. A dict maps dotted keys to ranges `(low, high)` or lists of values, of which a nested Latin
+        hypercube is drawn: one value in each of `n` strata where `n` is a power of two. Absent: the seed alone differs.
     spec : None, dict, path or Spec
         Options that a dict as `sampler`, or none, is laid over.
     shape : int or triple
@@ -115,33 +129,46 @@ def dataset(
         Whether the packings are kept, too, as `models/NUMBER.json.gz`. Not in an `.h5`.
     jobs : int, optional
         Cases at the same time, default one per core. It changes the time, never the result.
+    overwrite : bool
+        Whether the data set of another request in `sink` is replaced.
     progress : bool or callable, optional
         True shows a bar; a callable is called as ``progress(done, total)``.
 
     Returns
     -------
     Dataset
-        After a kill or Ctrl-C, the same call makes the volumes that are missing.
+        After a kill or Ctrl-C, the same call makes the volumes that are missing or damaged. A larger `n` keeps the volumes
+        that are there.
 
     Raises
     ------
+    FileExistsError
+        If `sink` holds volumes of another request, or more than `n`, and `overwrite` is False.
     ValueError, TypeError
         For an invalid option or spec, before any work, and for volumes of unequal shape in a `.zarr` or `.h5`.
     """
     request = _Request(shape=shape, what=_checked_what(what), scan=checked_options(scan), model=model)
     cases = _sampled(_checked_count(n), sampler, spec, seed)
+    identity = [request.identity(job) for job in cases]
+    asked = request.described(sampler, spec, seed, identity[0])
     store = _store(Path(sink))
-    store.accept(request)
+    store.refuse(request)
+    if overwrite and store.other(asked, identity):
+        store.clear()
+    elif other := store.other(asked, identity):
+        asked_words = _words(asked, n)
+        message = f"{sink} holds {other}; this request is of {asked_words}: overwrite=True replaces it, or take another sink"
+        raise FileExistsError(message)
     tell = listener(progress)
     try:
-        identity = [request.identity(job) for job in cases]
-        if not store.is_done(identity):
-            left = [job for job, name in zip(cases, identity, strict=True) if not store.has(job[0], name)]
-            for done, (number, record) in enumerate(_made(left, request, store, jobs), 1 + len(cases) - len(left)):
+        left = store.begin(request, asked, identity)
+        if left:
+            jobs_left = [cases[number] for number in left]
+            for done, (number, record) in enumerate(_made(jobs_left, request, store, jobs), 1 + n - len(left)):
                 store.finish(number, record, len(cases))
                 if tell is not None:
                     tell(done, len(cases), "dataset")
-            store.close(identity)
+        store.close()
     finally:
         if tell is not None:
             tell.close()
@@ -156,6 +183,18 @@ class _Request:
         self.what = what
         self.scan = scan
         self.model = model
+
+    def described(self, sampler: Any, spec: Any, seed: int, first: str) -> dict[str, Any]:
+        """Return what is asked for, but for the number of volumes; `first` is the identity of volume 0."""
+        over = "a sampler" if callable(sampler) else "a list of specs"
+        if sampler is None or isinstance(sampler, Mapping):
+            over = ", ".join(f"{key} {_range_words(value)}" for key, value in (sampler or {}).items()) or "one spec"
+        told: dict[str, Any] = {"mesocrete": _VERSION, "shape": self.shape, "what": self.what, "model": self.model}
+        told |= {"over": over, "seed": seed}
+        told["scan"] = self.scan if "scan" in self.what else {}
+        told["hash"] = hashlib.sha256((json.dumps(told, default=_plain) + first).encode()).hexdigest()
+        described: dict[str, Any] = json.loads(json.dumps(told, default=_plain))
+        return described
 
     def identity(self, job: _Job) -> str:
         """Return the hash of all that decides the files of a case."""
@@ -202,7 +241,7 @@ def _made(
             packing, arrays, record = request.make(job)
             record["files"] = store.write(job[0], arrays)
             if request.model:
-                store.write_model(job[0], packing)
+                record["files"] |= store.write_model(job[0], packing)
         except (ValueError, TypeError) as error:
             message = f"volume {job[0]}: {error}"
             raise type(error)(message) from error
@@ -227,56 +266,107 @@ def _made(
 
 
 class _Store:
-    """A folder with a file for each array of a case, and `cases/NUMBER.json`."""
+    """A folder with a file for each array of a case, `cases/NUMBER.json` and `cases/request.json`."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
 
-    def accept(self, request: _Request) -> None:
-        """Make the folder; refuse a request that it cannot hold."""
+    def refuse(self, request: _Request) -> None:
+        """Refuse a request that no such sink can hold."""
+
+    def other(self, asked: Mapping[str, Any], identity: Sequence[str]) -> str:
+        """Return what the sink holds of another request, in words; nothing if this request can go on there."""
+        if foreign := self._foreign():
+            return foreign
+        request, records = self._request(), self._records()
+        if not records:
+            return "" if request or not any(self._own()) else "files of no data set"
+        there = f"{len(records):,} volumes of {_words(request) if request else 'an unknown request'}"
+        if request.get("hash") != asked["hash"]:
+            return there
+        if len(identity) <= max(records):
+            return f"{there}, more than n = {len(identity)}"
+        changed = [number for number, record in records.items() if record["hash"] != identity[number]]
+        return f"{there}, and another volume {changed[0]}" if changed else ""
+
+    def _foreign(self) -> str:
+        """Return what stands in the sink's place and is no such sink."""
+        return "a file that is no data set" if self.root.exists() and not self.root.is_dir() else ""
+
+    def clear(self) -> None:
+        """Remove the files of the data set, and nothing else in its folder."""
+        if self.root.exists() and not self.root.is_dir():
+            self.root.unlink()
+            return
+        for path in list(self._own()):
+            path.unlink()
+            if path.parent != self.root and not any(path.parent.iterdir()):
+                path.parent.rmdir()
+
+    def _own(self) -> Iterator[Path]:
+        """Find the files of a data set."""
+        numbered = (self.root.glob("*.npz"), (self.root / _CASES).glob("*.json"), (self.root / "models").glob("*.json.gz"))
+        yield from (path for paths in numbered for path in paths if path.name.split(".")[0].isdigit())
+        fixed = (_REQUEST, f"{_CASES}/.zgroup", "models/.zgroup", ".zgroup", ".zattrs")
+        yield from (path for name in fixed if (path := self.root / name).exists())
+
+    def begin(self, request: _Request, asked: Mapping[str, Any], identity: Sequence[str]) -> list[int]:
+        """Note what is asked for; return the numbers of the volumes to make."""
+        if not self._records():
+            self.clear()
         for folder in (_CASES, *(["models"] if request.model else [])):
             (self.root / folder).mkdir(parents=True, exist_ok=True)
-
-    def is_done(self, _identity: Sequence[str]) -> bool:
-        """Whether nothing is left, without a look at each case."""
-        return False
+        if self._request() != asked:
+            _write_json(self.root / _REQUEST, asked)
+        return [number for number, name in enumerate(identity) if not self.has(number, name)]
 
     def has(self, number: int, identity: str) -> bool:
-        """Whether a case is there with whole files."""
+        """Whether a case is there with undamaged files."""
         record = self._record(number)
         return (
             record is not None
             and record["hash"] == identity
-            and all(_length(self.root / name) == length for name, length in record["files"].items())
+            and all(_hash(self.root / name) == digest for name, digest in record["files"].items())
         )
 
-    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, int]:
-        """Write the arrays of a case; return its files and their lengths."""
+    def _request(self) -> dict[str, Any]:
+        try:
+            request: dict[str, Any] = json.loads((self.root / _REQUEST).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return request if isinstance(request, dict) and request.keys() >= _TOLD else {}
+
+    def _records(self) -> dict[int, dict[str, Any]]:
+        numbers = sorted(int(path.stem) for path in (self.root / _CASES).glob("*.json") if path.stem.isdigit())
+        records = {number: self._record(number) for number in numbers}
+        return {number: record for number, record in records.items() if record is not None}
+
+    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
+        """Write the arrays of a case; return its files and their hashes."""
         name = f"{number:06}.npz"
         with _whole(self.root / name) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=_LEVEL) as file:
             for key, array in arrays.items():
                 with file.open(f"{key}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array(member, array, allow_pickle=False)
-        return {name: (self.root / name).stat().st_size}
+        return {name: _hash(self.root / name) or ""}
 
-    def write_model(self, number: int, packing: Packing) -> None:
-        packing.write(self.root / "models" / f"{number:06}.json.gz")
+    def write_model(self, number: int, packing: Packing) -> dict[str, str]:
+        name = f"models/{number:06}.json.gz"
+        packing.write(self.root / name)
+        return {name: _hash(self.root / name) or ""}
 
     def finish(self, number: int, record: dict[str, Any], _count: int) -> None:
         """Write the metadata of a case, after its arrays."""
-        text = json.dumps(record, indent=1, default=_plain)
+        text = json.dumps({**record, "sum": _sum(record)}, indent=1, default=_plain)
         with _whole(self.root / _CASES / f"{number:06}.json") as part:
             part.write_text(text + "\n", encoding="utf-8")
 
-    def close(self, identity: Sequence[str]) -> None:
-        """Write what describes all cases, and remove cases beyond the last."""
-        for path in (self.root / _CASES).glob("*.json"):
-            if int(path.stem) >= len(identity):
-                path.unlink()
+    def close(self) -> None:
+        """Write what describes all cases."""
 
     def cases(self) -> list[dict[str, Any]]:
         """Read the metadata of all cases."""
-        paths = sorted((self.root / _CASES).glob("*.json"))
+        paths = [self.root / _CASES / f"{number:06}.json" for number in self._records()]
         if not paths:
             message = f"{self.root} has no data set: mc.dataset(..., sink={str(self.root)!r}) makes one"
             raise FileNotFoundError(message)
@@ -284,21 +374,25 @@ class _Store:
 
     def read(self, case: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
         """Read the arrays of a case."""
-        with np.load(self.root / f"{case['number']:06}.npz") as file:
+        with np.load(io.BytesIO(self._bytes(case, f"{case['number']:06}.npz"))) as file:
             return dict(file)
+
+    def _bytes(self, case: Mapping[str, Any], name: str) -> bytes:
+        """Return the bytes of a file of a case."""
+        return _sound((self.root / name).read_bytes(), case, name, self.root)
 
     def _record(self, number: int) -> dict[str, Any] | None:
         try:
             record: dict[str, Any] = json.loads((self.root / _CASES / f"{number:06}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        return record
+        return record if isinstance(record, dict) and record.get("sum") == _sum(record) else None
 
 
 class _Zarr(_Store):
     """A group of zarr, version 2: an array for each quantity, a chunk for each volume."""
 
-    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, int]:
+    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
         files = {}
         for key, array in arrays.items():
             name = f"{key}/{number}.0.0.0"
@@ -306,18 +400,22 @@ class _Zarr(_Store):
             data = zlib.compress(np.ascontiguousarray(array).data, _LEVEL)
             with _whole(self.root / name) as part:
                 part.write_bytes(data)
-            files[name] = len(data)
+            files[name] = hashlib.sha256(data).hexdigest()
         return files
 
     def finish(self, number: int, record: dict[str, Any], count: int) -> None:
         """Describe the arrays with the first case; refuse others of another shape."""
-        if not (self.root / ".zgroup").exists():
-            _write_json(self.root / ".zgroup", {"zarr_format": 2})
+        # Folders that zarr does not know would be warned about.
+        for folder in (self.root, self.root / _CASES, self.root / "models"):
+            if folder.is_dir() and not (folder / ".zgroup").exists():
+                _write_json(folder / ".zgroup", {"zarr_format": 2})
         for key, array in record["arrays"].items():
             described = self._described(array, count)
             path = self.root / key / ".zarray"
             there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-            if there is None or there["shape"][0] != count:
+            if there is not None and there["shape"][0] != count and there["shape"][1:] == described["shape"][1:]:
+                there = None
+            if there is None:
                 there = described
                 _write_json(path, described)
             if there != described:
@@ -340,20 +438,22 @@ class _Zarr(_Store):
             "filters": None,
         }
 
-    def close(self, identity: Sequence[str]) -> None:
-        super().close(identity)
+    def _own(self) -> Iterator[Path]:
+        yield from super()._own()
+        for name in _QUANTITIES:
+            yield from (self.root / name).glob("*.0.0.0")
+            yield from (path for file in (".zarray", ".zattrs") if (path := self.root / name / file).exists())
+        yield from self.root.glob("zarr.json")
+
+    def close(self) -> None:
         _write_json(self.root / ".zattrs", {"mesocrete": _VERSION, "cases": f"{_CASES}/NUMBER.json"})
-        for path in self.root.glob("*/*.0.0.0"):
-            if int(path.name.split(".")[0]) >= len(identity):
-                path.unlink()
+        cases = self.cases()
+        for name in cases[0]["arrays"]:
+            _write_json(self.root / name / ".zattrs", _attributes(name, cases))
 
     def read(self, case: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-        return {name: self._read(case["number"], name, array) for name, array in case["arrays"].items()}
-
-    def _read(self, number: int, name: str, array: Mapping[str, Any]) -> NDArray[Any]:
-        data = zlib.decompress((self.root / name / f"{number}.0.0.0").read_bytes())
-        values: NDArray[Any] = np.frombuffer(bytearray(data), dtype=array["dtype"]).reshape(array["shape"])
-        return values
+        number = case["number"]
+        return {name: _opened(self._bytes(case, f"{name}/{number}.0.0.0"), array) for name, array in case["arrays"].items()}
 
 
 class _Hdf5(_Store):
@@ -362,56 +462,145 @@ class _Hdf5(_Store):
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self._parts = _Zarr(path.with_name(f".{path.name}.parts"))
+        self._is_whole = False
 
-    def accept(self, request: _Request) -> None:
+    def refuse(self, request: _Request) -> None:
         if request.model:
             message = "model is True; an .h5 holds no models: take a folder or a .zarr as sink"
             raise ValueError(message)
         _h5py()
 
-    def is_done(self, identity: Sequence[str]) -> bool:
-        if self.root.exists():
-            with _h5py().File(self.root, "r") as file:
-                if file.attrs.get("identity") == _digest(identity):
-                    return True
-        (self._parts.root / _CASES).mkdir(parents=True, exist_ok=True)
-        return False
+    def other(self, asked: Mapping[str, Any], identity: Sequence[str]) -> str:
+        return super().other(asked, identity) if self.root.exists() else self._parts.other(asked, identity)
 
-    def has(self, number: int, identity: str) -> bool:
-        return self._parts.has(number, identity)
+    def _foreign(self) -> str:
+        if self.root.is_dir():
+            return "a folder, which is no .h5"
+        return "" if _h5py().is_hdf5(self.root) and self._request() else "a file that is no data set"
 
-    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, int]:
+    def clear(self) -> None:
+        super().clear()
+        self._parts.clear()
+
+    def begin(self, request: _Request, asked: Mapping[str, Any], identity: Sequence[str]) -> list[int]:
+        """Find damaged and missing volumes; what is sound goes into the parts, unless all is."""
+        records = self._records() if self.root.is_file() else {}
+        sound = {number: chunks for number, record in records.items() if (chunks := self._chunks(record)) is not None}
+        self._is_whole = len(sound) == len(identity)
+        if self._is_whole:
+            return []
+        self._parts.begin(request, asked, [])
+        for number, chunks in sound.items():
+            for name, data in chunks.items():
+                (self._parts.root / name).parent.mkdir(exist_ok=True)
+                (self._parts.root / name).write_bytes(data)
+            self._parts.finish(number, records[number], len(identity))
+        return self._parts.begin(request, asked, identity)
+
+    def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
         return self._parts.write(number, arrays)
 
     def finish(self, number: int, record: dict[str, Any], count: int) -> None:
         self._parts.finish(number, record, count)
 
-    def close(self, identity: Sequence[str]) -> None:
+    def close(self) -> None:
         """Put the chunks together, the whole file or none, and remove them."""
         import shutil
 
-        self._parts.close(identity)
+        if not self._is_whole:
+            self._assemble()
+        shutil.rmtree(self._parts.root, ignore_errors=True)
+
+    def _assemble(self) -> None:
         cases = self._parts.cases()
         with _whole(self.root) as part, _h5py().File(part, "w") as file:
             file.attrs["mesocrete"] = _VERSION
-            file.attrs["identity"] = _digest(identity)
+            file.attrs["request"] = json.dumps(self._parts._request())
             file["case"] = [json.dumps(case) for case in cases]
             for name, array in cases[0]["arrays"].items():
                 shape, dtype = tuple(array["shape"]), array["dtype"]
                 options = {"chunks": (1, *shape), "compression": "gzip", "compression_opts": _LEVEL}
                 volumes = file.create_dataset(name, (len(cases), *shape), dtype, **options)
+                for key, value in _attributes(name, cases).items():
+                    volumes.attrs[key] = json.dumps(value) if isinstance(value, (dict, list)) else value
                 for case in cases:
                     chunk = (self._parts.root / name / f"{case['number']}.0.0.0").read_bytes()
                     volumes.id.write_direct_chunk((case["number"], 0, 0, 0), chunk)
-        shutil.rmtree(self._parts.root)
 
     def cases(self) -> list[dict[str, Any]]:
         with _h5py().File(self.root, "r") as file:
             return [json.loads(text) for text in file["case"]]
 
     def read(self, case: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-        with _h5py().File(self.root, "r") as file:
-            return {name: file[name][case["number"]] for name in case["arrays"]}
+        chunks = self._chunks(case)
+        if chunks is None:
+            raise _damage(case, self.root)
+        return {name: _opened(chunks[f"{name}/{case['number']}.0.0.0"], array) for name, array in case["arrays"].items()}
+
+    def _request(self) -> dict[str, Any]:
+        try:
+            with _h5py().File(self.root, "r") as file:
+                request: dict[str, Any] = json.loads(file.attrs.get("request", "{}"))
+        except (OSError, ValueError):
+            return {}
+        return request
+
+    def _records(self) -> dict[int, dict[str, Any]]:
+        try:
+            return {case["number"]: case for case in self.cases() if case.get("sum") == _sum(case)}
+        except (OSError, ValueError, KeyError, RuntimeError):
+            return {}
+
+    def _chunks(self, record: Mapping[str, Any]) -> dict[str, bytes] | None:
+        """Return the compressed bytes of a volume by their names in a zarr group; none if they are damaged."""
+        chunks: dict[str, bytes] = {}
+        try:
+            with _h5py().File(self.root, "r") as file:
+                for name, digest in record["files"].items():
+                    data = file[name.split("/")[0]].id.read_direct_chunk((record["number"], 0, 0, 0))[1]
+                    if hashlib.sha256(data).hexdigest() != digest:
+                        return None
+                    chunks[name] = data
+        except (OSError, RuntimeError, ValueError, KeyError):
+            return None
+        return chunks
+
+
+def _attributes(quantity: str, cases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what a reader needs to know of an array: one size of a voxel, or one for each volume."""
+    sizes = [case["voxel_size_mm"] for case in cases]
+    voxel_size_mm = sizes[0] if len(set(sizes)) == 1 else sizes
+    legend = {"legend": _LABELS} if quantity == "phase" else {}
+    return {"axes": ["volume", "z", "y", "x"], "voxel_size_mm": voxel_size_mm, **legend}
+
+
+def _opened(data: bytes, array: Mapping[str, Any]) -> NDArray[Any]:
+    """Return an array from its compressed bytes."""
+    values: NDArray[Any] = np.frombuffer(bytearray(zlib.decompress(data)), dtype=array["dtype"]).reshape(array["shape"])
+    return values
+
+
+def _sound(data: bytes, case: Mapping[str, Any], name: str, root: Path) -> bytes:
+    """Return the bytes of a file whose hash its case knows."""
+    if hashlib.sha256(data).hexdigest() != case["files"][name]:
+        raise _damage(case, root)
+    return data
+
+
+def _damage(case: Mapping[str, Any], root: Path) -> OSError:
+    return OSError(f"volume {case['number']} of {root} is damaged; the same call of mc.dataset makes it again")
+
+
+def _words(request: Mapping[str, Any], n: int | None = None) -> str:
+    """Return a request in words."""
+    shape, count = request["shape"], "" if n is None else f"{n:,} volumes, "
+    told = shape if isinstance(shape, int) else " x ".join(map(str, shape))
+    what = f"{count}shape {told}, {', '.join(request['what'])}, {request['over']}, seed {request['seed']}"
+    return f"{what}, by version {request['mesocrete']} ({request['hash'][:8]})"
+
+
+def _range_words(value: Any) -> str:
+    return f"{value[0]} to {value[1]}" if isinstance(value, tuple) else f"one of {len(value)}"
 
 
 def _store(path: Path) -> _Store:
@@ -463,9 +652,9 @@ def _seed(state: np.random.SeedSequence) -> int:
 
 
 def _drawn(n: int, ranges: Mapping[str, Any], spec: Any, seed: int) -> list[_Job]:
-    """Draw a Latin hypercube of the ranges."""
-    over = {key: _range(value) for key, value in ranges.items()}
-    draw = {"cases": n, "design": "latin-hypercube", "seed": seed, "over": over}
+    """Draw a Latin hypercube of the ranges, which keeps the cases of a shorter one."""
+    over = {key: _range(key, value) for key, value in ranges.items()}
+    draw = {"cases": n, "design": "nested-hypercube", "seed": seed, "over": over}
     plan = _StudyPlan(dict(spec) if isinstance(spec, Mapping) else spec, {}, None, draw)
     own = "seed" in ranges
 
@@ -479,10 +668,13 @@ def _drawn(n: int, ranges: Mapping[str, Any], spec: Any, seed: int) -> list[_Job
     return [job(number) for number in range(n)]
 
 
-def _range(value: Any) -> Any:
+def _range(key: str, value: Any) -> Any:
     """Return a pair as a range, and a list as it is."""
     if isinstance(value, tuple) and len(value) == 2:
         return {"low": value[0], "high": value[1]}
+    if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
+        message = f"{key} is {value!r}; give a range (low, high) or a list; what is the same for all goes into spec="
+        raise TypeError(message)
     return list(value)
 
 
@@ -507,12 +699,15 @@ def _row(case: Mapping[str, Any]) -> dict[str, Any]:
     return {**{name: case[name] for name in names}, **case["values"], **case["figures"]}
 
 
-def _digest(identity: Sequence[str]) -> str:
-    return hashlib.sha256("".join(identity).encode()).hexdigest()
+def _sum(record: Mapping[str, Any]) -> str:
+    """Return the hash of the metadata of a case."""
+    told = json.loads(json.dumps({key: value for key, value in record.items() if key != "sum"}, default=_plain))
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
-def _length(path: Path) -> int | None:
-    return path.stat().st_size if path.is_file() else None
+def _hash(path: Path) -> str | None:
+    """Return the hash of a file, if there is one."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
 
 
 def _plain(value: Any) -> Any:
