@@ -160,6 +160,40 @@ def test_arrays_are_sieve_tables():
         mc.Grading.sieves(table, table[:, 1], 4, 16)
 
 
+def test_per_cent_pans_and_tables_with_headings_are_sieve_tables():
+    """The cases: 'Pan' could not be converted to a float, and 100 was refused as a share only when packing."""
+
+    class Frame(dict):
+        columns = property(list)
+
+    sizes, shares = [16, 8, 4, "Pan"], [1.0, 0.6, 0.2, 0.0]
+    wanted = mc.Grading.sieves([16, 8, 4], [1.0, 0.6, 0.2])
+    percent = mc.Grading.sieves([16, 8, 4], passing_percent=[100, 60, 20])
+    assert mc.Grading.sieves(sizes, shares) == wanted
+    assert mc.Grading.sieves(np.array([sizes, shares], object).T) == wanted
+    assert mc.Grading.sieves(Frame({"Sieve": sizes, "Passing": shares})) == wanted
+    for heading in ("Passing (%)", "percent finer", "Passing, per cent"):
+        assert mc.Grading.sieves(Frame({"mm": sizes, heading: [100, 60, 20, 0]})) == percent
+    assert mc.Grading.sieves([16, 8, "tray"], [1.0, 0.6, 0.0]) == mc.Grading.sieves([16, 8], [1.0, 0.6])
+    pandas = pytest.importorskip("pandas")
+    assert mc.Grading.sieves(pandas.DataFrame({"mm": sizes, "Passing (%)": [100, 60, 20, 0]})) == percent
+    with pytest.raises(ValueError, match=r"passing goes up to 100: per cent\? Write Grading.sieves\(sieves, passing_percent="):
+        mc.Grading.sieves([16, 8, 4], [100, 60, 20])
+    with pytest.raises(ValueError, match=r"could not convert string .*Soil.*; Grading.table\(file\) reads the sheet"):
+        mc.Grading.sieves([16, "Soil"], [1, 0.5])
+    with pytest.raises(ValueError, match="the table has 3 columns; give two"):
+        mc.Grading.sieves(Frame({"mm": sizes, "a": shares, "b": shares}))
+
+
+def test_a_class_of_concrete_is_a_mean_strength():
+    """The case: fcm is "C30"; it must be a number."""
+    for name in ("C30", "c30/37", " C30/37 "):
+        assert mc.Materials.for_concrete(name, rock="basalt") == mc.Materials.for_concrete(38, rock="basalt")
+    for name in ("30", "C", "C30/", "M40", ""):
+        with pytest.raises(ValueError, match="give a class, as C30 or C30/37, or the mean strength in MPa, 38 for C30"):
+            mc.Materials.for_concrete(name)
+
+
 def test_threads_change_nothing_and_a_time_limit_ends_a_packing():
     spec = {"specimen": mc.Specimen.cube(40), "fraction": 0.3, "grading": {"d_max_mm": 12.0}}
     assert mc.pack(spec, threads=1) == mc.pack(spec, threads=2)

@@ -5,9 +5,10 @@ They return plain dicts, as in a SPEC.toml or TEST.toml; `pack`, `Spec` and `Mes
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Literal, TypedDict, cast
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +24,13 @@ if TYPE_CHECKING:
     _Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
+
+
+# Shares do not reach this by rounding.
+_PER_CENT = 1.001
+_PANS = ("pan", "tray", "bottom")
+# EN 1992-1-1, Table 3.1: the mean strength over the class, MPa.
+_MEAN_OVER_CLASS = 8.0
 
 
 class GradingOptions(TypedDict, total=False):
@@ -71,20 +79,29 @@ class Grading:
     ) -> _types.Grading:
         """Return a sieve table: openings, mm, in any order, and the share that passes each, 0 to 1; arrays of shape (n,).
 
-        Both may be the columns of one array of shape (n, 2), given first. `passing_percent` takes per cent instead of shares. The limits of the sizes are the finest and the widest opening, unless they are given.
+        Both may be the columns of one array of shape (n, 2), or of a DataFrame, given first; a heading with `%` means per cent. A row of the pan is left out: nothing is finer. `passing_percent` takes per cent instead of shares. The limits of the sizes are the finest and the widest opening, unless they are given.
         """
         if passing is not None and passing_percent is not None:
             message = "passing and passing_percent are both given; keep one"
             raise ValueError(message)
+        if passing is None and passing_percent is None and hasattr(sieve_mm, "columns"):
+            sieve_mm, passing, passing_percent = _framed(sieve_mm)
         key: Literal["passing", "passing_percent"] = "passing" if passing_percent is None else "passing_percent"
         passing = passing if passing_percent is None else passing_percent
         if passing is None:
-            table = np.asarray(sieve_mm, float)
+            table = np.asarray(sieve_mm)
             if table.ndim != 2 or table.shape[1] != 2:
                 message = f"passing is missing, and sieve_mm has shape {table.shape}; give two rows, or one table of shape (n, 2)"
                 raise ValueError(message)
             sieve_mm, passing = table[:, 0], table[:, 1]
+        sieve_mm, passing = _without_pan(sieve_mm, passing)
         sieves, shares = _row("sieve_mm", sieve_mm), _row(key, passing)
+        if key == "passing" and max(shares, default=0.0) > _PER_CENT:
+            message = (
+                f"passing goes up to {max(shares):g}: per cent? Write Grading.sieves(sieves, passing_percent=...), or "
+                "Grading.table(file)"
+            )
+            raise ValueError(message)
         if not sieves:
             message = "sieve_mm is empty; give openings in mm, e.g. [5, 10, 20]"
             raise ValueError(message)
@@ -204,8 +221,32 @@ class Specimen:
         return {"kind": "mesh", "vertices_mm": points, "triangles": np.asarray(triangles, int).tolist()}
 
 
+def _framed(table: Any) -> tuple[Any, Any, Any]:
+    """Return sizes, shares and per cent of a DataFrame of two columns, by their order and the second heading."""
+    names = list(table.columns)
+    if len(names) != 2:
+        message = f"the table has {len(names)} columns; give two, openings in mm and what passes, or Grading.table(file)"
+        raise ValueError(message)
+    sizes, passing = (list(table[name]) for name in names)
+    is_percent = any(word in str(names[1]).lower() for word in ("%", "percent", "per cent"))
+    return (sizes, None, passing) if is_percent else (sizes, passing, None)
+
+
+def _without_pan(sizes: Any, passing: Any) -> tuple[Any, Any]:
+    """Return both rows without the one of the pan, which has no opening."""
+    sizes, passing = np.asarray(sizes), np.asarray(passing)
+    if sizes.ndim != 1 or sizes.dtype.kind not in "OU" or len(sizes) != len(passing):
+        return sizes, passing
+    kept = [str(size).strip().lower() not in _PANS for size in sizes]
+    return sizes[kept], passing[kept]
+
+
 def _row(name: str, values: ArrayLike) -> list[float]:
-    row = np.asarray(values, float)
+    try:
+        row = np.asarray(values, float)
+    except ValueError as error:
+        message = f"{name}: {error}; Grading.table(file) reads the sheet of a laboratory"
+        raise ValueError(message) from error
     if row.ndim != 1:
         message = f"{name} has shape {row.shape}; it must be one row of numbers"
         raise ValueError(message)
@@ -294,12 +335,18 @@ class Materials:
     """Material values, for the keyword `materials` of `Mesh.solve`; `mesocrete init --materials` gives the source of each."""
 
     @staticmethod
-    def for_concrete(fcm: float, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
-        """Return the values of a concrete by its mean cylinder strength, MPa: 38 for C30.
+    def for_concrete(fcm: float | str, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+        """Return the values of a concrete by its mean cylinder strength, MPa, or by its class, "C30" or "C30/37".
 
         `rock` is the aggregates' kind, and `fraction` the packing's share of aggregates, which the mortar's modulus
         follows from.
         """
+        if isinstance(fcm, str):
+            found = re.fullmatch(r"[Cc](\d+(?:\.\d+)?)(?:/\d+(?:\.\d+)?)?", fcm.strip())
+            if found is None:
+                message = f"fcm is {fcm!r}; give a class, as C30 or C30/37, or the mean strength in MPa, 38 for C30"
+                raise ValueError(message)
+            fcm = float(found[1]) + _MEAN_OVER_CLASS
         return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction)
 
     @staticmethod
