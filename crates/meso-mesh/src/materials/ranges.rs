@@ -9,8 +9,59 @@ use meso_concrete::{OutOfRange, Ranges};
 /// Checks values by their names in `[materials]`.
 pub const MATERIALS: Ranges = Ranges("materials");
 
-/// Largest accepted density, tonne/mm3: a thousand times mass-scaled matter lies far below it, kg/m3 and g/cm3 far above.
-const HEAVIEST: f64 = 1e-3;
+/// Range of a quantity for any matter in concrete, in our unit, with units in which users have it: a value outside the range
+/// that falls into it from one of these is named with that unit.
+struct Physical {
+    least: f64,
+    most: f64,
+    unit: &'static str,
+    /// Names of other units, and what one of each is in ours.
+    others: &'static [(&'static str, f64)],
+}
+
+/// From foam to ten times lead; kg/mm3, g/cm3 and kg/m3 of stone lie above.
+const DENSITY: Physical = Physical {
+    least: 1e-11,
+    most: 1e-7,
+    unit: "tonne/mm3",
+    others: &[("kg/m3", 1e-12), ("g/cm3", 1e-9), ("kg/mm3", 1e-3)],
+};
+/// From weak mortar to diamond; rubber has its own range below [`SOFTEST`].
+const MODULUS: Physical = Physical {
+    least: 300.0,
+    most: 2e6,
+    unit: "MPa",
+    others: &[("GPa", 1e3), ("Pa", 1e-6), ("kPa", 1e-3), ("psi", 6.894757e-3)],
+};
+/// Largest modulus of rubber and foam, MPa: GPa of mortar, stone and steel lie above.
+const SOFTEST: f64 = 10.0;
+const COMPRESSIVE: Physical =
+    Physical { least: 0.1, most: 1000.0, unit: "MPa", others: &[("Pa", 1e-6), ("GPa", 1e3), ("psi", 6.894757e-3)] };
+const TENSILE: Physical =
+    Physical { least: 0.01, most: 100.0, unit: "MPa", others: &[("Pa", 1e-6), ("GPa", 1e3), ("psi", 6.894757e-3)] };
+const FRACTURE: Physical = Physical { least: 1e-4, most: 30.0, unit: "N/mm", others: &[("N/m", 1e-3)] };
+const CRUSHING: Physical = Physical { least: 1e-3, most: 1000.0, unit: "N/mm", others: &[("N/m", 1e-3)] };
+const PEAK_STRAIN: Physical =
+    Physical { least: 1e-5, most: 0.1, unit: "1", others: &[("%", 0.01), ("per mille", 1e-3), ("microstrain", 1e-6)] };
+
+impl Physical {
+    fn accept(&self, key: String, value: f64) -> Result<(), OutOfRange> {
+        MATERIALS.positive(&key, value)?;
+        let Self { least, most, unit, others } = self;
+        let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+        let fits = others.iter().find(|(_, one)| (*least..=*most).contains(&(value * one)));
+        let meant = |(name, one): &(&str, f64)| format!(": {value} {name} are {}{unit}", short(value * one));
+        let accepted = format!("it must be {least:?} to {most:?}{unit}{}", fits.map(meant).unwrap_or_default());
+        MATERIALS.require(key, value, (*least..=*most).contains(&value), accepted)
+    }
+}
+
+/// A number without digits of rounding: 2.4e-9, 30000.
+fn short(value: f64) -> String {
+    let digits = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
+    if (1e-3..1e7).contains(&digits) { format!("{digits}") } else { format!("{digits:e}") }
+}
+
 /// Least peak strain over the elastic strain of the strength: the curve rises from there.
 const PEAK_OVER_ELASTIC: f64 = 1.05;
 
@@ -29,14 +80,14 @@ impl Materials {
     /// Names the first value outside its range.
     pub fn validate_strength(&self) -> Result<(), OutOfRange> {
         let given = &self.mortar_strength;
-        for (key, value) in [
-            ("compressive_mpa", given.compressive_mpa),
-            ("peak_strain", given.peak_strain),
-            ("tensile_mpa", given.tensile_mpa),
-            ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm),
-            ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm),
+        for (key, value, range) in [
+            ("compressive_mpa", given.compressive_mpa, COMPRESSIVE),
+            ("peak_strain", given.peak_strain, PEAK_STRAIN),
+            ("tensile_mpa", given.tensile_mpa, TENSILE),
+            ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, FRACTURE),
+            ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm, CRUSHING),
         ] {
-            MATERIALS.positive(format!("mortar_strength.{key}"), value)?;
+            range.accept(format!("mortar_strength.{key}"), value)?;
         }
         let ratio = self.itz_strength_ratio;
         let met = ratio > 0.0 && ratio <= 1.0;
@@ -115,10 +166,12 @@ impl Materials {
 }
 
 fn elastic(phase: &str, values: &Elastic) -> Result<(), OutOfRange> {
-    let (density, ratio) = (values.density_t_per_mm3, values.poisson_ratio);
-    MATERIALS.positive(format!("{phase}.youngs_modulus_mpa"), values.youngs_modulus_mpa)?;
-    let accepted = "it must be a positive number below 1e-3, in tonne/mm3: 2400 kg/m3 are 2.4e-9";
-    MATERIALS.require(format!("{phase}.density_t_per_mm3"), density, density > 0.0 && density < HEAVIEST, accepted)?;
+    let (modulus, ratio) = (values.youngs_modulus_mpa, values.poisson_ratio);
+    let is_soft = modulus > 0.0 && modulus <= SOFTEST;
+    if !is_soft {
+        MODULUS.accept(format!("{phase}.youngs_modulus_mpa"), modulus)?;
+    }
+    DENSITY.accept(format!("{phase}.density_t_per_mm3"), values.density_t_per_mm3)?;
     let accepted = "it must lie between -1 and 0.5, where a material is stable";
     MATERIALS.require(format!("{phase}.poisson_ratio"), ratio, ratio > -1.0 && ratio < 0.5, accepted)
 }

@@ -24,7 +24,7 @@ pub(crate) use limits::DECK;
 use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
-use meso_mesh::figures::PhaseVolumes;
+use meso_mesh::figures::{MassScaling, PhaseVolumes};
 use meso_mesh::materials::{Materials, Strength};
 use meso_trial::Loads;
 use serde::{Deserialize, Serialize};
@@ -143,6 +143,11 @@ impl Analysis {
     }
 }
 
+/// Mass over the mesh's own that mass scaling adds little to, much to, and that is refused.
+const LITTLE_MASS: f64 = 1.2;
+const MUCH_MASS: f64 = 2.0;
+const MOST_MASS: f64 = 100.0;
+
 impl DeckOptions {
     /// Mean axial strain at the end of the analysis, a positive number.
     pub fn final_strain(&self) -> f64 {
@@ -180,6 +185,7 @@ impl DeckOptions {
         if let Some(loads) = &self.loads {
             supports::check(mesh, loads)?;
         }
+        self.accept_mass(mesh)?;
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
 
@@ -214,8 +220,39 @@ impl DeckOptions {
         }
         let softening = if self.has_curves() { materials::band_doubt(mesh, &self.materials) } else { None };
         let softening = softening.or_else(|| self.softening_doubt(mesh));
-        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh)];
+        let mass = self.mass_doubt(mesh);
+        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh), mass];
         doubts.into_iter().flatten().collect()
+    }
+
+    /// The mass that an explicit step of this deck adds, if it has one.
+    fn mass_scaling(&self, mesh: &Mesh) -> Option<MassScaling> {
+        let step_s = self.loads.as_ref().map_or(self.loading.time_increment_s, |loads| loads.time_increment_s);
+        self.has_curve().then(|| MassScaling::of(mesh, &self.materials, step_s))
+    }
+
+    /// Refuses a step whose mass scaling leaves nothing of the specimen's own inertia.
+    fn accept_mass(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        let Some(scaling) = self.mass_scaling(mesh) else { return Ok(()) };
+        let (step, times) = (scaling.time_step_s, scaling.factor);
+        let accepted = || {
+            let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+            format!(
+                "such steps need {times:.0} times the mass: inertia would carry this test; take {fits:e} s, which adds at most \
+                 20 %, or check the units of the materials"
+            )
+        };
+        if times <= MOST_MASS { Ok(()) } else { Err(DECK.error("time_increment_s", format!("{step:e}"), accepted())) }
+    }
+
+    fn mass_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let scaling = self.mass_scaling(mesh).filter(|scaling| scaling.factor > MUCH_MASS)?;
+        let (step, times) = (scaling.time_step_s, scaling.factor);
+        let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+        Some(format!(
+            "steps of {step:e} s need {times:.1} times the mass, so inertia will carry this test; --time-increment {fits:e} adds \
+             at most 20 %"
+        ))
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
