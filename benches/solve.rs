@@ -82,7 +82,7 @@ fn go(run: &mut Run, steps: u64) {
 fn ready<'a>(case: &Case<'a>) -> Run<'a> {
     let Meshed { mesh, options, specimen } = case.mesh;
     let mut materials = Materials::default();
-    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+    materials.mortar_strength.crushing_energy_n_per_mm = Some(0.5);
     materials.plasticity.meridian_ratio = 0.8;
     // Few steps, so that softening is soon there: what a step costs does not hang on its length.
     let steps = 1000.0;

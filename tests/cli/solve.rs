@@ -41,7 +41,7 @@ fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
     let peak = stress.iter().copied().fold(0.0, f64::max);
     let result = result(&folder, "out/result.json");
     assert_eq!(result["peak_mpa"].as_f64(), Some(peak));
-    for (key, value) in [("test", "compression"), ("law", "cdp"), ("ended", "completed"), ("version", "0.1.0")] {
+    for (key, value) in [("test", "compression"), ("law", "meso"), ("ended", "completed"), ("version", "0.1.0")] {
         assert_eq!(result[key], value, "{key}");
     }
     for key in [
@@ -173,7 +173,7 @@ fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
             2,
             "--output - is standard output, but a test writes several files; name a folder",
         ),
-        (&["small.json", "--law", "steel"], 2, "[possible values: elastic, cdp"),
+        (&["small.json", "--law", "steel"], 2, "[possible values: meso, cdp"),
         (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
         (&["small.json", "--test", "bending"], 2, "the specimen has no notch, whose mouth opens"),
         (&["small.json", "--itz", "thick"], 2, "[possible values: solid, cohesive, smeared, none]"),
@@ -415,7 +415,7 @@ fn an_expansion_alone_names_its_strain_and_prints_the_mean_strains() {
     let folder = Folder::with_model();
     let run = solve(&folder, &["small.json", "-o", "out", "--test", "expansion", "--frames", "0"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("expansion of aggregate 1e-4, law cdp: "), "{}", run.stderr);
+    assert!(run.stderr.contains("expansion of aggregate 1e-4, law meso: "), "{}", run.stderr);
     assert!(run.stderr.contains("\nmean strain_x ") && !run.stderr.contains("MPa at"), "{}", run.stderr);
     let result = result(&folder, "out/result.json");
     assert_eq!(result["expansion"]["aggregate"], 1e-4);

@@ -52,7 +52,7 @@ pub(crate) fn meshed(specimen: Specimen, element_size_mm: f64, itz: ItzForm) -> 
 
 pub(crate) fn brittle() -> Materials {
     let mut materials = Materials::default();
-    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+    materials.mortar_strength.crushing_energy_n_per_mm = Some(0.5);
     materials.plasticity.meridian_ratio = 0.8;
     materials
 }

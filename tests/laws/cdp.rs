@@ -152,7 +152,7 @@ fn a_crushing_band_too_wide_is_named_and_dissipates_more() {
 fn the_fracture_energy_of_a_wide_band_does_not_depend_on_the_crushing_energy() {
     for (width, crushing) in [(10.0, 0.5), (24.0, 0.5), (24.0, 0.01), (24.0, 500.0), (70.0, 0.05)] {
         let mut materials = mortar();
-        materials.mortar_strength.crushing_energy_n_per_mm = crushing;
+        materials.mortar_strength.crushing_energy_n_per_mm = Some(crushing);
         let of = cdp::<f64>(&materials);
         let [cracking, crushed] = Law::<f64>::widest_mm(&of);
         // 0.98 G_f E / (0.8 f_t^2), and 0.98 G_c E / f_c^2.
@@ -178,7 +178,7 @@ fn values_that_cannot_be_are_named() {
             (|m| m.mortar_strength.tensile_mpa = 13.0) as fn(&mut Materials),
             "mortar_strength.tensile_mpa is 13; it must be at most 12.5405",
         ),
-        (|m| m.mortar_strength.compressive_mpa = f64::NAN, "mortar_strength.compressive_mpa is NaN"),
+        (|m| m.mortar_strength.compressive_mpa = Some(f64::NAN), "mortar_strength.compressive_mpa is NaN"),
         (|m| m.mortar_strength.peak_strain = 0.0015, "mortar_strength.peak_strain is 0.0015; MORTAR needs 1.615e-3"),
         (|m| m.mortar_strength.fracture_energy_n_per_mm = 0.0, "fracture_energy_n_per_mm is 0; it must be a positive"),
         (|m| m.plasticity.meridian_ratio = 0.5, "plasticity.meridian_ratio is 0.5; it must lie above 0.5"),

@@ -2,7 +2,7 @@
 
 use meso_core::materials::{Materials, Strength};
 use meso_element::law::point::{HeldStress, Reading, curve, ramp};
-use meso_element::law::{Cdp, Cdpm2, Law, cdpm2};
+use meso_element::law::{Cdp, Cdpm2, Law, LawName, cdpm2};
 use meso_element::real::Real;
 
 /// Crack band of most tests, mm.
@@ -22,18 +22,19 @@ pub(crate) fn mortar() -> Materials {
         tensile_mpa: 3.0,
         fracture_energy_n_per_mm: 0.06,
         crushing_energy_n_per_mm: 0.5,
-    };
+    }
+    .into();
     materials.plasticity.meridian_ratio = 0.8;
     materials
 }
 
 pub(crate) fn cdp<R: Real>(materials: &Materials) -> Cdp<R> {
-    Cdp::new(&materials.mortar, &materials.mortar_strength, &materials.plasticity)
+    Cdp::new(&materials.mortar, &materials.mortar_strength.of(LawName::Cdp), &materials.plasticity)
 }
 
 pub(crate) fn cdpm2<R: Real>(materials: &Materials, options: &cdpm2::Options) -> Cdpm2<R> {
     let biaxial = materials.plasticity.biaxial_ratio;
-    Cdpm2::new(&materials.mortar, &materials.mortar_strength, biaxial, options)
+    Cdpm2::new(&materials.mortar, &materials.mortar_strength.of(LawName::Cdpm2), biaxial, options)
 }
 
 /// Curve along a polygon of strains, in steps of at most `step`.

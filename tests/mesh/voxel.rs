@@ -77,7 +77,8 @@ pub(crate) fn options_by_hand() -> abaqus::DeckOptions {
         tensile_mpa: 3.0,
         fracture_energy_n_per_mm: 0.06,
         crushing_energy_n_per_mm: 0.5,
-    };
+    }
+    .into();
     materials.plasticity = Plasticity { dilation_angle_deg: 30.0, meridian_ratio: 0.75, ..materials.plasticity };
     abaqus::DeckOptions { materials, ..Default::default() }
 }

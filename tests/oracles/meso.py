@@ -1,6 +1,7 @@
 """Curves of the law `meso` at one point by other arithmetic than the engine's, as an oracle for `law::meso`.
 
-    python3 tests/oracles/meso.py        # writes tests/oracles/meso/*.csv
+    python3 tests/oracles/meso.py                  # writes tests/oracles/meso/*.csv
+    python3 tests/oracles/meso.py loops 200 OUT    # closed loops of the default mortar, energy given back, into OUT
 
 Principal directions come from Jacobi's rotations, and every equation is solved by regula falsi: the flow of a return,
 the share of stress that a crack leaves, the fall of principal stresses by cracks, and the strain of a free side. The
@@ -10,10 +11,11 @@ stress in MPa, tension positive.
 
 import math
 import random
+import sys
 from pathlib import Path
 
 E, NU, FC, PEAK_STRAIN, FT, GF, GC = 20000.0, 0.2, 40.0, 0.003, 3.5, 0.08, 1.5
-FB, KC, PSI, DUCTILITY, LENGTH, WIDTH = 1.16, 2 / 3, 30.0, 10.0, 5.0, 4.0
+FB, KC, MERIDIAN_BEND, PSI, DUCTILITY, LENGTH, WIDTH = 1.16, 2 / 3, 0.8, 30.0, 10.0, 5.0, 4.0
 BULK, SHEAR = E / (3 * (1 - 2 * NU)), E / (2 * (1 + NU))
 ALPHA = (FB - 1) / (2 * FB - 1)
 GAMMA = 3 * (1 - KC) / (2 * KC - 1)
@@ -23,7 +25,10 @@ EVERY = 50
 
 
 def main() -> None:
-    """Write every path."""
+    """Write every path, or the figures of closed loops."""
+    if sys.argv[1:2] == ["loops"]:
+        loops(int(sys.argv[2]), Path(sys.argv[3]))
+        return
     folder = Path(__file__).with_suffix("")
     for name, rows in {**free_paths(), **strained_paths()}.items():
         lines = [",".join(f"{x:.9g}" for x in row) for row in rows]
@@ -97,11 +102,9 @@ def stiffness(kc: float) -> float:
 
 def excess(principal: list[float], kc: float, gamma: float) -> float:
     """The yield function of effective stress times 1 - alpha."""
-    p, q = mean(principal), mises(principal)
-    beta = max((1 - ALPHA) * rise(kc) / (1.5 * FT) - (1 + ALPHA), 0.0)
-    first = principal[0]
-    pull = beta * first if first > 0 else gamma * first
-    return q + 3 * ALPHA * p + pull - (1 - ALPHA) * rise(kc) * left(kc) / stiffness(kc)
+    first, _, last = principal
+    pressed = first - last + 3 * ALPHA * mean(principal) + gamma * first
+    return pressed - (1 - ALPHA) * rise(kc) * left(kc) / stiffness(kc)
 
 
 def mean(s: list[float]) -> float:
@@ -138,9 +141,10 @@ class Point:
         cracked, _ = opened(trial, strength)
 
         confined = stiffness(self.kc) * max(-cracked[0], 0.0)
-        gamma = GAMMA / (1 + confined / FC)
+        bent = 1 + MERIDIAN_BEND * confined / FC
+        gamma = GAMMA / bent
         costly = 1 + DUCTILITY * confined / FC
-        tan = kept / (1 + confined / FC) / costly * math.tan(math.radians(PSI))
+        tan = kept / bent / costly * math.tan(math.radians(PSI))
         p, q = mean(cracked), mises(cracked)
         flow, sheared = 0.0, trial
         direction = [0.0] * 3
@@ -261,6 +265,54 @@ def strained_paths() -> dict[str, list[list[float]]]:
             start = corner
         found[name] = rows
     return found
+
+
+def take(**values: float) -> None:
+    """Take other values of the mortar, and what follows from them."""
+    names = globals()
+    names.update(values)
+    names["ALPHA"] = (FB - 1) / (2 * FB - 1)
+    names["GAMMA"] = 3 * (1 - KC) / (2 * KC - 1)
+    names["PEAK"] = PEAK_STRAIN - FC / E
+    names["BEND"] = bend()
+
+
+DEFAULTS = {"FC": 33.0, "FT": 3.4, "GF": 0.1, "GC": 11.0, "KC": 0.72, "MERIDIAN_BEND": 0.15, "PSI": 5.0, "DUCTILITY": 3.0, "LENGTH": 15.0}
+
+
+def loops(count: int, path: Path) -> None:
+    """Count what closed loops give back, for biaxial ratios and steps from corner to corner."""
+    rows = ["biaxial_ratio,steps,loops,spent_n_per_mm2,returned_n_per_mm2,largest_share_of_a_loop"]
+    for ratio in (1.0, 1.16, 2.0, 0.94):
+        take(**DEFAULTS, FB=ratio)
+        for steps in (1, 4, 20):
+            dice, spent, returned, worst = random.Random(5), 0.0, 0.0, 0.0
+            for turn in range(count):
+                won, lost = loop(dice, steps, (0.001, 0.01, 0.05)[turn % 3], turn % 2 == 0)
+                spent, returned, worst = spent + won, returned + lost, max(worst, lost / max(won, 1e-12))
+            rows.append(f"{ratio},{steps},{count},{spent:.6g},{returned:.3g},{worst:.3g}")
+            path.write_text("\n".join(rows) + "\n")
+
+
+def loop(dice: random.Random, steps: int, size: float, is_round: bool) -> tuple[float, float]:
+    """Energy per volume that steps of a polygon or an ellipse spend, and that they give back."""
+    tensors = [[size * (dice.uniform(-1, 1) - (0.3 if i < 3 else 0)) for i in range(6)] for _ in range(4)]
+    middle, a, b, _ = tensors
+    at = lambda t: [m + math.cos(t) * x + math.sin(t) * y for m, x, y in zip(middle, a, b)]  # noqa: E731
+    corners = [at(0.7 * k) for k in range(24)] if is_round else tensors
+    point, start, before, won, lost = Point(), [0.0] * 6, 1.0, 0.0, 0.0
+    for corner in [*corners, [0.0] * 6]:
+        for k in range(1, steps + 1):
+            strain = [x + (y - x) * k / steps for x, y in zip(start, corner)]
+            old = list(point.plastic)
+            stress, kept = point.stress(strain), stiffness(point.kc)
+            flowed = sum(s * (new - was) for s, new, was in zip(stress, point.plastic, old))
+            stored = sum(0.5 * s * (e - p) for s, e, p in zip(stress, strain, point.plastic))
+            step = flowed + stored * (before - kept) / kept
+            before = kept
+            won, lost = won + max(step, 0.0), lost + max(-step, 0.0)
+        start = corner
+    return won, lost
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 //! Keys and values that a SPEC.toml may have, and the errors of others.
 
 use crate::bad_specs::REJECTED;
-use meso_core::materials::{Elastic, Materials, Strength};
+use meso_core::materials::{Elastic, Materials, MortarStrength};
 #[cfg(feature = "schema")]
 use meso_core::recipes::Recipe;
 use meso_core::spec::{Spec, options_from_toml};
@@ -138,7 +138,7 @@ fn materials_that_are_left_out_are_those_usual_of_the_phase() {
     let read: Materials = options_from_toml(text).unwrap();
     let usual = Materials::default();
     assert_eq!(read.fibre, Elastic { youngs_modulus_mpa: 5e4, ..usual.fibre });
-    assert_eq!(read.mortar_strength, Strength { peak_strain: 0.003, ..usual.mortar_strength });
+    assert_eq!(read.mortar_strength, MortarStrength { peak_strain: 0.003, ..usual.mortar_strength });
     assert_eq!(read, Materials { fibre: read.fibre, mortar_strength: read.mortar_strength, ..usual });
     let error = options_from_toml::<Materials>("mortar = { poison_ratio = 0.2 }").unwrap_err();
     assert!(

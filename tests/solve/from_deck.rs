@@ -8,7 +8,7 @@ use crate::deck_reader::{Card, Deck};
 use crate::samples::{StopAtOnce, damaged_plasticity, small_cube};
 use meso_core::aggregate::Fibres;
 use meso_core::export::abaqus::{self, DeckOptions};
-use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
+use meso_core::materials::{Elastic, LawName, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
     self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Purpose, Tools,
@@ -184,14 +184,14 @@ fn materials(deck: &Deck, band: &Band) -> Materials {
         materials.itz = elastic(deck, "ITZ");
         let itz = self::strength(deck, "ITZ", band);
         materials.itz_strength_ratio = itz.compressive_mpa / strength.compressive_mpa;
-        materials.mortar_strength = strength;
-        assert_same(&itz, &materials.strength(Phase::Itz).unwrap());
+        materials.mortar_strength = strength.into();
+        assert_same(&itz, &materials.itz_strength(LawName::Cdp));
         assert_eq!(
             card(deck, "ITZ", "CONCRETE DAMAGED PLASTICITY").data,
             card(deck, "MORTAR", "CONCRETE DAMAGED PLASTICITY").data
         );
     }
-    materials.mortar_strength = strength;
+    materials.mortar_strength = strength.into();
     materials
 }
 
@@ -268,8 +268,7 @@ fn deck(gap_mm: f64, options: &MeshOptions, crushing: Option<f64>) -> (String, f
     let model = small_cube(gap_mm);
     let mesh = mesh::build(&model, options, &Tools::default()).unwrap();
     let mut materials = Materials::default();
-    let strength = &mut materials.mortar_strength;
-    strength.crushing_energy_n_per_mm = crushing.unwrap_or(strength.crushing_energy_n_per_mm);
+    materials.mortar_strength.crushing_energy_n_per_mm = crushing;
     let mut deck = DeckOptions {
         analysis: TestKind::Compression.into(),
         strain: Some(0.006),
@@ -297,7 +296,8 @@ fn is_of_concrete(figures: &Figures) -> bool {
 fn the_deck_of_a_cube_of_24_mm_softens_as_concrete_does() {
     let (text, error) = deck(1.0, &defaults(), None);
     let model = Model::read(&text);
-    assert_same(&model.materials.mortar_strength, &Strength::default());
+    let usual = Materials::default().mortar_strength.of(LawName::Cdp);
+    assert_same(&model.materials.mortar_strength.of(LawName::Cdp), &usual);
     assert!((model.test.strain() - 0.006).abs() < 1e-12 && model.test.friction == Some(0.1), "{:?}", model.test);
     // Grains of 4 mm in elements of 2 mm: 3.1 % of the aggregates become mortar where they meet.
     assert!(error.abs() < 0.035, "{error}");

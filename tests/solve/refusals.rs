@@ -58,7 +58,7 @@ fn materials_that_cannot_be_are_named() {
         (|m| m.mortar.youngs_modulus_mpa = 1e40, "the solver computes in single precision and takes 1e-12 to 1e12"),
         (|m| m.mortar_strength.tensile_mpa = 1e-200, "materials.mortar_strength.tensile_mpa is"),
         (|m| m.mortar_strength.fracture_energy_n_per_mm = 1e300, "mortar_strength.fracture_energy_n_per_mm is"),
-        (|m| m.mortar_strength.crushing_energy_n_per_mm = 1e-40, "mortar_strength.crushing_energy_n_per_mm is"),
+        (|m| m.mortar_strength.crushing_energy_n_per_mm = Some(1e-40), "mortar_strength.crushing_energy_n_per_mm is"),
     ] {
         let mut materials = Materials::default();
         change(&mut materials);

@@ -117,6 +117,9 @@ pub(crate) fn meshed(model: &Model, options: MeshOptions) -> Meshed {
     Meshed::of(&model.aggregates, model.spec.specimen.clone(), options)
 }
 
+/// Compressive strength of [`brittle`], MPa.
+pub(crate) const BRITTLE_MPA: f64 = 40.0;
+
 /// Materials that soften within a test of 0.5 % strain.
 pub(crate) fn brittle() -> Materials {
     let mut materials = Materials::default();
@@ -126,12 +129,13 @@ pub(crate) fn brittle() -> Materials {
         elastic.youngs_modulus_mpa = modulus;
     }
     materials.mortar_strength = Strength {
-        compressive_mpa: 40.0,
+        compressive_mpa: BRITTLE_MPA,
         peak_strain: 0.0022,
         tensile_mpa: 3.0,
         fracture_energy_n_per_mm: 0.06,
         crushing_energy_n_per_mm: 0.5,
-    };
+    }
+    .into();
     materials.plasticity = Plasticity { dilation_angle_deg: 30.0, meridian_ratio: 0.8, ..materials.plasticity };
     materials
 }

@@ -121,7 +121,7 @@ fn spent_over_asked(meshed: Meshed, half_width: f64, smoothing: Smoothing) -> f6
 fn of_law(meshed: Meshed, law: LawName, half_width: f64, smoothing: Smoothing) -> f64 {
     let (what, section) = (meshed.options.clone(), meshed.side_mm().powi(2));
     let (materials, response) = torn(meshed, law, half_width, smoothing);
-    let energy = materials.strength(Phase::Itz).unwrap().fracture_energy_n_per_mm * section;
+    let energy = materials.itz_strength(law).fracture_energy_n_per_mm * section;
     let (last, figures) = (response.curve.last().unwrap(), response.result.figures);
     assert!(last.stress_mpa < 0.05 * figures.peak_mpa, "{what:?}: {figures:?}");
     (last.external - last.kinetic) / energy

@@ -4,7 +4,7 @@ use crate::mesh::voxel::{deck, loaded, options_by_hand};
 use crate::write::deck_reader::{Card, Deck};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
-use meso_core::materials::{Elastic, Materials, Strength};
+use meso_core::materials::{Elastic, Materials};
 use meso_core::math::Vec3;
 use meso_core::mesh::figures::{self, MassScaling};
 use meso_core::mesh::{
@@ -394,8 +394,8 @@ fn a_deck_has_the_cards_of_its_step() {
 fn mortar_that_will_hardly_soften_in_the_step_is_doubted() {
     let mesh = &*SMEARED;
     let with = |crushing_energy_n_per_mm: f64| {
-        let strength = Strength { crushing_energy_n_per_mm, ..Strength::default() };
-        let materials = Materials { mortar_strength: strength, ..Materials::default() };
+        let mut materials = Materials::default();
+        materials.mortar_strength.crushing_energy_n_per_mm = Some(crushing_energy_n_per_mm);
         DeckOptions { materials, ..compression() }
     };
     assert!(with(0.5).doubts(mesh, None).is_empty(), "{:?}", with(0.5).doubts(mesh, None));

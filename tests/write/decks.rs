@@ -4,7 +4,7 @@ use crate::mesh::specimens::every_kind;
 use crate::mesh::voxel::{aggregate, block, by_hand, deck, loaded, options_by_hand, turned_blocks};
 use crate::write::deck_reader::{Deck, NODES};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
-use meso_core::materials::Strength;
+use meso_core::materials::MortarStrength;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase, Tools};
 use meso_core::specimen::{Periodic, Specimen};
@@ -148,7 +148,7 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
 #[test]
 fn curves_that_abaqus_refuses_are_named() {
     let mesh = two_voxels(false);
-    let with = |change: fn(&mut Strength)| {
+    let with = |change: fn(&mut MortarStrength)| {
         let mut options = DeckOptions { analysis: TestKind::Compression.into(), ..Default::default() };
         options.materials.mortar.youngs_modulus_mpa = 26_000.0;
         options.materials.mortar_strength.tensile_mpa = 3.0;
@@ -164,7 +164,7 @@ fn curves_that_abaqus_refuses_are_named() {
     let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 3e-4));
     assert!(fracture.contains("fracture_energy_n_per_mm is 0.0003; MORTAR needs 3.295e-4 or more"), "{fracture}");
     // Strength^2 times width over modulus is 1.19 40^2 / 26000 = 0.0732 N/mm; the reader looks at the plastic strains.
-    let brittle = with(|strength| strength.crushing_energy_n_per_mm = 0.05);
+    let brittle = with(|strength| strength.crushing_energy_n_per_mm = Some(0.05));
     assert_eq!(Deck::read(&deck(&mesh, &brittle)).materials.len(), 2);
     let doubts = brittle.doubts(&mesh, None);
     assert!(

@@ -5,7 +5,7 @@ use crate::pack::models::two_boxes;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::formats::MeshFormat;
-use meso_core::materials::{self, Materials};
+use meso_core::materials::{self, LawName, Materials};
 use meso_core::mesh::{self, Mesh, MeshTable, Purpose, Tools};
 use meso_core::trial::TestKind;
 use serde_json::json;
@@ -48,7 +48,7 @@ fn a_273_dissipates_the_energies_of_the_mortar_in_a_band_of_the_mesh() {
     let mesh = voxels();
     let text = text(&mesh, &deck(TestKind::Compression.into(), LsdynaLaw::Cdpm), MeshFormat::K).unwrap();
     let cards = cards(&text, "*MAT_CDPM", 3);
-    let given = Materials::default().mortar_strength;
+    let given = Materials::default().mortar_strength.of(LawName::Cdpm2);
     let [ft, fc, ductility] = [cards[0][6], cards[0][7], cards[1][5]];
     assert_eq!((cards[0][0], ft, fc, cards[2][0]), (3.0, given.tensile_mpa, given.compressive_mpa, 1.0));
     // The area of the bilinear crack law, of a crack spread over the edge of a cube of 2 mm, is the energy of our band.
@@ -99,7 +99,7 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
 fn options_that_a_format_cannot_have_are_refused() {
     let mesh = voxels();
     let mut strong = deck(TestKind::Compression.into(), LsdynaLaw::Cscm);
-    strong.materials.mortar_strength.compressive_mpa = 80.0;
+    strong.materials.mortar_strength.compressive_mpa = Some(80.0);
     strong.materials.mortar_strength.peak_strain = 0.006;
     for (format, deck, part) in [
         (MeshFormat::K, deck(Analysis::Elastic, LsdynaLaw::Cdpm), "a .k takes none, impact or a test"),

@@ -77,7 +77,7 @@ fn difference(device: &DeviceName) -> Result<Result<f64, String>, Failure> {
         MeshOptions { method: Method::FITTED, element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
     let mesh = mesh::build(&model, &options, &Tools::default()).map_err(|error| usage(&error))?;
     let mut materials = Materials::default();
-    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+    materials.mortar_strength.crushing_energy_n_per_mm = Some(0.5);
     let test = Test { rows: 100, ..Test::default() };
     let test = Test { time_step_s: Some(test.duration_s(&Geometry::of(&specimen)) / 1500.0), ..test };
     let prepare = || Run::new(Sample::of(&mesh, &specimen, &options), &materials, &test).map_err(|error| usage(&error));

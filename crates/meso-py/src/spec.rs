@@ -5,7 +5,7 @@ use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
 use crate::views::call_view;
-use meso_core::materials::{Mix, Rock};
+use meso_core::materials::{LawName, Mix, Rock};
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
@@ -344,6 +344,7 @@ struct Concrete {
     mortar: Option<f64>,
     rock: Option<Rock>,
     fraction: f64,
+    law: LawName,
 }
 
 /// The `[materials]` of a concrete by its mean strength or by its mortar's, MPa, with a rock and a share of aggregates.
@@ -354,10 +355,10 @@ pub(crate) fn concrete_materials<'py>(
     given: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     guard(|| {
-        let Concrete { fcm, mortar, rock, fraction } = self::options(given)?;
+        let Concrete { fcm, mortar, rock, fraction, law } = self::options(given)?;
         let mix = match (fcm, mortar) {
-            (Some(fcm_mpa), None) => Mix { fcm_mpa, rock, fraction },
-            (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction),
+            (Some(fcm_mpa), None) => Mix { fcm_mpa, rock, fraction, law },
+            (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction, law),
             _ => return Err(wrong_value("give the concrete's mean strength or the mortar's, not both")),
         };
         let sourced = mix.materials().map_err(|error| wrong_value(format!("{} {}", error.key, error.fault())))?;

@@ -8,15 +8,14 @@
 
 mod doubts;
 mod error;
-mod law;
 mod loads;
 pub mod nodes;
 mod sample;
 mod trial;
 
 pub use error::{TEST, TrialError};
-pub use law::LawName;
 pub use loads::{Hold, Loads, Pressure, RigidSupport};
+pub use meso_mesh::materials::LawName;
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use trial::{
     Along, Below, Control, Course, Expansion, Gauge, Interface, MOST_SUPPORTS, PHASES, Rig, Rule, STRAINS, Setup, Side,

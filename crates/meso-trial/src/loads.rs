@@ -1,13 +1,13 @@
 //! Supports and loads of a mesh as a test puts them together, and a deck writes them.
 
 use crate::error::{TEST, TrialError};
-use crate::law::LawName;
 use crate::nodes;
 use crate::sample::Sample;
 use crate::trial::{Control, Rig, Rule, SupportSpec, Test, Turn, TurnOf, word};
 use meso_collision::math::Aabb;
 use meso_concrete::specimen::Specimen;
 use meso_mesh::cells::Sides;
+use meso_mesh::materials::LawName;
 
 /// Supports and loads of a mesh, and their path in time.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::stderr;
-use meso_core::materials::{Mix, Rock};
+use meso_core::materials::{LawName, Mix, Rock};
 use meso_core::recipes::Recipe;
 use meso_solve::TestKind;
 use std::path::{Path, PathBuf};
@@ -33,6 +33,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "F", value_parser = values::number, requires = "materials", allow_negative_numbers = true)]
     #[arg(default_value_t = Mix::USUAL_FRACTION)]
     fraction: f64,
+    /// The law that the values are for; decks take those of cdp
+    #[arg(long, value_name = "LAW", value_parser = names::parser::<LawName>(), requires = "materials", default_value = "meso")]
+    law: LawName,
     #[command(flatten)]
     writing: Writing,
 }
@@ -68,11 +71,12 @@ impl Args {
             let recipe = Recipe::named(&self.recipe).map_err(Failure::Usage)?;
             return Ok(Start { text: recipe.text.to_owned(), name: "SPEC.toml", then: "pack" });
         };
-        let mix = Mix::parse(class, self.rock, self.fraction)
+        let mix = Mix::parse(class, self.rock, self.fraction, self.law)
             .map_err(|error| Failure::Usage(format!("--materials {error}")))?;
         let sourced = mix.materials().map_err(|error| Failure::Usage(format!("--materials {class}: {error}")))?;
         let rock = self.rock.map(|rock| format!(" with {}", names::of(&rock))).unwrap_or_default();
-        let title = format!("Materials of {class}{rock}: a concrete of {:.1} MPa in the mean", mix.fcm_mpa);
+        let (law, fcm) = (names::of(&self.law), mix.fcm_mpa);
+        let title = format!("Materials of {class}{rock} for the law {law}: a concrete of {fcm:.1} MPa in the mean");
         Ok(Start { text: sourced.toml(&title), name: "MATERIALS.toml", then: "solve --materials" })
     }
 }

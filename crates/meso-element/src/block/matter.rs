@@ -76,8 +76,8 @@ pub enum Behaviour {
     Cdp(Strength, Plasticity),
     /// CDPM2, with the biaxial over the uniaxial strength.
     Cdpm2(Strength, f64, Cdpm2Parameters),
-    /// Mortar between grains, with the biaxial over the uniaxial strength.
-    Meso(Strength, f64, Mesoscale),
+    /// Mortar between grains.
+    Meso(Strength, Mesoscale),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -85,7 +85,7 @@ pub enum Behaviour {
 /// # Errors
 /// Names the first value that it cannot have.
 pub fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
-    carried(materials)?;
+    carried(materials, name)?;
     match name {
         LawName::Elastic => materials.validate_elastic(),
         LawName::Cdp => cdp::validate(materials),
@@ -107,7 +107,7 @@ fn validate_stone(materials: &Materials, name: LawName) -> Result<(), OutOfRange
             mortar: elastic,
             itz: elastic,
             itz_strength_ratio: 1.0,
-            mortar_strength,
+            mortar_strength: mortar_strength.into(),
             aggregate_strength: None,
             ..materials.clone()
         };
@@ -121,12 +121,12 @@ fn validate_stone(materials: &Materials, name: LawName) -> Result<(), OutOfRange
 const CARRIED: [f64; 2] = [1e-12, 1e12];
 
 /// Refuses values that single precision cannot carry. Values at or below 0 have their own ranges.
-fn carried(materials: &Materials) -> Result<(), OutOfRange> {
+fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
     let stiffness = |phase: Phase| {
         let key = format!("{}.youngs_modulus_mpa", phase.name().to_ascii_lowercase());
         (key, materials.elastic(phase).youngs_modulus_mpa)
     };
-    let given = &materials.mortar_strength;
+    let given = materials.mortar_strength.of(law);
     let strengths = [
         ("compressive_mpa", given.compressive_mpa),
         ("tensile_mpa", given.tensile_mpa),
@@ -157,7 +157,7 @@ pub trait LawTask<R: Real> {
 impl Matter {
     /// Material of `phase`; mortar and ITZ follow the law `name`.
     pub fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
-        Self::with(materials, *materials.elastic(phase), materials.strength(phase), name)
+        Self::with(materials, *materials.elastic(phase), materials.strength(phase, name), name)
     }
 
     /// Materials of stone that breaks, in the order of [`Stone::strengths`].
@@ -173,9 +173,7 @@ impl Matter {
             (LawName::Cdpm2, Some(strength)) => {
                 Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio, materials.cdpm2)
             }
-            (LawName::Meso, Some(strength)) => {
-                Behaviour::Meso(strength, materials.plasticity.biaxial_ratio, materials.meso)
-            }
+            (LawName::Meso, Some(strength)) => Behaviour::Meso(strength, materials.meso),
         };
         Self { is_unbreakable: strength.is_none(), ..Self::of(elastic, behaviour) }
     }
@@ -196,9 +194,7 @@ impl Matter {
             Behaviour::Cdpm2(strength, biaxial, own) => {
                 task.run(self.prepared.law(&|| self.cdpm2::<R>(strength, *biaxial, own)).get())
             }
-            Behaviour::Meso(strength, biaxial, own) => {
-                task.run(self.prepared.law(&|| self.meso::<R>(strength, *biaxial, own)).get())
-            }
+            Behaviour::Meso(strength, own) => task.run(self.prepared.law(&|| self.meso::<R>(strength, own)).get()),
         }
     }
 
@@ -210,8 +206,8 @@ impl Matter {
         law::Cdpm2::new(&self.elastic, strength, biaxial, own)
     }
 
-    fn meso<R: Real>(&self, strength: &Strength, biaxial: f64, own: &Mesoscale) -> law::Meso<R> {
-        law::Meso::new(&self.elastic, strength, biaxial, own)
+    fn meso<R: Real>(&self, strength: &Strength, own: &Mesoscale) -> law::Meso<R> {
+        law::Meso::new(&self.elastic, strength, own)
     }
 
     /// Registers that an element remembers: the law's history and the integrity.
@@ -233,7 +229,7 @@ impl Matter {
             Behaviour::Elastic => [f64::INFINITY; 2],
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
             Behaviour::Cdpm2(strength, biaxial, own) => self.cdpm2::<f64>(strength, *biaxial, own).widest_mm(),
-            Behaviour::Meso(strength, biaxial, own) => self.meso::<f64>(strength, *biaxial, own).widest_mm(),
+            Behaviour::Meso(strength, own) => self.meso::<f64>(strength, own).widest_mm(),
         }
     }
 

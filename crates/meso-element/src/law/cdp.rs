@@ -26,7 +26,7 @@
 use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
-use super::{Hooke, Law, PointResponse, State, Tensor, softening};
+use super::{Hooke, Law, LawName, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
@@ -71,8 +71,10 @@ const STEPS: usize = 2;
 /// Names the first one that it cannot have.
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
-    materials.validate_strength()?;
-    [Phase::Mortar, Phase::Itz].into_iter().try_for_each(|phase| materials.validate_peak_strain(phase))?;
+    materials.validate_strength(LawName::Cdp)?;
+    [Phase::Mortar, Phase::Itz]
+        .into_iter()
+        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Cdp))?;
     let Plasticity { dilation_angle_deg: angle, eccentricity, biaxial_ratio, meridian_ratio, .. } =
         materials.plasticity;
     let accepted = "it must lie above 0 and below 60; 15 to 40 is usual";
@@ -88,7 +90,7 @@ pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
         meridian_ratio > 0.5 && meridian_ratio <= 1.0,
         accepted,
     )?;
-    let (alpha, given) = (alpha(materials.plasticity.biaxial_ratio), &materials.mortar_strength);
+    let (alpha, given) = (alpha(materials.plasticity.biaxial_ratio), materials.mortar_strength.of(LawName::Cdp));
     let most = Strength::ELASTIC_LIMIT * given.compressive_mpa * (1.0 - alpha) / (1.0 + alpha);
     let accepted = format!("it must be at most {most:.4}: the surface has no beta below 0 where hardening begins");
     MATERIALS.require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, accepted)

@@ -26,7 +26,7 @@
 
 use super::elastic::{elastic_part, flow};
 use super::invariants::{Invariants, split};
-use super::{Hooke, Law, PointResponse, State, Tensor, softening};
+use super::{Hooke, Law, LawName, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
@@ -41,9 +41,11 @@ pub use meso_mesh::materials::Cdpm2Parameters as Options;
 /// Names the first one that it cannot have.
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
-    materials.validate_strength()?;
-    [Phase::Mortar, Phase::Itz].into_iter().try_for_each(|phase| materials.validate_peak_strain(phase))?;
-    let given = &materials.mortar_strength;
+    materials.validate_strength(LawName::Cdpm2)?;
+    [Phase::Mortar, Phase::Itz]
+        .into_iter()
+        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Cdpm2))?;
+    let given = materials.mortar_strength.of(LawName::Cdpm2);
     let biaxial = materials.plasticity.biaxial_ratio;
     let accepted = "it must lie above 1 and at most at 1.5; 1.16 is usual";
     MATERIALS.require("plasticity.biaxial_ratio", biaxial, biaxial > 1.0 && biaxial <= 1.5, accepted)?;

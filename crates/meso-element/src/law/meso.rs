@@ -7,9 +7,9 @@
 //! ```text
 //! g         max(y, 0.1)
 //! cracks    R_i = g s_i - f_t y_t(kt) y(kc) <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
-//! crushing  F = g (q + 3 alpha p + beta <s1> - gamma <-s1> / (1 + P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
-//!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1),  beta = (1 - alpha) rise / f_s - (1 + alpha)
-//!           N = 1.5 dev s / q + tan(psi) / 3,  tan psi = y tan(psi_0) / ((1 + P / f_c) (1 + A P / f_c))
+//! crushing  F = g (s1 - s3 + 3 alpha p + gamma s1 / (1 + B P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
+//!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1)
+//!           N = 1.5 dev s / q + tan(psi) / 3,  tan psi = y tan(psi_0) / ((1 + B P / f_c) (1 + A P / f_c))
 //!           d kc = <-N_3> / (1 + A P / f_c) per step of flow
 //! y_t       crack law of fib Model Code 2010, 5.1.8.2, on the width h
 //! y         exp(-<kc - peak> L f_c / G_c)
@@ -21,9 +21,10 @@
 //!    strength go, friction stays. The share y of cohesion that is left scales the dilation, too.
 //! 3. Crushing costs 1 + A P / f_c times as much strain under confinement.
 //! 4. Its energy counts on the band L, which small elements share: their curve is one of strain.
-//! 5. gamma falls to half at P = f_c, as the compressive meridian of tests bends.
-//! 6. f_s, 1.5 f_t, says how much strength lateral tension costs: a third at a twentieth of the compression, as Kupfer,
-//!    Hilsdorf and Ruesch (1969) found. Its surface lies outside the cracks' near tension.
+//! 5. gamma falls to half at P = f_c / B, as the compressive meridian of tests bends.
+//! 6. With fb = 1, alpha is 0 and F is Coulomb's friction: one gamma for both signs of s1, which the cracks cut off at f_t.
+//!    Concrete loses more strength to lateral tension and gains more from a second pressure, both through its grains.
+//!    The grains are in the mesh, so mortar with features of concrete would have them twice.
 //!
 //! The cracks' return is closed: all principal stresses fall by m, those above t = f_t y_t y / g further to it, with
 //!
@@ -44,9 +45,10 @@
 use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy};
 use super::invariants::{Invariants, split};
-use super::{Hooke, Law, PointResponse, State, Tensor, cdp, softening};
+use super::{Hooke, Law, LawName, PointResponse, State, Tensor, cdp, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
+use meso_mesh::Phase;
 use meso_mesh::materials::{self, Materials, Mesoscale, Strength};
 
 /// Parameters, as registers.
@@ -65,12 +67,10 @@ pub struct Meso<R> {
     dilation: R,
     three_alpha: R,
     one_less_alpha: R,
-    one_more_alpha: R,
     gamma: R,
-    /// (1 - alpha) / f_s
-    beta_slope: R,
-    /// 1 / f_c, and f_t, MPa.
-    per_strength: R,
+    /// B / f_c, per MPa.
+    bend: R,
+    /// f_t, MPa.
     tensile: R,
     rise: Rise<R>,
     crack: Crack<R>,
@@ -86,29 +86,33 @@ pub struct Meso<R> {
 
 /// Newton's steps of the cone's return.
 const STEPS: usize = 2;
-/// f_s over f_t.
-const SHEARED: f64 = 1.5;
 /// Least share of the cohesion.
 const LEAST_COHESION: f64 = 1e-3;
 /// Least share of the stiffness: crushed mortar is loose.
 const LEAST_STIFFNESS: f64 = 0.1;
+/// Most that s1 - s3 is over the Mises stress: 2 / sqrt(3).
+const WIDEST_SECTION: f64 = 1.154_700_538_379_251_6;
 
 /// Finds out whether the law can have these values.
 ///
 /// # Errors
 /// Names the first one that it cannot have.
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
-    cdp::validate(materials)?;
+    materials.validate_elastic()?;
+    materials.validate_strength(LawName::Meso)?;
+    [Phase::Mortar, Phase::Itz]
+        .into_iter()
+        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Meso))?;
     materials.validate_mesoscale()
 }
 
 impl<R: Real> Meso<R> {
     /// The law of a phase with these values, which [`validate`] has seen.
-    pub fn new(elastic: &materials::Elastic, strength: &Strength, biaxial_ratio: f64, own: &Mesoscale) -> Self {
+    pub fn new(elastic: &materials::Elastic, strength: &Strength, own: &Mesoscale) -> Self {
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         let (bulk, shear) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
         let (fc, ft, kc) = (strength.compressive_mpa, strength.tensile_mpa, own.meridian_ratio);
-        let (alpha, b) = (cdp::alpha(biaxial_ratio), nu / (1.0 - 2.0 * nu));
+        let (alpha, b) = (cdp::alpha(own.biaxial_ratio), nu / (1.0 - 2.0 * nu));
         let opening = strength.crushing_energy_n_per_mm / fc;
         let snapping = [Crack::<R>::snapping_mm(strength, e), opening / (fc / e)];
         let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
@@ -123,10 +127,8 @@ impl<R: Real> Meso<R> {
             dilation: splat(libm::tan(own.dilation_angle_deg.to_radians())),
             three_alpha: splat(3.0 * alpha),
             one_less_alpha: splat(1.0 - alpha),
-            one_more_alpha: splat(1.0 + alpha),
             gamma: splat(3.0 * (1.0 - kc) / (2.0 * kc - 1.0)),
-            beta_slope: splat((1.0 - alpha) / (SHEARED * ft)),
-            per_strength: splat(1.0 / fc),
+            bend: splat(own.meridian_bend / fc),
             tensile: splat(ft),
             rise: Rise::new(strength, e),
             crack: Crack::new(strength, e),
@@ -168,18 +170,17 @@ impl<R: Real> Stress<R> {
 /// Start and direction of the cone's flow.
 #[derive(Clone, Copy)]
 struct Flow<R> {
-    /// Mises, mean and largest principal stress.
-    from: [R; 3],
-    /// How fast each of the three falls.
-    fall: [R; 3],
+    /// (1 - alpha) F without the strength, and how fast it falls.
+    pressed: R,
+    fall: R,
+    /// How fast the mean stress falls.
+    mean_fall: R,
     /// Crushing strain at the start, and per step of flow.
     crushed: R,
     harden: R,
     /// Share of the effective strength at the start, and its softening per crushing strain.
     left: R,
     per_scale: R,
-    /// gamma at the confinement of the start.
-    gamma: R,
 }
 
 impl<R: Real> Meso<R> {
@@ -208,20 +209,14 @@ impl<R: Real> Meso<R> {
         self.crack.integrity(cracked, width.min(self.widest[0]))
     }
 
-    /// Weight of a tensile largest stress.
-    #[inline(always)]
-    fn beta(&self, risen: R) -> R {
-        self.beta_slope.mul_add(risen, -self.one_more_alpha).positive()
-    }
-
-    /// Where a point can yield or has softened: F without gamma, and with s1 at most p + 2 q / 3.
+    /// Where a point can yield or has softened: F without the share of a pressed s1, and with s1 at most p + 2 q / 3.
     #[inline(always)]
     fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
         let zero = R::splat(0.0);
         let risen = self.rise.at(crushed).0;
         let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean);
-        let pressed = self.three_alpha.mul_add(of.mean, of.mises);
-        let bound = self.beta(risen).mul_add(largest.positive(), pressed) - self.one_less_alpha * risen;
+        let pressed = self.three_alpha.mul_add(of.mean, R::splat(WIDEST_SECTION) * of.mises);
+        let bound = self.gamma.mul_add(largest.positive(), pressed) - self.one_less_alpha * risen;
         zero.lt(bound) | self.tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
@@ -263,7 +258,7 @@ impl<R: Real> Meso<R> {
     /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
     #[inline(always)]
     fn excess(&self, of: &Flow<R>, flow: R) -> (R, R) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let one = R::splat(1.0);
         let hardened = of.harden * flow;
         let crushed = of.crushed + hardened;
         let (risen, rising) = self.rise.at(crushed);
@@ -273,16 +268,8 @@ impl<R: Real> Meso<R> {
         let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
         let strength = risen * of.left * share;
         let slope = R::select(softens, -(strength * of.per_scale), rising);
-        let ([a, b, c], [mises, mean, largest]) = (of.fall, of.from);
-        // A closure would be compiled without the registers' instruction set, and called.
-        let [mises, mean, largest] = [(-a).mul_add(flow, mises), (-b).mul_add(flow, mean), (-c).mul_add(flow, largest)];
-        let tensile = zero.lt(largest);
-        let weight = R::select(tensile, self.beta(risen), of.gamma);
-        let pressed = self.three_alpha.mul_add(mean, mises);
-        let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
-        let lift = R::select(tensile, self.beta_slope * largest * rising, zero) - self.one_less_alpha * slope;
-        let fall = self.three_alpha.mul_add(of.fall[1], of.fall[0]);
-        (excess, weight.mul_add(of.fall[2], fall) - lift * of.harden)
+        let pressed = (-of.fall).mul_add(flow, of.pressed);
+        ((-self.one_less_alpha).mul_add(strength, pressed), (self.one_less_alpha * slope).mul_add(of.harden, of.fall))
     }
 
     /// Start and direction of the cone's flow from `stress`.
@@ -292,7 +279,7 @@ impl<R: Real> Meso<R> {
         let largest = stress.mean + stress.principal[0];
         let stiffness = Self::stiffness(left);
         let confined = stiffness * (-largest).positive();
-        let bent = self.per_strength.mul_add(confined, one);
+        let bent = self.bend.mul_add(confined, one);
         let costly = self.ductility.mul_add(confined, one);
         let size = stress.mises.max(R::splat(1e-8));
         // All quotients by one division.
@@ -302,14 +289,19 @@ impl<R: Real> Meso<R> {
         let [first, _, last] = stress.principal.map(|d| R::splat(1.5) * d * per_mises);
         let mean_fall = self.bulk * tan;
         let least = tan.mul_add(R::splat(1.0 / 3.0), last);
+        // The flow lowers s1, so that gamma is that of the start all the way.
+        let gamma = self.gamma * (costly * size * over);
+        let pressed =
+            |mean: R, first: R, last: R| self.three_alpha.mul_add(mean, gamma.mul_add(mean + first, first - last));
+        let two_shear = R::splat(2.0 / 3.0) * self.three_shear;
         Flow {
-            from: [stress.mises, stress.mean, largest],
-            fall: [self.three_shear, mean_fall, (R::splat(2.0 / 3.0) * self.three_shear).mul_add(first, mean_fall)],
+            pressed: pressed(stress.mean, stress.principal[0], stress.principal[2]),
+            fall: pressed(mean_fall, two_shear * first, two_shear * last),
+            mean_fall,
             crushed,
             harden: (-least).positive() * (bent * size * over),
             left: left / stiffness,
             per_scale: R::select(left.lt(R::splat(LEAST_STIFFNESS)), per_scale, zero),
-            gamma: self.gamma * (costly * size * over),
         }
     }
 
@@ -356,7 +348,7 @@ impl<R: Real> Law<R> for Meso<R> {
         let flow = self.flow(&cracked, history[CRUSHED], left, per_scale);
         let length = self.back(&flow);
         let share = length * self.three_shear / cracked.mises.max(R::splat(1e-8));
-        let (end, opened) = self.open(trial.less(&cracked, share.min(one), flow.fall[1] * length), strength);
+        let (end, opened) = self.open(trial.less(&cracked, share.min(one), flow.mean_fall * length), strength);
 
         history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
         history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);

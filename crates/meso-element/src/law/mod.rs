@@ -16,7 +16,7 @@ pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
 pub use meso::Meso;
-pub use meso_trial::LawName;
+pub use meso_mesh::materials::LawName;
 
 use crate::real::Real;
 

@@ -76,7 +76,7 @@ mod tests {
     use super::super::{Tracing, of_faces};
     use super::{Law, Point};
     use meso_mesh::Phase;
-    use meso_mesh::materials::Materials;
+    use meso_mesh::materials::{LawName, Materials};
     use meso_solve::device::{Cohesion, CohesionValues, LawTask, spent};
     use meso_solve::law::cdpm2::Options;
     use meso_solve::law::{self, Cdp, Cdpm2, Hooke, Meso};
@@ -85,23 +85,23 @@ mod tests {
     /// Values of mortar that soften within the strains of the tests.
     fn values() -> Materials {
         let mut materials = Materials::default();
-        materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+        materials.mortar_strength.crushing_energy_n_per_mm = Some(0.5);
         materials
     }
 
     fn cdp<R: Real>(materials: &Materials) -> Cdp<R> {
-        let strength = materials.strength(Phase::Mortar).unwrap();
+        let strength = materials.mortar_strength.of(LawName::Cdp);
         Cdp::new(materials.elastic(Phase::Mortar), &strength, &materials.plasticity)
     }
 
     fn cdpm2<R: Real>(materials: &Materials) -> Cdpm2<R> {
-        let strength = materials.strength(Phase::Mortar).unwrap();
+        let strength = materials.mortar_strength.of(LawName::Cdpm2);
         Cdpm2::new(materials.elastic(Phase::Mortar), &strength, 1.16, &Options::default())
     }
 
     fn meso<R: Real>(materials: &Materials) -> Meso<R> {
-        let strength = materials.strength(Phase::Mortar).unwrap();
-        Meso::new(materials.elastic(Phase::Mortar), &strength, 1.16, &materials.meso)
+        let strength = materials.mortar_strength.of(LawName::Meso);
+        Meso::new(materials.elastic(Phase::Mortar), &strength, &materials.meso)
     }
 
     fn hooke<R: Real>(materials: &Materials) -> Hooke<R> {

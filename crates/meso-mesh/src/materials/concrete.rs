@@ -1,12 +1,12 @@
 //! `[materials]` of a concrete's class or a mortar's strength, each value with its source.
 //!
-//! The defaults stand for one concrete, whose strength is [`Mix::DEFAULT_PEAK_MPA`]. Other concretes scale them by the rules of
+//! The defaults stand for one concrete, whose strength is [`Mix::default_peak_mpa`]. Other concretes scale them by the rules of
 //! codes, so that the default's own strength gives the default's strengths and energies again. The mortar's modulus is the
 //! one with which the lower bound of Hashin and Shtrikman (1963) has the code's modulus of the concrete: cubes of 36 mm had
 //! 30.1 GPa where the bound has 30.0.
 
 use super::rock::Rock;
-use super::{Elastic, MATERIALS, Materials, Strength};
+use super::{Elastic, LawName, MATERIALS, Materials, Strength};
 use meso_concrete::OutOfRange;
 use std::fmt::Write;
 
@@ -19,6 +19,8 @@ pub struct Mix {
     pub rock: Option<Rock>,
     /// Volume of the aggregates that the packing has, over the concrete's.
     pub fraction: f64,
+    /// The law that the mortar follows; decks have the values of [`LawName::Cdp`].
+    pub law: LawName,
 }
 
 /// A key, its value, and where the value is from.
@@ -41,33 +43,40 @@ const STRENGTHS: [f64; 2] = [20.0, 128.0];
 const LEAST_BEND: f64 = 1.2;
 
 impl Mix {
-    /// Strength of the concrete that the default mortar and aggregates make, MPa: 34.2 in a cube of 100 mm and 33.3 in one
-    /// of 150 mm, between plates of friction 0.1, with 40 % of aggregates.
-    pub const DEFAULT_PEAK_MPA: f64 = 34.0;
     /// Share of coarse aggregate where none is given.
     pub const USUAL_FRACTION: f64 = 0.4;
 
+    /// Strength of the concrete that the default mortar and aggregates make between plates of friction 0.1, with 40 % of
+    /// aggregates, MPa. Cubes of 36 and 50 mm had 35.5 and 35.6 with `meso`, of 100 and 150 mm 34.2 and 33.3 with `cdp`.
+    pub fn default_peak_mpa(law: LawName) -> f64 {
+        match law {
+            LawName::Meso | LawName::Elastic => 35.5,
+            LawName::Cdp | LawName::Cdpm2 => 34.0,
+        }
+    }
+
     /// The concrete with a mortar of this compressive strength, MPa.
-    pub fn of_mortar(mpa: f64, rock: Option<Rock>, fraction: f64) -> Self {
-        let fcm_mpa = mpa * Self::DEFAULT_PEAK_MPA / Strength::default().compressive_mpa;
-        Self { fcm_mpa, rock, fraction }
+    pub fn of_mortar(mpa: f64, rock: Option<Rock>, fraction: f64, law: LawName) -> Self {
+        let usual = Materials::default().mortar_strength.of(law);
+        let fcm_mpa = mpa * Self::default_peak_mpa(law) / usual.compressive_mpa;
+        Self { fcm_mpa, rock, fraction, law }
     }
 
     /// The concrete of a class, `C30` or `C30/37`, or of a mortar's strength, `M40`.
     ///
     /// # Errors
     /// A sentence with the accepted forms.
-    pub fn parse(text: &str, rock: Option<Rock>, fraction: f64) -> Result<Self, String> {
+    pub fn parse(text: &str, rock: Option<Rock>, fraction: f64, law: LawName) -> Result<Self, String> {
         let number = |text: &str| text.parse::<f64>().ok().filter(|mpa| mpa.is_finite());
         let of_class = |rest: &str| {
             let (cylinder, cube) = rest.split_once('/').map_or((rest, None), |(cylinder, cube)| (cylinder, Some(cube)));
             cube.is_none_or(|cube| number(cube).is_some()).then(|| number(cylinder)).flatten()
         };
         if let Some(fck) = text.strip_prefix(['C', 'c']).and_then(of_class) {
-            return Ok(Self { fcm_mpa: fck + MARGIN_MPA, rock, fraction });
+            return Ok(Self { fcm_mpa: fck + MARGIN_MPA, rock, fraction, law });
         }
         if let Some(mpa) = text.strip_prefix(['M', 'm']).and_then(number) {
-            return Ok(Self::of_mortar(mpa, rock, fraction));
+            return Ok(Self::of_mortar(mpa, rock, fraction, law));
         }
         Err(format!("{text:?} is no class of concrete, as C30 or C30/37, and no mortar, as M40 of 40 MPa"))
     }
@@ -120,7 +129,8 @@ impl Mix {
     }
 
     fn add_strength(&self, usual: &Materials, sourced: &mut Sourced) {
-        let (default, fcm, reference) = (usual.mortar_strength, self.fcm_mpa, Self::DEFAULT_PEAK_MPA);
+        let (default, fcm) = (usual.mortar_strength.of(self.law), self.fcm_mpa);
+        let reference = Self::default_peak_mpa(self.law);
         let ratio = fcm / reference;
         let compressive_mpa = ratio * default.compressive_mpa;
         let scaled = libm::pow(ratio, 0.31) * default.peak_strain;
@@ -139,7 +149,7 @@ impl Mix {
         let strain = format!("{}; grows with f_cm^0.31 (EN 1992-1-1, Table 3.1){bend}", per(default.peak_strain));
         let energy =
             "the default: energies beyond the peak hardly depend on strength (Jansen and Shah 1997; remembered)";
-        sourced.materials.mortar_strength = strength;
+        sourced.materials.mortar_strength = strength.into();
         let rows = vec![
             ("compressive_mpa", strength.compressive_mpa, per(default.compressive_mpa)),
             ("peak_strain", strength.peak_strain, strain),
@@ -224,7 +234,7 @@ mod tests {
     use super::*;
 
     fn mix(fcm_mpa: f64, rock: Option<Rock>) -> Sourced {
-        Mix { fcm_mpa, rock, fraction: 0.4 }.materials().unwrap()
+        Mix { fcm_mpa, rock, fraction: 0.4, law: LawName::Meso }.materials().unwrap()
     }
 
     /// The physics report: mortar 20, stone 60, ITZ 16 GPa, 40 %: 30.0 by the bound, 30.1 by the engine.
@@ -240,15 +250,18 @@ mod tests {
 
     #[test]
     fn the_default_concrete_has_the_default_strengths() {
-        let materials = mix(Mix::DEFAULT_PEAK_MPA, None).materials;
-        let (made, usual) = (materials.mortar_strength, Strength::default());
-        let pairs = [
-            (made.compressive_mpa, usual.compressive_mpa),
-            (made.tensile_mpa, usual.tensile_mpa),
-            (made.fracture_energy_n_per_mm, usual.fracture_energy_n_per_mm),
-            (made.crushing_energy_n_per_mm, usual.crushing_energy_n_per_mm),
-        ];
-        assert!(pairs.iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{made:?}");
+        for law in [LawName::Meso, LawName::Cdp] {
+            let mix = Mix { fcm_mpa: Mix::default_peak_mpa(law), rock: None, fraction: 0.4, law };
+            let made = mix.materials().unwrap().materials.mortar_strength.of(law);
+            let usual = Materials::default().mortar_strength.of(law);
+            let pairs = [
+                (made.compressive_mpa, usual.compressive_mpa),
+                (made.tensile_mpa, usual.tensile_mpa),
+                (made.fracture_energy_n_per_mm, usual.fracture_energy_n_per_mm),
+                (made.crushing_energy_n_per_mm, usual.crushing_energy_n_per_mm),
+            ];
+            assert!(pairs.iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{made:?}");
+        }
     }
 
     /// EN 1992-1-1, Table 3.1, and the factors of 3.1.3(2).
@@ -269,8 +282,8 @@ mod tests {
             for fcm_mpa in [20.0, 38.0, 58.0, 98.0, 128.0] {
                 let materials = mix(fcm_mpa, rock).materials;
                 materials.validate_elastic().unwrap();
-                materials.validate_strength().unwrap();
-                materials.validate_peak_strain(crate::cells::Phase::Mortar).unwrap();
+                materials.validate_strength(LawName::Meso).unwrap();
+                materials.validate_peak_strain(crate::cells::Phase::Mortar, LawName::Meso).unwrap();
                 let factor = rock.map_or(1.0, |rock| rock.values().concrete.0);
                 let made = composite_modulus(&materials.mortar, &materials.aggregate, 0.4);
                 assert!((made / (factor * secant_modulus(fcm_mpa)) - 1.0).abs() < 1e-9, "{rock:?} {fcm_mpa}");
@@ -280,14 +293,17 @@ mod tests {
 
     #[test]
     fn classes_and_mortars_are_read_and_others_refused() {
-        let fcm = |text: &str| Mix::parse(text, None, 0.4).map(|mix| mix.fcm_mpa);
+        let fcm = |text: &str| Mix::parse(text, None, 0.4, LawName::Meso).map(|mix| mix.fcm_mpa);
         assert_eq!([fcm("C30"), fcm("c30/37")], [Ok(38.0), Ok(38.0)]);
-        let mortar = Mix::parse("M40", None, 0.4).unwrap().materials().unwrap().materials.mortar_strength;
-        assert!((mortar.compressive_mpa - 40.0).abs() < 1e-9);
+        for law in [LawName::Meso, LawName::Cdp] {
+            let mortar = Mix::parse("M40", None, 0.4, law).unwrap().materials().unwrap().materials.mortar_strength;
+            assert!((mortar.of(law).compressive_mpa - 40.0).abs() < 1e-9);
+        }
         for text in ["", "C", "30", "C30/", "M", "Cinf", "X40"] {
             assert!(fcm(text).is_err(), "{text}");
         }
-        let wrong = Mix { fcm_mpa: 5.0, rock: None, fraction: 0.4 }.materials().unwrap_err().to_string();
+        let wrong =
+            Mix { fcm_mpa: 5.0, rock: None, fraction: 0.4, law: LawName::Meso }.materials().unwrap_err().to_string();
         assert!(wrong.contains("materials.fcm is 5; it must be 20 to 128 MPa"), "{wrong}");
     }
 

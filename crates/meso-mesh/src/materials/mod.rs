@@ -6,12 +6,14 @@
 
 mod cdpm2;
 mod concrete;
+mod mortar;
 mod ranges;
 mod rock;
 mod stone;
 
 pub use cdpm2::Cdpm2Parameters;
 pub use concrete::{Mix, Sourced};
+pub use mortar::{LawName, MortarStrength};
 pub use ranges::MATERIALS;
 pub use rock::{Rock, RockValues};
 pub use stone::{Stone, StoneKind};
@@ -40,7 +42,7 @@ pub struct Materials {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aggregate_strength: Option<Stone>,
     /// Strength of the mortar.
-    pub mortar_strength: Strength,
+    pub mortar_strength: MortarStrength,
     /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
     pub itz_strength_ratio: f64,
     /// Thickness that gives a cohesive ITZ its stiffness E / t, mm.
@@ -71,9 +73,7 @@ pub struct Elastic {
 }
 
 /// Parameters of the uniaxial curves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
     /// Compressive strength, MPa.
     pub compressive_mpa: f64,
@@ -109,8 +109,12 @@ pub struct Plasticity {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Mesoscale {
+    /// Biaxial over uniaxial compressive strength of the mortar.
+    pub biaxial_ratio: f64,
     /// Ratio of the second invariants on the tensile and the compressive meridian at low pressure, K_c.
     pub meridian_ratio: f64,
+    /// Bend of the meridians: friction falls to half at a least confinement of the strength over this.
+    pub meridian_bend: f64,
     /// Dilation angle before cohesion is lost, degrees.
     pub dilation_angle_deg: f64,
     /// Growth of crushing strains with the least confinement over the strength.
@@ -132,7 +136,7 @@ impl Default for Materials {
             mortar: MORTAR,
             fibre: FIBRE,
             aggregate_strength: None,
-            mortar_strength: Strength::default(),
+            mortar_strength: MortarStrength::default(),
             itz_strength_ratio: 0.7,
             cohesive_thickness_mm: 0.1,
             cohesive_shear_energy_ratio: 10.0,
@@ -140,21 +144,6 @@ impl Default for Materials {
             plasticity: Plasticity::default(),
             meso: Mesoscale::default(),
             cdpm2: Cdpm2Parameters::default(),
-        }
-    }
-}
-
-impl Default for Strength {
-    /// Values of docs/materials.md: the compressive strength gives a cube of 100 mm the 35 MPa of the paper's concrete, the strain
-    /// gives it the 0.0021 of EN 1992-1-1, Table 3.1; the fracture energy lies between CEB-FIP Model Code 1990 (0.066 N/mm)
-    /// and fib Model Code 2010 (0.14); the crushing energy gives the specimen's softening a length of 0.3 mm.
-    fn default() -> Self {
-        Self {
-            compressive_mpa: 40.0,
-            peak_strain: 0.003,
-            tensile_mpa: 3.4,
-            fracture_energy_n_per_mm: 0.1,
-            crushing_energy_n_per_mm: 5.0,
         }
     }
 }
@@ -175,12 +164,20 @@ impl Default for Plasticity {
 }
 
 impl Default for Mesoscale {
-    /// K_c with which mortar at a point and concrete around its grains lie on either side of f + 4.1 p (Richart et al. 1928)
-    /// at 5 and 10 MPa: grains add 0.5 to 0.7 p. Half the dilation of concrete, whose grains dilate it. A length of the
-    /// largest grain's size, as bands of tests are 1 to 3 grains wide. The ductility is below the 30 of confined tests,
-    /// which make cubes too strong between rough plates.
+    /// Coulomb's friction of mortars: a biaxial ratio of 1, and a K_c whose angle of 29 degrees is that of interfaces in
+    /// mortar (tan 0.6, Carol, Lopez and Roa 2001; remembered). The bend and K_c leave concrete around its grains within 15 %
+    /// of f + 4.1 p (Richart et al. 1928) at 5 and 10 MPa. Mortar dilates by a third of concrete, whose grains dilate it. A
+    /// length of the largest grain's size, as bands of tests are 1 to 3 grains wide. The ductility is below the 30 of
+    /// confined tests, which make cubes too strong between rough plates.
     fn default() -> Self {
-        Self { meridian_ratio: 0.72, dilation_angle_deg: 15.0, confined_ductility: 3.0, crushing_length_mm: 15.0 }
+        Self {
+            biaxial_ratio: 1.0,
+            meridian_ratio: 0.72,
+            meridian_bend: 0.15,
+            dilation_angle_deg: 5.0,
+            confined_ductility: 3.0,
+            crushing_length_mm: 15.0,
+        }
     }
 }
 
@@ -257,8 +254,8 @@ impl Materials {
 
     /// A cohesive ITZ must be thinner than this, mm: damage begins with f^2 / (2 K) stored, whichever way that is, and
     /// that must be less than its fracture energy in opening.
-    pub fn cohesive_thickness_limit_mm(&self) -> f64 {
-        let strength = self.strength(Phase::Itz).expect("the ITZ has a strength");
+    pub fn cohesive_thickness_limit_mm(&self, law: LawName) -> f64 {
+        let strength = self.itz_strength(law);
         let most = strength.tensile_mpa.max(strength.cohesion_mpa());
         2.0 * self.itz.youngs_modulus_mpa * strength.fracture_energy_n_per_mm / (most * most)
     }
@@ -285,14 +282,18 @@ impl Materials {
         }
     }
 
-    /// The strength of `phase`; aggregates and fibres have none, those of [`Stone`] are the test's own.
-    pub fn strength(&self, phase: Phase) -> Option<Strength> {
-        let (mortar, ratio) = (self.mortar_strength, self.itz_strength_ratio);
+    /// The strength of `phase` as `law` has it; aggregates and fibres have none, those of [`Stone`] are the test's own.
+    pub fn strength(&self, phase: Phase, law: LawName) -> Option<Strength> {
         match phase {
             Phase::Aggregate | Phase::Fibre => None,
-            Phase::Mortar => Some(mortar),
-            Phase::Itz => Some(mortar.scaled(ratio)),
+            Phase::Mortar => Some(self.mortar_strength.of(law)),
+            Phase::Itz => Some(self.itz_strength(law)),
         }
+    }
+
+    /// The strength of the ITZ as `law` has it.
+    pub fn itz_strength(&self, law: LawName) -> Strength {
+        self.mortar_strength.of(law).scaled(self.itz_strength_ratio)
     }
 }
 

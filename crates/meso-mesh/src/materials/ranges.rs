@@ -2,7 +2,7 @@
 //!
 //! A law that needs a narrower range, and a deck whose curves need more, add theirs.
 
-use super::{Elastic, Materials, Strength};
+use super::{Elastic, LawName, Materials, Strength};
 use crate::cells::Phase;
 use meso_concrete::{OutOfRange, Ranges};
 
@@ -27,8 +27,8 @@ impl Materials {
     ///
     /// # Errors
     /// Names the first value outside its range.
-    pub fn validate_strength(&self) -> Result<(), OutOfRange> {
-        let given = &self.mortar_strength;
+    pub fn validate_strength(&self, law: LawName) -> Result<(), OutOfRange> {
+        let given = self.mortar_strength.of(law);
         for (key, value) in [
             ("compressive_mpa", given.compressive_mpa),
             ("peak_strain", given.peak_strain),
@@ -47,8 +47,8 @@ impl Materials {
     ///
     /// # Errors
     /// The mortar's peak strain is too small for the phase's strength and stiffness.
-    pub fn validate_peak_strain(&self, phase: Phase) -> Result<(), OutOfRange> {
-        let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase) else { return Ok(()) };
+    pub fn validate_peak_strain(&self, phase: Phase, law: LawName) -> Result<(), OutOfRange> {
+        let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase, law) else { return Ok(()) };
         let modulus = self.elastic(phase).youngs_modulus_mpa;
         let least = PEAK_OVER_ELASTIC * compressive_mpa / modulus;
         let accepted = || {
@@ -74,8 +74,8 @@ impl Materials {
     ///
     /// # Errors
     /// The cohesive thickness is at its limit or above.
-    pub fn validate_cohesive_softening(&self) -> Result<(), OutOfRange> {
-        let (t, limit) = (self.cohesive_thickness_mm, self.cohesive_thickness_limit_mm());
+    pub fn validate_cohesive_softening(&self, law: LawName) -> Result<(), OutOfRange> {
+        let (t, limit) = (self.cohesive_thickness_mm, self.cohesive_thickness_limit_mm(law));
         let accepted =
             format!("it must be below {limit:.3e}, where damage begins with less than the ITZ's fracture energy");
         MATERIALS.require("cohesive_thickness_mm", t, t < limit, accepted)
@@ -107,6 +107,11 @@ impl Materials {
         let given = &self.meso;
         let require = |key, value, met, accepted| MATERIALS.require(format!("meso.{key}"), value, met, accepted);
         let (angle, kc, ductility) = (given.dilation_angle_deg, given.meridian_ratio, given.confined_ductility);
+        let (biaxial, bend) = (given.biaxial_ratio, given.meridian_bend);
+        let accepted = "it must be 1 to 2: below 1 the surface narrows under pressure faster than the dilation fades, and closed \
+             loops of strain return energy; grains give the concrete its own ratio, 1.2 to 1.3";
+        require("biaxial_ratio", biaxial, (1.0..=2.0).contains(&biaxial), accepted)?;
+        require("meridian_bend", bend, (0.0..=10.0).contains(&bend), "it must be 0 to 10; 0.15 is the default")?;
         require("dilation_angle_deg", angle, (0.0..60.0).contains(&angle), "it must be 0 or more and below 60")?;
         require("meridian_ratio", kc, kc > 0.6 && kc <= 1.0, "it must lie above 0.6 and at most at 1; 2/3 is usual")?;
         require("confined_ductility", ductility, (0.0..=100.0).contains(&ductility), "it must be 0 to 100")?;

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     _TurnOf = Literal["strain", "stress", "opening"]
     _Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
+    _Law = Literal["meso", "cdp", "cdpm2", "elastic"]
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
 
@@ -335,11 +336,13 @@ class Materials:
     """Material values, for the keyword `materials` of `Mesh.solve`; `mesocrete init --materials` gives the source of each."""
 
     @staticmethod
-    def for_concrete(fcm: float | str, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+    def for_concrete(
+        fcm: float | str, *, rock: _Rock | None = None, fraction: float = 0.4, law: _Law = "meso"
+    ) -> _types.DeckMaterials:
         """Return the values of a concrete by its mean cylinder strength, MPa, or by its class, "C30" or "C30/37".
 
-        `rock` is the aggregates' kind, and `fraction` the packing's share of aggregates, which the mortar's modulus
-        follows from.
+        `rock` is the aggregates' kind, `fraction` the packing's share of aggregates, which the mortar's modulus follows
+        from, and `law` the law of the mortar; decks take the values of `cdp`.
         """
         if isinstance(fcm, str):
             found = re.fullmatch(r"[Cc](\d+(?:\.\d+)?)(?:/\d+(?:\.\d+)?)?", fcm.strip())
@@ -347,9 +350,11 @@ class Materials:
                 message = f"fcm is {fcm!r}; give a class, as C30 or C30/37, or the mean strength in MPa, 38 for C30"
                 raise ValueError(message)
             fcm = float(found[1]) + _MEAN_OVER_CLASS
-        return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction)
+        return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction, law=law)
 
     @staticmethod
-    def for_mortar(strength: float, *, rock: _Rock | None = None, fraction: float = 0.4) -> _types.DeckMaterials:
+    def for_mortar(
+        strength: float, *, rock: _Rock | None = None, fraction: float = 0.4, law: _Law = "meso"
+    ) -> _types.DeckMaterials:
         """Return the values of the concrete that a mortar of this mean strength, MPa, makes; the others as in `for_concrete`."""
-        return _concrete_materials(mortar=strength, rock=rock, fraction=fraction)
+        return _concrete_materials(mortar=strength, rock=rock, fraction=fraction, law=law)

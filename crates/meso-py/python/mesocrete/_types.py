@@ -475,7 +475,7 @@ class DeckMaterials(TypedDict, total=False):
     """Crushing and confinement of the solver's law `meso`, which decks do not have."""
     mortar: DeckElastic
     """Mortar."""
-    mortar_strength: DeckStrength
+    mortar_strength: DeckMortarStrength
     """Strength of the mortar."""
     plasticity: DeckPlasticity
     """Yield surface and flow of the damaged plasticity."""
@@ -484,14 +484,37 @@ class DeckMaterials(TypedDict, total=False):
 class DeckMesoscale(TypedDict, total=False):
     """Parameters of the law `meso` beside the strengths."""
 
+    biaxial_ratio: float
+    """Biaxial over uniaxial compressive strength of the mortar."""
     confined_ductility: float
     """Growth of crushing strains with the least confinement over the strength."""
     crushing_length_mm: float
     """Least width of a band of crushing, mm."""
     dilation_angle_deg: float
     """Dilation angle before cohesion is lost, degrees."""
+    meridian_bend: float
+    """Bend of the meridians: friction falls to half at a least confinement of the strength over this."""
     meridian_ratio: float
     """Ratio of the second invariants on the tensile and the compressive meridian at low pressure, K_c."""
+
+
+class DeckMortarStrength(TypedDict, total=False):
+    """Strength of the mortar.
+
+    One strength and one energy depend on the law, where they are not given: between the same grains a law that loses more
+    strength to lateral tension needs a stronger mortar for the same concrete. A value that is given holds for every law.
+    """
+
+    compressive_mpa: float | None
+    """Compressive strength, MPa; absent: 33 with the law `meso`, 40 with other laws and in decks."""
+    crushing_energy_n_per_mm: float | None
+    """Energy of crushing beyond the peak, N/mm; absent: 11 with the law `meso`, 5 with other laws and in decks."""
+    fracture_energy_n_per_mm: float
+    """Fracture energy in tension, N/mm."""
+    peak_strain: float
+    """Strain at the compressive strength."""
+    tensile_mpa: float
+    """Tensile strength, MPa."""
 
 
 class DeckPlasticity(TypedDict, total=False):
@@ -537,21 +560,6 @@ class DeckStoneKind(TypedDict, total=False):
     """Share of the grains, by number; shares sum to 1."""
     strength_ratio: float
     """Strengths, peak strain and energies over those above."""
-
-
-class DeckStrength(TypedDict, total=False):
-    """Parameters of the uniaxial curves."""
-
-    compressive_mpa: float
-    """Compressive strength, MPa."""
-    crushing_energy_n_per_mm: float
-    """Energy of crushing beyond the peak, N/mm."""
-    fracture_energy_n_per_mm: float
-    """Fracture energy in tension, N/mm."""
-    peak_strain: float
-    """Strain at the compressive strength."""
-    tensile_mpa: float
-    """Tensile strength, MPa."""
 
 
 class DeckOptions(TypedDict, total=False):
@@ -740,7 +748,7 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    law: Literal["elastic", "cdp", "cdpm2", "meso"]
+    law: Literal["meso", "cdp", "cdpm2", "elastic"]
     """The law of mortar and ITZ."""
     pressure_mpa: float | None
     """Lateral pressure of a triaxial test, MPa; 5 where absent."""

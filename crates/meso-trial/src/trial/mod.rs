@@ -15,10 +15,10 @@ pub use setup::Setup;
 pub use setup::word;
 
 use crate::error::{TEST, TrialError};
-use crate::law::LawName;
 use crate::sample::Geometry;
 use meso_concrete::OutOfRange;
 use meso_mesh::CellKind;
+use meso_mesh::materials::LawName;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -163,7 +163,7 @@ impl Default for Test {
             ramp: 0.3,
             rows: 400,
             frames: 0,
-            law: LawName::Cdp,
+            law: LawName::Meso,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

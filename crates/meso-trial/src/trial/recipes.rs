@@ -71,7 +71,7 @@ mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90,
 
 /// Options that every test has.
 const COMMON: &str = "\
-# law = \"cdp\"               # elastic, cdp, cdpm2 or meso
+# law = \"meso\"              # meso, cdp, cdpm2 or elastic
 # control = \"servo\"         # or steady, crack-mouth, lateral-strain
 
 # Gauges instead of the test's own are further columns of curve.csv; an lvdt measures between two planes, mm from the lower

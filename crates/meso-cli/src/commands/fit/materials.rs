@@ -1,6 +1,6 @@
 //! The materials of a point of a fit, and their file.
 
-use meso_core::materials::{Materials, Strength};
+use meso_core::materials::{LawName, Materials, Strength};
 use std::collections::BTreeMap;
 
 /// The parameters of a fit, as keys of `[materials.mortar_strength]`.
@@ -24,8 +24,8 @@ pub(super) fn feasible(base: &Materials, point: &[f64]) -> Vec<f64> {
 }
 
 /// `base` with the parameters of `point`; the tensile strength keeps its share of the compressive one.
-pub(super) fn at(base: &Materials, point: &[f64]) -> Materials {
-    let usual = base.mortar_strength;
+pub(super) fn at(base: &Materials, law: LawName, point: &[f64]) -> Materials {
+    let usual = base.mortar_strength.of(law);
     let mortar_strength = Strength {
         compressive_mpa: point[0],
         peak_strain: point[1],
@@ -33,7 +33,7 @@ pub(super) fn at(base: &Materials, point: &[f64]) -> Materials {
         fracture_energy_n_per_mm: point[2],
         crushing_energy_n_per_mm: point[3],
     };
-    Materials { mortar_strength, ..base.clone() }
+    Materials { mortar_strength: mortar_strength.into(), ..base.clone() }
 }
 
 /// A file with all values, after some lines of comment.
@@ -61,8 +61,8 @@ mod tests {
         let stone = Stone { kinds, weibull_modulus: Some(6.0), ..Stone::default() };
         let base = Materials { aggregate_strength: Some(stone), ..Materials::default() };
         let point = feasible(&base, &[1.0 / 3.0 * 100.0, 1e-5, 0.07, 3.3]);
-        let made = at(&base, &point);
-        assert!(point[1] > 1e-3 && values(&made.mortar_strength) == point, "{point:?}");
+        let made = at(&base, LawName::Meso, &point);
+        assert!(point[1] > 1e-3 && values(&made.mortar_strength.of(LawName::Meso)) == point, "{point:?}");
         let read: File = options_from_toml(&file(&made, "a remark\nof two lines")).unwrap();
         assert_eq!(read.materials, made);
     }

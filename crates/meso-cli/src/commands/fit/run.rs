@@ -12,7 +12,8 @@ use crate::own_folder::OwnFolder;
 use crate::{inputs, interrupt, outputs, stderr};
 use meso_concrete::printable;
 use meso_core::Silent;
-use meso_core::materials::Materials;
+use meso_core::materials::{LawName, Materials};
+use meso_solve::Test;
 use meso_study::fit::{Calibration, Estimate, Target as Measured};
 use meso_study::{CURVE, Status, digest};
 use serde_json::{Map, Value, json};
@@ -71,6 +72,11 @@ impl Args {
             }
         }
         Ok(())
+    }
+
+    /// The law of every test.
+    fn law(&self) -> LawName {
+        self.law.unwrap_or_else(|| Test::default().law)
     }
 
     /// Reads the files.
@@ -141,7 +147,7 @@ impl Work<'_> {
 
     /// The whole fit; none where the user stopped it.
     fn fit(&mut self) -> Result<Option<Calibration>, Failure> {
-        let start = materials::feasible(&self.base, &materials::values(&self.base.mortar_strength));
+        let start = materials::feasible(&self.base, &materials::values(&self.base.mortar_strength.of(self.args.law())));
         let points = Calibration::points(&start);
         let Some(residuals) = self.test(&points)? else { return Ok(None) };
         let mut fit = Calibration::new(&start, &residuals);
@@ -200,7 +206,7 @@ impl Work<'_> {
 
     /// Writes the materials of a point, and returns the name of their file beside the study.
     fn keep(&self, point: &[f64]) -> Result<String, Failure> {
-        let text = materials::file(&materials::at(&self.base, point), "A point of a fit.");
+        let text = materials::file(&materials::at(&self.base, self.args.law(), point), "A point of a fit.");
         let name = format!("materials/{}.toml", &digest(text.as_bytes())[..SHORT_HASH]);
         let folder = self.args.output.join("materials");
         std::fs::create_dir_all(&folder).map_err(|error| Failure::file(&folder, &error))?;
@@ -226,7 +232,7 @@ impl Work<'_> {
         let lines: Vec<String> = PARAMETERS.iter().zip(&estimates).map(|(key, of)| self.line(key, of)).collect();
         let title = format!("mesocrete fit {} {}", self.args.curve.display(), self.args.spec.display());
         let comment = format!("{}\n{}", printable(&title), lines.join("\n"));
-        let text = materials::file(&materials::at(&self.base, &best), &comment);
+        let text = materials::file(&materials::at(&self.base, self.args.law(), &best), &comment);
         let figures = self.report(fit, &estimates);
         let (mut unit, force) = (Unit::default(), self.args.writing.force);
         unit.fill(materials, force, |out| out.write_all(text.as_bytes()))?;

@@ -35,8 +35,8 @@ pub(crate) struct Args {
     pub(super) strain: Option<f64>,
     #[arg(long, value_parser = names::parser::<LawName>())]
     #[arg(help = format!(
-        "The law of mortar and ITZ: cdp is the twin of a deck, meso suits curves beyond the peak and specimens under \
-         pressure [default: {}]",
+        "The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison \
+         [default: {}]",
         names::of(&Test::default().law)
     ))]
     pub(super) law: Option<LawName>,

@@ -441,7 +441,7 @@ fn band_of_boxes(sample: &Sample, law: LawName) -> f64 {
 
 /// The values of cohesive faces, those of a deck but for the friction.
 fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
-    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let strength = materials.itz_strength(test.law);
     let (stiffness, friction) = (materials.separation_stiffness(), test.interface.friction);
     let opening = strength.fracture_energy_n_per_mm;
     let values = CohesionValues {
@@ -456,6 +456,6 @@ fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveE
         let energies = [UNBREAKABLE.powi(2); 2];
         return Ok(CohesionValues { tensile: UNBREAKABLE, shear: UNBREAKABLE, energies, ..values });
     }
-    materials.validate_cohesive_softening()?;
+    materials.validate_cohesive_softening(test.law)?;
     Ok(values)
 }

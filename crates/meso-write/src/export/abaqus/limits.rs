@@ -1,6 +1,6 @@
 //! Ranges of a deck's values besides those of its materials.
 
-use super::{Analysis, DeckOptions};
+use super::{Analysis, DeckOptions, LAW};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::cells::Phase;
 use meso_mesh::materials::{MATERIALS, Materials};
@@ -70,7 +70,7 @@ const GEOMETRY: &str = "geometry_only leaves it out";
 
 fn materials(values: &Materials) -> Result<(), OutOfRange> {
     values.validate_elastic()?;
-    values.validate_strength()?;
+    values.validate_strength(LAW)?;
     values.validate_cohesive()?;
     values.validate_plasticity()
 }
@@ -84,8 +84,8 @@ fn in_deck(error: OutOfRange) -> OutOfRange {
 /// ensure that themselves. `opening` is the deck's share of a crack's opening; a crack's plastic opening grows by that share
 /// of G / (4 f) where it loses f / (5 E).
 pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Result<(), OutOfRange> {
-    let Some(strength) = materials.strength(phase) else { return Ok(()) };
-    materials.validate_peak_strain(phase).map_err(in_deck)?;
+    let Some(strength) = materials.strength(phase, LAW) else { return Ok(()) };
+    materials.validate_peak_strain(phase, LAW).map_err(in_deck)?;
     let (e, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.tensile_mpa);
     let given = materials.mortar_strength.fracture_energy_n_per_mm;
     let share = opening * strength.fracture_energy_n_per_mm / given;
@@ -96,5 +96,5 @@ pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Resul
 
 /// Finds out whether Abaqus takes the softening of a cohesive ITZ.
 pub(super) fn separation(materials: &Materials) -> Result<(), OutOfRange> {
-    materials.validate_cohesive_softening().map_err(in_deck)
+    materials.validate_cohesive_softening(LAW).map_err(in_deck)
 }

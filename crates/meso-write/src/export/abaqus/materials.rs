@@ -1,10 +1,10 @@
 //! Materials under the names of the phases, and the sections that give them to the element sets.
 
-use super::DeckOptions;
 use super::damage::{self, Band, Row};
 use super::geometry::present;
 use super::limits;
 use super::lines::real;
+use super::{DeckOptions, LAW};
 use crate::export::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{Mesh, Phase};
@@ -22,7 +22,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
             lines.line("*EXPANSION, ZERO=0.0")?;
             lines.line(format!("{},", real(strains[phase as usize])))?;
         }
-        if let (true, Some(strength)) = (options.damages(), materials.strength(phase)) {
+        if let (true, Some(strength)) = (options.damages(), materials.strength(phase, LAW)) {
             plasticity(lines, materials, phase, &strength, crack_band(mesh))?;
         }
     }
@@ -50,7 +50,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 
 /// Finds out whether Abaqus takes the curves of every phase in the elements it has.
 pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange> {
-    let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
+    let mut strong = present(mesh).filter(|&phase| materials.strength(phase, LAW).is_some());
     let materials = materials.in_mesh(mesh);
     let opening = crack_band(mesh).opening;
     strong.try_for_each(|phase| limits::curves(&materials, phase, opening))
@@ -59,7 +59,7 @@ pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange
 /// Warns of crack bands so wide that they dissipate more crushing energy than was asked for.
 pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
     let width = crack_band(mesh).width_mm;
-    let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength);
+    let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength.of(LAW));
     (width > widest).then(|| {
         format!(
             "elements too large for this crushing energy: crack bands of {width:.2} mm, limit {widest:.2} mm. Dissipation will be \
@@ -127,7 +127,7 @@ fn curve(lines: &mut Lines<impl Write>, rows: &[Row], value: impl Fn(&Row) -> f6
 fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials, damages: bool) -> io::Result<()> {
     let (itz, t) = (&materials.itz, materials.cohesive_thickness_mm);
     let stiffness = materials.separation_stiffness();
-    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let strength = materials.itz_strength(LAW);
     let cohesion = strength.cohesion_mpa();
     lines.line("*MATERIAL, NAME=ITZ")?;
     lines.line("*DENSITY")?;

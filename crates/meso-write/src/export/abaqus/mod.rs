@@ -26,11 +26,14 @@ use meso_concrete::{OutOfRange, exceeds, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::materials::{Materials, Strength};
-use meso_trial::{LawName, Loads, Sample, Test, TestKind, TrialError, word};
+use meso_mesh::materials::{LawName, Materials, Strength};
+use meso_trial::{Loads, Sample, Test, TestKind, TrialError, word};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 pub(crate) use supports::names as support_names;
+
+/// The law of the solver whose values a deck has.
+const LAW: LawName = LawName::Cdp;
 
 /// Content of a deck besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -322,9 +325,9 @@ impl DeckOptions {
 
     /// The inelastic strain at which the deck's curve of mortar has come to half its strength; `None` where it has no curve.
     pub fn half_strength_strain(&self, mesh: &Mesh) -> Option<f64> {
-        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let strength = self.materials.mortar_strength.of(LAW);
         let width_mm = || materials::crack_band(mesh).width_mm;
-        self.has_curves().then(|| damage::half_strength_strain(mortar, mortar_strength, width_mm()))
+        self.has_curves().then(|| damage::half_strength_strain(&self.materials.mortar, &strength, width_mm()))
     }
 
     /// Doubts about this deck of `mesh`, a sentence each. The deck can be written and run all the same.
@@ -341,11 +344,11 @@ impl DeckOptions {
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
         let test = self.test().filter(|test| test.kind == TestKind::Compression && self.has_curves())?;
-        let Materials { mortar, mortar_strength, .. } = &self.materials;
+        let (mortar, given) = (&self.materials.mortar, self.materials.mortar_strength.of(LAW));
         let (strain, width_mm) = (test.strain(), materials::crack_band(mesh).width_mm);
         let mut halved = (0..=HALVINGS).map(|n| {
-            let energy = mortar_strength.crushing_energy_n_per_mm / f64::from(1 << n);
-            let strength = Strength { crushing_energy_n_per_mm: energy, ..*mortar_strength };
+            let energy = given.crushing_energy_n_per_mm / f64::from(1 << n);
+            let strength = Strength { crushing_energy_n_per_mm: energy, ..given };
             (energy, damage::half_strength_strain(mortar, &strength, width_mm))
         });
         let half = halved.next()?.1;

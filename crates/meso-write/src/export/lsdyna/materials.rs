@@ -7,7 +7,7 @@ use crate::export::lines::Lines;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
+use meso_mesh::materials::{Elastic, LawName, Materials, Strength, characteristic_mm, width_mm};
 use std::io::{self, Write};
 
 /// CDPM2's parameters that `[materials]` has no word for (Grassl et al. 2013, Sec. 4): q_h0, H_p, A_h to D_h, A_s, D_f.
@@ -18,6 +18,8 @@ const CRACK_AREA: f64 = 0.225;
 const REL3_UNITS: [f64; 2] = [0.039_37, 145.037_7];
 /// Largest grain of mortar, mm; `LOCWIDTH` of `*MAT_072R3` is three times that.
 const SAND_MM: f64 = 4.0;
+/// The law of the solver whose values a deck has.
+const LAW: LawName = LawName::Cdpm2;
 /// Least largest aggregate that `*MAT_159` was calibrated for, mm.
 const CSCM_AGGREGATE_MM: f64 = 8.0;
 /// Strengths that `*MAT_159` was calibrated for, MPa (FHWA-HRT-05-062, chapter 3).
@@ -32,7 +34,7 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     }
     let [low, high] = CSCM_MPA;
     for phase in [Phase::Mortar, Phase::Itz] {
-        let strength = options.materials.strength(phase).map_or(low, |strength| strength.compressive_mpa);
+        let strength = options.materials.strength(phase, LAW).map_or(low, |strength| strength.compressive_mpa);
         if strength < low || strength > high {
             let accepted = format!(
                 "*MAT_159 generates parameters for {low} to {high} MPa, and {} has {strength} MPa; take cdpm or rel3",
@@ -57,7 +59,7 @@ pub(super) fn write(
         one_part(cards, phase.name(), part(phase))?;
         let own = if is_solid(phase) { formulation(mesh.kind, options.reduced_integration) } else { joint(mesh.kind) };
         section(cards, part(phase), own)?;
-        match materials.strength(phase).filter(|_| options.has_curves()) {
+        match materials.strength(phase, LAW).filter(|_| options.has_curves()) {
             _ if !is_solid(phase) => cohesive(cards, &materials, options.has_curves())?,
             Some(strength) => strong(cards, phase, &materials, &strength, mesh, options)?,
             None => elastic(cards, part(phase), materials.elastic(phase))?,
@@ -207,7 +209,7 @@ fn cohesive(cards: &mut Lines<impl Write>, materials: &Materials, is_strong: boo
         cards.line("*MAT_COHESIVE_ELASTIC")?;
         return card(cards, &[&head[..], &[stiffness, stiffness].map(Field::Real)].concat());
     }
-    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let strength = materials.itz_strength(LAW);
     let opening = strength.fracture_energy_n_per_mm;
     let sliding = materials.cohesive_shear_energy_ratio * opening;
     cards.line("*MAT_COHESIVE_MIXED_MODE")?;
