@@ -402,8 +402,8 @@ def test_a_named_test_is_the_argument_of_solve_and_its_words_and_values_are_chec
         mc.Test.triaxial(pressure=10.0)
     with pytest.raises(ValueError, match="strian"):
         mc.Test.cyclic([(0.001, "strian")])
-    with pytest.raises(ValueError, match="pressure_mpa is -1; it must be 0 to 1000"):
-        mc.Test.triaxial(-1.0)
+    with pytest.raises(ValueError, match="pressure_mpa is -101; it must be -100 to 1000"):
+        mc.Test.triaxial(-101.0)
     with pytest.raises(TypeError):
         mesh.solve(test=3)
 

@@ -40,6 +40,26 @@ fn at_a_point(materials: &Materials, law: LawName, pressure: f64, strain: f64) -
     }
 }
 
+/// The case: concrete's tension-compression quadrant could not be run.
+#[test]
+fn a_cylinder_under_lateral_tension_has_the_strength_of_its_law_at_a_point() {
+    let meshed = cylinder(12.0, 12.0, 3.0);
+    let filled = meshed.mesh_volume_mm3() / meshed.specimen.volume();
+    let test = Test {
+        kind: TestKind::Triaxial,
+        pressure_mpa: Some(-1.0),
+        friction: Some(0.0),
+        strain: Some(0.004),
+        duration_s: Some(4e-4),
+        ..Test::default()
+    };
+    let response = meshed.solve(&brittle(), &test);
+    let expected = at_a_point(&brittle(), LawName::Meso, -1.0, 0.004) * filled;
+    let found = response.result.figures.peak_mpa;
+    assert!((found / expected - 1.0).abs() < 0.02 && expected < 0.94 * BRITTLE_MPA * filled, "{found} {expected}");
+    assert!(response.result.energy_balance_error < 1e-3, "{:?}", response.result);
+}
+
 #[test]
 fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
     let meshed = cylinder(12.0, 12.0, 3.0);
@@ -562,7 +582,8 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
             &cube,
             "test.control is crack-mouth; the specimen has no notch",
         ),
-        (Test { pressure_mpa: Some(-1.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -1"),
+        (Test { pressure_mpa: Some(-101.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -101"),
+        (Test { pressure_mpa: Some(f64::NAN), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is NaN"),
         (Test { pressure_mpa: Some(4.0), ..Test::default() }, &cube, "only triaxial has it"),
         (Test { strip_mm: Some(4.0), ..Test::default() }, &cube, "only splitting and bending has it"),
         (Test { strip_mm: Some(30.0), ..of(TestKind::Splitting) }, &cube, "a strip must leave half of the side free"),

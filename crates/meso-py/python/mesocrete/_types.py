@@ -751,7 +751,7 @@ class SolveOptions(TypedDict, total=False):
     law: Literal["meso", "cdp", "cdpm2", "elastic"]
     """The law of mortar and ITZ."""
     pressure_mpa: float | None
-    """Lateral pressure of a triaxial test, MPa; 5 where absent."""
+    """Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent."""
     ramp: float
     """Share of the time in which the plates gain their speed."""
     rows: int

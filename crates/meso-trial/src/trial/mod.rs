@@ -63,8 +63,8 @@ pub struct Test {
     pub hourglass: f64,
     /// Cohesive faces.
     pub interface: Interface,
-    /// Lateral pressure of a triaxial test, MPa; 5 where absent.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1000.0)))]
+    /// Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent.
+    #[cfg_attr(feature = "schema", schemars(range(min = -100.0, max = 1000.0)))]
     pub pressure_mpa: Option<f64>,
     /// Lateral over axial stress of a biaxial test; 1 where absent.
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
@@ -414,7 +414,7 @@ impl Test {
             let met = value.is_none_or(|value| (least..=most).contains(&value));
             TEST.require(key, value.unwrap_or_default(), met, format!("it must be {least} to {most}"))
         };
-        within("pressure_mpa", self.pressure_mpa, 0.0, 1000.0)?;
+        within("pressure_mpa", self.pressure_mpa, -100.0, 1000.0)?;
         within("stress_ratio", self.stress_ratio, 0.0, 10.0)?;
         for (key, value) in [("strip_mm", self.strip_mm), ("span_mm", self.span_mm)] {
             within(key, value, 1e-3, load::WIDEST_MM)?;

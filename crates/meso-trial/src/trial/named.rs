@@ -162,11 +162,11 @@ impl Test {
         if self.expansion.is_some() { SEATING_MPA } else { 0.0 }
     }
 
-    /// All sides under pressure, then plates.
+    /// All sides under pressure, then plates. Under lateral tension the plates begin without a force, since they cannot pull.
     fn confined(&self) -> Vec<SupportSpec> {
         let pressure_mpa = self.pressure_mpa();
         let mantle = SupportSpec { rule: Rule::Pressure, pressure_mpa, ..SupportSpec::new("mantle", Side::Mantle) };
-        self.plates(pressure_mpa).into_iter().chain([mantle]).collect()
+        self.plates(pressure_mpa.max(0.0)).into_iter().chain([mantle]).collect()
     }
 
     /// Plates across z, and plates across x whose stress follows.

@@ -27,7 +27,7 @@ pub(crate) struct Args {
     /// Plates of brushes or teflon: a friction of 0.005
     #[arg(long, conflicts_with = "friction")]
     pub(super) brush: bool,
-    /// Lateral pressure of a triaxial test, MPa [default: 5]
+    /// Lateral pressure of a triaxial test, MPa; negative ones are tension [default: 5]
     #[arg(long, value_name = "P", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) pressure_mpa: Option<f64>,
     /// Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]
