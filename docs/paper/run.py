@@ -94,7 +94,9 @@ def is_chosen(case: Case, args: argparse.Namespace) -> bool:
 
 def prepared(case: Case, args: argparse.Namespace) -> Case:
     """The case with the materials and the law of the command line, unless it has a law of its own."""
-    law = ["--law", args.law] if args.law and "--law" not in case.flags else []
+    # The page's former defaults are of cdp.
+    chosen = args.law or ("" if args.present else "cdp")
+    law = ["--law", chosen] if chosen and "--law" not in case.flags else []
     return replace(case, base="" if args.present else FORMER, flags=[*case.flags, *law])
 
 

@@ -499,11 +499,7 @@ class DeckMesoscale(TypedDict, total=False):
 
 
 class DeckMortarStrength(TypedDict, total=False):
-    """Strength of the mortar.
-
-    One strength and one energy depend on the law, where they are not given: between the same grains a law that loses more
-    strength to lateral tension needs a stronger mortar for the same concrete. A value that is given holds for every law.
-    """
+    """Strength of the mortar. One strength and one energy depend on the law, where they are not given: between the same grains a law that loses more strength to lateral tension needs a stronger mortar for the same concrete. A value that is given holds for every law."""
 
     compressive_mpa: float | None
     """Compressive strength, MPa; absent: 33 with the law `meso`, 40 with other laws and in decks."""
