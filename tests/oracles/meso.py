@@ -95,16 +95,22 @@ def left(kc: float) -> float:
     return max(math.exp(-max(kc - PEAK, 0.0) * max(WIDTH, LENGTH) * FC / GC), 1e-3)
 
 
-def stiffness(kc: float) -> float:
-    """Share of the stiffness that is left."""
+def loose(kc: float) -> float:
+    """Share of the stiffness that crushing leaves."""
     return max(left(kc), 0.1)
+
+
+def standing(kt: float) -> float:
+    """Share of the stiffness that a crack leaves: all until the bilinear law ends, nearly nothing G_f / f_t beyond."""
+    beyond = WIDTH * kt * FT / GF - 5
+    return min(max(1 - beyond, 1e-3), 1.0)
 
 
 def excess(principal: list[float], kc: float, gamma: float) -> float:
     """The yield function of effective stress times 1 - alpha."""
     first, _, last = principal
     pressed = first - last + 3 * ALPHA * mean(principal) + gamma * first
-    return pressed - (1 - ALPHA) * rise(kc) * left(kc) / stiffness(kc)
+    return pressed - (1 - ALPHA) * rise(kc) * left(kc) / loose(kc)
 
 
 def mean(s: list[float]) -> float:
@@ -130,6 +136,10 @@ class Point:
         other.plastic, other.kt, other.kc = list(self.plastic), self.kt, self.kc
         return other
 
+    def stiffness(self) -> float:
+        """Share of the stiffness that is left."""
+        return loose(self.kc) * standing(self.kt)
+
     def stress(self, strain: list[float]) -> list[float]:
         """Stress at the end of a step to this strain."""
         elastic = [e - p for e, p in zip(strain, self.plastic)]
@@ -137,10 +147,10 @@ class Point:
         trace = sum(values)
         trial = [(BULK - 2 / 3 * SHEAR) * trace + 2 * SHEAR * e for e in values]
         kept = left(self.kc)
-        strength = FT * kept / stiffness(self.kc) * crack_share(self.kt)
+        strength = FT * kept / self.stiffness() * crack_share(self.kt)
         cracked, _ = opened(trial, strength)
 
-        confined = stiffness(self.kc) * max(-cracked[0], 0.0)
+        confined = self.stiffness() * max(-cracked[0], 0.0)
         bent = 1 + MERIDIAN_BEND * confined / FC
         gamma = GAMMA / bent
         costly = 1 + DUCTILITY * confined / FC
@@ -162,7 +172,7 @@ class Point:
         moved = [crack + flow * n for crack, n in zip(cracks, direction)]
         self.plastic = [a + b for a, b in zip(self.plastic, tensor(moved, axes, 2.0))]
         self.kt += cracks[0]
-        return tensor([stiffness(self.kc) * s for s in effective], axes, 1.0)
+        return tensor([self.stiffness() * s for s in effective], axes, 1.0)
 
 
 def opened(trial: list[float], strength: float) -> tuple[list[float], list[float]]:
@@ -252,7 +262,7 @@ def held(side: float, corners: list[float], *, third: bool = False, step: float 
 def strained_paths() -> dict[str, list[list[float]]]:
     """Paths of all six strains: straight pieces between random corners."""
     found = {}
-    for name, seed, size in (("wander", 3, 0.0008), ("crush", 5, 0.002)):
+    for name, seed, size in (("wander", 3, 0.0008), ("crush", 5, 0.002), ("ended", 11, 0.02)):
         dice = random.Random(seed)
         point, rows, start = Point(), [], [0.0] * 6
         for _ in range(8):
@@ -305,7 +315,7 @@ def loop(dice: random.Random, steps: int, size: float, is_round: bool) -> tuple[
         for k in range(1, steps + 1):
             strain = [x + (y - x) * k / steps for x, y in zip(start, corner)]
             old = list(point.plastic)
-            stress, kept = point.stress(strain), stiffness(point.kc)
+            stress, kept = point.stress(strain), point.stiffness()
             flowed = sum(s * (new - was) for s, new, was in zip(stress, point.plastic, old))
             stored = sum(0.5 * s * (e - p) for s, e, p in zip(stress, strain, point.plastic))
             step = flowed + stored * (before - kept) / kept

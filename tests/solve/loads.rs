@@ -1,6 +1,6 @@
 //! Supports, loads, turns and gauges against closed forms, the law at one point, and the frames of the same test.
 
-use crate::samples::{BRITTLE_MPA, Meshed, brittle, options};
+use crate::samples::{BRITTLE_MPA, Meshed, brittle, damaged_plasticity, options};
 use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::specimen::Specimen;
@@ -180,7 +180,7 @@ fn crushed_mortar_unloads_along_the_stiffness_that_its_damage_leaves() {
         time_step_s: Some(1e-7),
         rows: 2000,
         frames: 400,
-        ..Test::default()
+        ..damaged_plasticity()
     };
     let damage = Damage::default();
     let response = meshed.watched(&brittle(), &test, &Silent, &damage);
@@ -209,7 +209,8 @@ fn crushed_mortar_unloads_along_the_stiffness_that_its_damage_leaves() {
 #[test]
 fn cycles_of_concrete_keep_their_energy_balance() {
     let meshed = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
-    let response = meshed.solve(&brittle(), &Test { kind: TestKind::Cyclic, friction: Some(0.0), ..Test::default() });
+    let response =
+        meshed.solve(&brittle(), &Test { kind: TestKind::Cyclic, friction: Some(0.0), ..damaged_plasticity() });
     assert!(response.result.energy_balance_error < 1e-3, "{:?}", response.result);
     let ratio = response.result.figures.peak_mpa / BRITTLE_MPA;
     assert!((0.93..1.03).contains(&ratio), "{ratio}");
@@ -289,7 +290,7 @@ fn a_disc_under_strips_has_the_stress_of_its_closed_form_around_its_centre() {
 #[test]
 fn a_disc_splits_at_the_strength_of_its_law_under_tension_and_three_times_the_pressure() {
     let meshed = cylinder(24.0, 8.0, 2.0);
-    let split = meshed.solve(&brittle(), &Test { kind: TestKind::Splitting, ..Test::default() });
+    let split = meshed.solve(&brittle(), &Test { kind: TestKind::Splitting, ..damaged_plasticity() });
     let ratio = split.result.figures.peak_mpa / brittle().mortar_strength.tensile_mpa;
     assert!((0.68..0.84).contains(&ratio), "{ratio}");
     assert!(split.result.energy_balance_error < 1e-3, "{:?}", split.result);

@@ -53,7 +53,7 @@ fn materials_that_cannot_be_are_named() {
         (|m| m.mortar.poisson_ratio = 0.5, "materials.mortar.poisson_ratio is 0.5"),
         (|m| m.mortar.density_t_per_mm3 = 2400.0, "2400 kg/m3 are 2.4e-9"),
         (|m| m.mortar_strength.tensile_mpa = f64::NAN, "materials.mortar_strength.tensile_mpa is NaN"),
-        (|m| m.plasticity.meridian_ratio = 0.5, "materials.plasticity.meridian_ratio is 0.5"),
+        (|m| m.meso.meridian_ratio = 0.5, "materials.meso.meridian_ratio is 0.5"),
         (|m| m.aggregate.youngs_modulus_mpa = 1e-30, "aggregate.youngs_modulus_mpa is"),
         (|m| m.mortar.youngs_modulus_mpa = 1e40, "the solver computes in single precision and takes 1e-12 to 1e12"),
         (|m| m.mortar_strength.tensile_mpa = 1e-200, "materials.mortar_strength.tensile_mpa is"),

@@ -9,6 +9,10 @@ const ELASTIC_LIMIT: f64 = Strength::ELASTIC_LIMIT;
 const LEAST_INTEGRITY: f64 = 1e-4;
 /// Straight pieces of the crack law of fib Model Code 2010, 5.1.8.2: the share a - b w of f_t at the opening w, in G_f / f_t.
 const BRANCHES: [(f64, f64); 2] = [(1.0, 0.8), (0.25, 0.05)];
+/// Opening beyond the law's last one over which a crack takes the stiffness, in G_f / f_t.
+const FADING: f64 = 1.0;
+/// Least share of the stiffness beside an ended crack.
+const LEAST_STANDING: f64 = 1e-3;
 
 /// Compressive strength over crushing strain, up to the peak.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +83,8 @@ pub(super) struct Crack<R> {
     pub(super) elastic_strain: R,
     /// G_f / f_t, mm.
     opening: R,
+    /// f_t / G_f, per mm.
+    per_opening: R,
 }
 
 impl<R: Real> Crack<R> {
@@ -88,6 +94,7 @@ impl<R: Real> Crack<R> {
         Self {
             elastic_strain: R::splat(ft / youngs_modulus),
             opening: R::splat(strength.fracture_energy_n_per_mm / ft),
+            per_opening: R::splat(ft / strength.fracture_energy_n_per_mm),
         }
     }
 
@@ -105,6 +112,15 @@ impl<R: Real> Crack<R> {
         let held = (R::splat(1.0) - from).mul_add(self.elastic_strain, cracked);
         let run = (-slope).mul_add(width * self.elastic_strain, self.opening);
         (from, slope * width * held, run)
+    }
+
+    /// Share of the stiffness that a crack leaves: all until the law ends, and nearly nothing once it is wider by
+    /// [`FADING`].
+    #[inline(always)]
+    pub(super) fn standing(&self, cracked: R, width: R) -> R {
+        const FADED: f64 = BRANCHES[1].0 / BRANCHES[1].1 / FADING + 1.0;
+        let opening = cracked * width * self.per_opening;
+        opening.mul_add(R::splat(-1.0 / FADING), R::splat(FADED)).between(LEAST_STANDING, 1.0)
     }
 
     /// Integrity at the plastic strain `cracked` in a band of this width.
