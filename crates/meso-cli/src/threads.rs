@@ -13,3 +13,11 @@ pub(crate) fn with<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Sen
     let pool = pool.map_err(|error| Failure::Run(format!("--threads {threads}: {error}; take fewer")))?;
     Ok(pool.install(work))
 }
+
+/// Runs `work` on the calling thread alone: a thread beside the workers takes no other one's time.
+pub(crate) fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
+    }
+}

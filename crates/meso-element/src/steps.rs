@@ -1,7 +1,7 @@
 //! The two kernels, compiled for every instruction set: no other crate compiles an element's loop.
 
+use crate::block::Pass;
 use crate::block::probe::{Element, Point, Probe};
-use crate::block::{Block, Common, Pass};
 use crate::lanes::InstructionSet;
 
 impl InstructionSet {
@@ -10,8 +10,8 @@ impl InstructionSet {
         self.run(pass)
     }
 
-    /// States of the elements of `block`, in its order, at these displacements of all nodes, mm.
-    pub fn probe(self, block: &Block, common: &Common, displacement: &[[f64; 3]]) -> Vec<(Element, Point)> {
-        self.run(Probe { block, common, displacement })
+    /// States of a block's elements, in its order.
+    pub fn probe(self, probe: Probe) -> Vec<(Element, Point)> {
+        self.run(probe)
     }
 }

@@ -40,6 +40,8 @@ pub struct Probe<'a> {
     pub common: &'a Common,
     /// Displacements of all nodes, mm.
     pub displacement: &'a [[f64; 3]],
+    /// Memory to work in.
+    pub scratch: &'a mut Scratch,
 }
 
 impl Task for Probe<'_> {
@@ -47,8 +49,7 @@ impl Task for Probe<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let Self { block, common, displacement } = self;
-        let mut scratch = Scratch::default();
+        let Self { block, common, displacement, scratch } = self;
         scratch.take_in(block, displacement, common.free.as_ref());
         let mut points = Vec::new();
         for group in &block.groups {

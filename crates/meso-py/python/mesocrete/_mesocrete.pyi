@@ -878,7 +878,7 @@ class Mesh:
         materials : dict, optional
             The `[materials]` of a deck; absent values keep their illustrative defaults.
         frames : int
-            Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
+            Moments, evenly over the strain, whose fields are kept in `Response.frames`.
         threads : int, optional
             All cores when absent. It changes the time, never the result.
         device : str

@@ -733,7 +733,7 @@ class SolveOptions(TypedDict, total=False):
     expansion: SolveExpansion | None
     """Strains of the phases that have no stress; they grow before the path begins. An expansion test without them has 1e-4 in the aggregates."""
     frames: int
-    """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
+    """Frames that the observer gets, evenly over the strain (where the path turns, the time); 0 for none."""
     friction: float | None
     """Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the plates are glued on."""
     gauges: Sequence[SolveGauge]

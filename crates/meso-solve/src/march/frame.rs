@@ -1,8 +1,8 @@
 //! The fields of a moment, computed on demand.
 
-use crate::march::run::Run;
+use crate::march::run::{Run, SCRATCH};
 use meso_element::block::Block;
-use meso_element::block::probe::{Element, Point};
+use meso_element::block::probe::{Element, Point, Probe};
 use meso_mesh::Mesh;
 use rayon::prelude::*;
 
@@ -60,28 +60,34 @@ impl<'a> Frame<'a> {
     /// `of` every cell of the mesh, in the mesh's order; smoothed cells have the mean of their patches.
     pub fn cells<T: Mean>(&self, of: impl Fn(&Point) -> T + Sync) -> Vec<T> {
         let mut all = vec![T::default(); self.mesh().cell_count()];
-        let (common, displacement) = (&self.run.common, &self.run.nodes.displacement[..]);
+        self.visit(of, |cell, x, share| all[cell].take(x, share));
+        all
+    }
+
+    /// Gives `of` every cell, with the cell's number; a smoothed cell is given each of its patches, with the patch's share.
+    pub(crate) fn visit<T: Send>(&self, of: impl Fn(&Point) -> T + Sync, mut give: impl FnMut(usize, &T, Option<f32>)) {
+        let (common, displacement, set) = (&self.run.common, &self.run.nodes.displacement[..], self.run.set);
         // A few blocks at a time, so that little is held twice.
         for blocks in self.run.blocks.chunks(64) {
             let probe = |block: &Block| {
-                let points = self.run.set.probe(block, common, displacement);
+                let points =
+                    SCRATCH.with_borrow_mut(|scratch| set.probe(Probe { block, common, displacement, scratch }));
                 points.into_iter().map(|(element, point)| (element, of(&point))).collect::<Vec<_>>()
             };
             let parts: Vec<Vec<(Element, T)>> = blocks.par_iter().map(probe).collect();
             for (element, x) in parts.iter().flatten() {
                 match element {
-                    Element::Cell(cell) => all[*cell as usize] = *x,
+                    Element::Cell(cell) => give(*cell as usize, x, None),
                     Element::Patch(patch) => {
                         let patches =
                             self.run.patches.as_ref().expect("patches have elements where strains are smoothed");
                         for &cell in patches.cells(*patch) {
-                            all[cell as usize].add(x, patches.part(cell) as f32);
+                            give(cell as usize, x, Some(patches.part(cell) as f32));
                         }
                     }
                 }
             }
         }
-        all
     }
 }
 
@@ -89,6 +95,14 @@ impl<'a> Frame<'a> {
 pub trait Mean: Copy + Default + Send + Sync {
     /// Adds a share of another one.
     fn add(&mut self, other: &Self, share: f32);
+
+    /// Becomes another one, or adds a share of it.
+    fn take(&mut self, other: &Self, share: Option<f32>) {
+        match share {
+            None => *self = *other,
+            Some(share) => self.add(other, share),
+        }
+    }
 }
 
 impl Mean for f32 {
@@ -97,7 +111,10 @@ impl Mean for f32 {
     }
 }
 
-impl Mean for [f32; 6] {
+impl<const N: usize> Mean for [f32; N]
+where
+    Self: Default,
+{
     fn add(&mut self, other: &Self, share: f32) {
         self.iter_mut().zip(other).for_each(|(own, x)| *own += share * x);
     }

@@ -89,6 +89,15 @@ impl Path {
         self.speed * s * s * (3.0 - 2.0 * s)
     }
 
+    /// Share of the way that a straight path has gone after the time `t`; none for paths with turns, and where the path begins
+    /// after a lead or goes nowhere.
+    pub(crate) fn gone(&self, t: f64) -> Option<f64> {
+        let is_straight = self.turns.is_empty() && self.lead_s == 0.0 && self.speed > 0.0;
+        let s = (t / self.ramp_s).min(1.0);
+        let ramp = self.ramp_s * s * s * s * (1.0 - 0.5 * s);
+        is_straight.then(|| self.speed * (ramp + (t - self.ramp_s).max(0.0)) / self.limit_mm)
+    }
+
     /// Whether the path has just begun at the time `t`: the specimen is sound until a quarter of the ramp, which goes 0.5 % of
     /// the way.
     pub(crate) fn begins(&self, t: f64) -> bool {

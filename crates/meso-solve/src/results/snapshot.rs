@@ -1,6 +1,7 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
 use crate::march::Frame;
+use crate::march::Mean;
 use crate::march::Run;
 use meso_mesh::Mesh;
 use meso_view::vtk::mesh::{self as vtu_mesh, Field};
@@ -65,16 +66,21 @@ pub struct Snapshot {
 impl Snapshot {
     /// Fields of `frame`.
     pub fn of(frame: &Frame) -> Self {
-        Self {
-            moment: Moment::of(frame),
-            displacement: frame.displacement(),
-            // One field at a time: a point of all of them would be held twice.
-            stress: frame.cells(|point| point.stress),
-            damage: frame.cells(|point| point.damage),
-            tension: frame.cells(|point| point.tension),
-            compression: frame.cells(|point| point.compression),
-            opening_mm: frame.cells(|point| point.opening_mm),
-        }
+        let cells = frame.mesh().cell_count();
+        let (mut stress, mut damage) = (vec![[0.0_f32; 6]; cells], vec![0.0_f32; cells]);
+        let (mut tension, mut compression, mut opening_mm) = (damage.clone(), damage.clone(), damage.clone());
+        frame.visit(
+            |point| *point,
+            |cell, point, share| {
+                stress[cell].take(&point.stress, share);
+                damage[cell].take(&point.damage, share);
+                tension[cell].take(&point.tension, share);
+                compression[cell].take(&point.compression, share);
+                opening_mm[cell].take(&point.opening_mm, share);
+            },
+        );
+        let (moment, displacement) = (Moment::of(frame), frame.displacement());
+        Self { moment, displacement, stress, damage, tension, compression, opening_mm }
     }
 
     /// Fields of `run` as it stands, with the number 0.

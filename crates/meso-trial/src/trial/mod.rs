@@ -51,7 +51,7 @@ pub struct Test {
     /// Rows of the curve, at most, and as densely where the servo adds steps.
     #[cfg_attr(feature = "schema", schemars(range(min = 10, max = 1_000_000)))]
     pub rows: u32,
-    /// Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none.
+    /// Frames that the observer gets, evenly over the strain (where the path turns, the time); 0 for none.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10_000)))]
     pub frames: u32,
     /// The law of mortar and ITZ.

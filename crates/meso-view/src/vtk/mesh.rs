@@ -53,7 +53,7 @@ pub struct Field<'a> {
 pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
     let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, Joints::LeftOut)).collect();
     Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, Joints::LeftOut, cell_data) }
-        .write(Encoding::Compressed, out)
+        .write(Encoding::Fast, out)
 }
 
 impl<'a> Field<'a> {

@@ -19,6 +19,8 @@ pub enum Encoding {
     Raw,
     /// By zlib, in blocks.
     Compressed,
+    /// By zlib at its fastest level, in blocks: a test waits for its frames.
+    Fast,
 }
 
 impl Encoding {
@@ -83,11 +85,11 @@ impl<'a> Array<'a> {
     }
 
     /// Number of blocks, size of a block, size of the last where it is not whole, sizes when compressed; the blocks.
-    fn compressed(&self) -> io::Result<Vec<u8>> {
+    fn compressed(&self, level: u32) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(self.bytes);
         (self.fill)(&mut bytes)?;
         let blocks: Vec<&[u8]> = bytes.chunks(BLOCK).collect();
-        let blocks = parallel::try_map(blocks.len(), |i| deflate(blocks[i]))?;
+        let blocks = parallel::try_map(blocks.len(), |i| deflate(blocks[i], level))?;
         let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
         let sizes = head.into_iter().chain(blocks.iter().map(Vec::len));
         let mut out: Vec<u8> = sizes.flat_map(|size| (size as u64).to_le_bytes()).collect();
@@ -96,8 +98,8 @@ impl<'a> Array<'a> {
     }
 }
 
-fn deflate(block: &[u8]) -> io::Result<Vec<u8>> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
+fn deflate(block: &[u8], level: u32) -> io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(level));
     encoder.write_all(block)?;
     encoder.finish()
 }
@@ -144,8 +146,9 @@ impl Grid<'_> {
                 self.declare(&sizes, "", &mut out)?;
                 self.arrays().try_for_each(|array| array.raw(&mut out))?;
             }
-            Encoding::Compressed => {
-                let stored = self.arrays().map(Array::compressed).collect::<io::Result<Vec<_>>>()?;
+            Encoding::Compressed | Encoding::Fast => {
+                let level = if encoding == Encoding::Fast { 1 } else { 4 };
+                let stored = self.arrays().map(|array| array.compressed(level)).collect::<io::Result<Vec<_>>>()?;
                 let sizes: Vec<usize> = stored.iter().map(Vec::len).collect();
                 self.declare(&sizes, " compressor=\"vtkZLibDataCompressor\"", &mut out)?;
                 stored.iter().try_for_each(|bytes| out.write_all(bytes))?;

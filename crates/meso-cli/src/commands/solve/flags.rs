@@ -49,7 +49,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "HOW", value_parser = names::parser::<Control>())]
     #[arg(hide_short_help = true)]
     pub(super) control: Option<Control>,
-    /// Frames of all fields, evenly over the test, 0 for none; more while a servo holds the plates back
+    /// Frames of all fields, evenly over the strain, 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     pub(super) frames: u32,

@@ -45,9 +45,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if let Some(device) = &device {
         gpu::attach(&mut run, device, args.writing.quiet)?;
     }
-    let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
-    let response = run.to_end(&Polling::begin(), &watch);
-    (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
+    let (response, folder) = std::thread::scope(|scope| {
+        let watch = Watching::new(&mesh, folder, scope, args.checkpoint, args.writing.quiet);
+        (run.to_end(&Polling::begin(), &watch), watch.folder())
+    });
+    seconds.solve = begun.elapsed().as_secs_f64();
     let strain = test.strain();
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, strain, started, seconds }, folder)
 }

@@ -3,12 +3,13 @@
 use super::folder::Folder;
 use crate::failure::Failure;
 use crate::progress::{CLEAR, bar, fitting, show};
-use crate::stderr;
+use crate::{stderr, threads};
 use meso_core::mesh::Mesh;
 use meso_solve::results::{Shooting, Snapshot};
 use meso_solve::{Frame, Observer, Row, Run};
 use std::cell::{Cell, RefCell};
 use std::io::{self, IsTerminal};
+use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 /// Lines of a test where nobody sees a bar.
@@ -24,10 +25,19 @@ enum Shown {
     Bar,
 }
 
+/// The folder of the results, here or with the thread that writes a frame.
+enum Shelf<'scope> {
+    Here(Box<Folder>),
+    Lent(ScopedJoinHandle<'scope, (Box<Folder>, Result<(), Failure>)>),
+}
+
 /// Watches one test.
-pub(super) struct Watching<'a> {
+pub(super) struct Watching<'scope, 'a> {
     mesh: &'a Mesh,
-    folder: RefCell<Folder>,
+    /// Where frames are written while the test goes on, one at a time: no more than one is held in memory.
+    scope: &'scope Scope<'scope, 'a>,
+    /// None only while it changes hands.
+    shelf: RefCell<Option<Shelf<'scope>>>,
     shooting: Shooting,
     shown: Shown,
     started: Instant,
@@ -42,15 +52,22 @@ pub(super) struct Watching<'a> {
     unkept: Cell<bool>,
 }
 
-impl<'a> Watching<'a> {
+impl<'scope, 'a> Watching<'scope, 'a> {
     /// Starts the clock; `every` so many seconds the state is kept.
-    pub(super) fn new(mesh: &'a Mesh, folder: Folder, every: Option<f64>, quiet: bool) -> Self {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        folder: Folder,
+        scope: &'scope Scope<'scope, 'a>,
+        every: Option<f64>,
+        quiet: bool,
+    ) -> Self {
         let seen = io::stderr().is_terminal();
         let now = Instant::now();
         Self {
             mesh,
             shooting: Shooting::after(folder.taken()),
-            folder: RefCell::new(folder),
+            scope,
+            shelf: RefCell::new(Some(Shelf::Here(Box::new(folder)))),
             shown: if quiet {
                 Shown::Nothing
             } else if seen {
@@ -70,10 +87,24 @@ impl<'a> Watching<'a> {
 
     /// The folder with the frames.
     pub(super) fn folder(self) -> Folder {
+        let mut folder = self.fetch();
         self.clear();
-        let mut folder = self.folder.into_inner();
         folder.keep_shots(self.shooting.taken());
-        folder
+        *folder
+    }
+
+    /// The folder, once the last frame is written.
+    fn fetch(&self) -> Box<Folder> {
+        match self.shelf.take().expect("whoever takes the folder gives it back") {
+            Shelf::Here(folder) => folder,
+            Shelf::Lent(writer) => {
+                let (folder, written) = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                if let Err(failure) = written {
+                    self.warn(&failure, "the test goes on without this frame");
+                }
+                folder
+            }
+        }
     }
 
     /// Takes the bar away.
@@ -118,7 +149,7 @@ impl<'a> Watching<'a> {
     }
 }
 
-impl Observer for Watching<'_> {
+impl Observer for Watching<'_, '_> {
     fn row(&self, row: &Row, done: f64) {
         self.show(row, done);
     }
@@ -136,16 +167,21 @@ impl Observer for Watching<'_> {
     }
 
     fn frame(&self, frame: &Frame) {
-        if let Err(failure) = self.folder.borrow_mut().add(self.mesh, &Snapshot::of(frame)) {
-            self.warn(&failure, "the test goes on without this frame");
-        }
+        let (mut folder, mesh, subject) = (self.fetch(), self.mesh, stderr::subject());
+        let snapshot = Snapshot::of(frame);
+        let writer = self.scope.spawn(move || {
+            stderr::speak_of(subject);
+            let written = threads::alone(|| folder.add(mesh, &snapshot));
+            (folder, written)
+        });
+        self.shelf.replace(Some(Shelf::Lent(writer)));
     }
 
     fn keep(&self, run: &Run) {
-        let mut folder = self.folder.borrow_mut();
+        let mut folder = self.fetch();
         folder.keep_shots(self.shooting.taken());
         let failure = folder.keep(run).err();
-        drop(folder);
+        self.shelf.replace(Some(Shelf::Here(folder)));
         // Said once, not every few minutes.
         let was_unkept = self.unkept.replace(failure.is_some());
         if let Some(failure) = failure.filter(|_| !was_unkept) {

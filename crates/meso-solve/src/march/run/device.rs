@@ -193,10 +193,18 @@ impl Run<'_> {
     fn until_event(&self) -> u64 {
         let (taken, steps) = (self.state.progress, self.outline.steps as f64);
         let to_next = |period: f64| ((taken / period).floor() + 1.0) * period - taken;
-        let frames = f64::from(self.test.frames);
-        let to_frame = if frames > 0.0 { to_next(steps / frames) } else { f64::INFINITY };
-        let left = to_next(self.outline.stride as f64).min(to_frame).min(steps - taken);
+        let left = to_next(self.outline.stride as f64).min(self.until_frame()).min(steps - taken);
         left.ceil().max(1.0) as u64
+    }
+
+    /// Steps at full speed to the next frame, or fewer where the path's speed still grows.
+    fn until_frame(&self) -> f64 {
+        let (frames, share) = (f64::from(self.test.frames), self.frame_share());
+        let to_next = ((share * frames).floor() + 1.0) / frames - share;
+        let Run { path, outline, .. } = self;
+        let steps =
+            if path.gone(0.0).is_some() { path.limit_mm / (path.speed * outline.dt) } else { outline.steps as f64 };
+        if frames > 0.0 { to_next * steps } else { f64::INFINITY }
     }
 
     /// Brings back the energies of the groups, for a row.

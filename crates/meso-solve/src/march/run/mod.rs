@@ -125,7 +125,8 @@ pub(crate) struct Since {
 }
 
 thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::default());
+    /// Memory that a thread computes blocks in.
+    pub(crate) static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::default());
 }
 
 impl<'a> Run<'a> {

@@ -138,7 +138,9 @@ impl Shooting {
     pub fn take(&self, frame: &Frame) {
         let mut taken = self.taken.borrow_mut();
         let body = self.body.get_or_init(|| Body::of(frame.mesh()));
-        let (damage, opening_mm) = (frame.cells(|point| point.damage), frame.cells(|point| point.opening_mm));
+        let cells = frame.cells(|point| [point.damage, point.opening_mm]);
+        let (damage, opening_mm): (Vec<f32>, Vec<f32>) =
+            cells.iter().map(|[damage, opening]| (*damage, *opening)).unzip();
         let displacement = frame.displacement();
         let fields = Fields { damage: &damage, opening_mm: &opening_mm, displacement: &displacement };
         let Ok(shot) = Shot::new(frame.mesh(), body, Moment::of(frame), &fields) else { return };

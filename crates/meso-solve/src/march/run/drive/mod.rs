@@ -79,18 +79,20 @@ impl Run<'_> {
 
     /// Rows due so far.
     fn rows_due(&self) -> u64 {
-        self.due(1, self.outline.stride)
-    }
-
-    /// Frames due so far.
-    fn frames_due(&self) -> u32 {
-        self.due(self.test.frames.into(), self.outline.steps) as u32
-    }
-
-    /// How often an event was due that comes `times` in `steps` at full speed, and at that rate in the steps of the servo.
-    fn due(&self, times: u64, steps: u64) -> u64 {
-        let due = |taken: f64| (taken * times as f64 / steps as f64) as u64;
+        let due = |taken: f64| (taken / self.outline.stride as f64) as u64;
+        // One more for as many steps of the servo.
         due(self.state.progress) + due(self.state.added)
+    }
+
+    /// Frames due so far: evenly over the strain of a straight path, else over the time at full speed, the last at its end.
+    fn frames_due(&self) -> u32 {
+        let frames = self.test.frames;
+        if self.done() < 1.0 { (self.frame_share() * f64::from(frames)) as u32 } else { frames }
+    }
+
+    /// Share of the test by which frames are due.
+    pub(super) fn frame_share(&self) -> f64 {
+        self.path.gone(self.state.progress * self.outline.dt).unwrap_or_else(|| self.done()).min(1.0)
     }
 
     /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
