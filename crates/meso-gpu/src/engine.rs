@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const STATE: usize = 21;
 const HALT: usize = 17;
 /// Numbers of the kernels' `rules` before those of the supports.
-const RULES: usize = 18;
+const RULES: usize = 12;
 /// Bits of a support at a node: it is the node's last one; it is a load.
 const LAST: u32 = 256;
 const LOAD: u32 = 512;
@@ -189,7 +189,7 @@ fn touching(touches: &[Touch], nodes: usize) -> (Vec<u32>, Vec<u32>, Vec<f64>) {
 fn rules(rules: &Rules, supports: impl Iterator<Item = [f64; 5]>) -> Vec<f64> {
     let ([speed, ramp_s], [plate_energy, runaway]) = (rules.ramp, rules.sound);
     let has_servo = f64::from(u8::from(rules.servo.is_some()));
-    let counts = [rules.steps, rules.stride, rules.frames].map(|count| count as f64);
+    let counts = [rules.steps, rules.stride].map(|count| count as f64);
     let mut all = vec![rules.dt];
     all.extend(counts.into_iter().chain([speed, ramp_s, plate_energy, runaway, has_servo]));
     all.extend(rules.servo.unwrap_or_default());

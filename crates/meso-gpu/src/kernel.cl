@@ -72,21 +72,17 @@ typedef unsigned short ushort;
 #define R_DT 0
 #define R_STEPS 1
 #define R_STRIDE 2
-#define R_FRAMES 3
-#define R_SPEED 4
-#define R_RAMP 5
-#define R_PLATE_ENERGY 6
-#define R_RUNAWAY 7
-#define R_SERVO 8
-#define R_SLOWING 9
-#define R_RECOVERING 11
-#define R_SOFTENING 13
-#define R_COLLAPSE 14
-#define R_SLOWEST 15
-#define R_LAG 16
-#define R_MEAN 17
+#define R_SPEED 3
+#define R_RAMP 4
+#define R_PLATE_ENERGY 5
+#define R_RUNAWAY 6
+#define R_SERVO 7
+#define R_COLLAPSE 8
+#define R_SLOWEST 9
+#define R_LAG 10
+#define R_MEAN 11
 /* By support: its axis, whether the specimen is above it (1) or below (-1), whether it is glued on, its friction, its way. */
-#define R_FACES 18
+#define R_FACES 12
 #define AXIS 0
 #define INWARD 1
 #define GLUED 2
@@ -422,13 +418,6 @@ KERNEL(256) watch(GLOBAL const uint* RESTRICT sizes, GLOBAL const uint* RESTRICT
   to[0] = u[node]; to[1] = u[node + 1]; to[2] = u[node + 2];
 }
 
-/* How far a share that falls has come from one value to another. */
-DEVICE double passed(const double share, const double from, const double to) {
-  const double raw = (from - share) / (from - to);
-  const double way = raw < 0.0 ? 0.0 : raw > 1.0 ? 1.0 : raw;
-  return way * way * (3.0 - 2.0 * way);
-}
-
 DEVICE double smaller(const double a, const double b) { return a < b ? a : b; }
 DEVICE double larger(const double a, const double b) { return a > b ? a : b; }
 
@@ -455,7 +444,7 @@ KERNEL(1) begin(GLOBAL const double* RESTRICT rules, GLOBAL double* RESTRICT sta
   move(rules, state);
 }
 
-DEVICE double due(const double taken, const double times, const double steps) { return floor(taken * times / steps); }
+DEVICE double due(const double taken, const double steps) { return floor(taken / steps); }
 DEVICE bool is_finite(const double x) { return fabs(x) <= 1.7976931348623157e308; }
 
 /* The servo follows a step. */
@@ -466,13 +455,9 @@ DEVICE void follow(GLOBAL const double* rules, GLOBAL double* state, const doubl
   const double supply = state[SUPPLY] + (supplied - state[SUPPLY]) * rules[R_MEAN];
   state[SUPPLY] = supply;
   const double released = (spent - larger(supply, 0.0)) * steps;
-  const double share = most > 0.0 ? stored / most : 1.0;
-  const double softens = passed(share, rules[R_SLOWING], rules[R_SLOWING + 1])
-      * (1.0 - passed(share, rules[R_RECOVERING], rules[R_RECOVERING + 1]));
   const double bound = rules[R_COLLAPSE] * most, ratio = bound / released;
   const double held = released > bound ? larger(ratio * ratio, rules[R_SLOWEST]) : 1.0;
-  const double wanted = smaller(held, 1.0 - (1.0 - rules[R_SOFTENING]) * softens);
-  state[PACE] = state[PACE] + (wanted - state[PACE]) * rules[R_LAG];
+  state[PACE] = state[PACE] + (held - state[PACE]) * rules[R_LAG];
 }
 
 /* Ends a step: sums over spans, scalars, the servo, whether something is due, and the next step's motion. */
@@ -512,13 +497,12 @@ KERNEL(64) scalars(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTR
   if (rules[R_SERVO] != 0) {
     follow(rules, state, state[EXTERNAL] - state[FRICTION] - state[SPENT], spent, done - rubbed);
   }
-  const double steps = rules[R_STEPS], stride = rules[R_STRIDE], frames = rules[R_FRAMES];
+  const double steps = rules[R_STEPS], stride = rules[R_STRIDE];
   const double most = rules[R_RUNAWAY] * larger(fabs(state[EXTERNAL]), rules[R_PLATE_ENERGY]);
   const bool is_sound = is_finite(state[INTERNAL]) && is_finite(state[EXTERNAL]) && is_finite(state[FRICTION])
       && is_finite(state[KINETIC]) && state[KINETIC] <= most;
   const bool is_over = state[PROGRESS] >= steps;
-  const bool is_row = due(state[PROGRESS], 1.0, stride) + due(state[HELD], 1.0, stride) > due(progress, 1.0, stride) + due(held, 1.0, stride);
-  const bool is_frame = due(state[PROGRESS], frames, steps) + due(state[HELD], frames, steps) > due(progress, frames, steps) + due(held, frames, steps);
-  if (!is_sound || is_over || is_row || is_frame) state[HALT] = 1;
+  const bool is_row = due(state[PROGRESS], stride) + due(state[HELD], stride) > due(progress, stride) + due(held, stride);
+  if (!is_sound || is_over || is_row) state[HALT] = 1;
   move(rules, state);
 }

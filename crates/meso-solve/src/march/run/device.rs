@@ -44,8 +44,8 @@ pub trait Device: Send + Sync {
     /// Says why the device failed.
     fn step(&mut self, supports: &[Moved], free: [f64; 1 + STRAINS]) -> Result<StepSums<'_>, String>;
 
-    /// Takes up to `most` steps, at least one. It ends after the first step with which the test is over, a row or a frame is due,
-    /// or the energies are not sound. Only [plain](Upload::is_plain) tests ask for it.
+    /// Takes up to `most` steps, at least one. It ends after the first step with which the test is over, a row is due, or the
+    /// energies are not sound; `most` steps at full speed reach no further than the next frame. Only [plain](Upload::is_plain) tests ask for it.
     ///
     /// # Errors
     /// Says why the device failed.
@@ -107,12 +107,10 @@ pub struct Rules {
     pub steps: u64,
     /// Steps between rows.
     pub stride: u64,
-    /// Frames of the test.
-    pub frames: u64,
     /// Speed of the path after its ramp, mm/s, and the ramp's length, s.
     pub ramp: [f64; 2],
-    /// Thresholds and shares of the servo; none where the plates keep their speed.
-    pub servo: Option<[f64; 9]>,
+    /// Thresholds and lags of the servo; none where the plates keep their speed.
+    pub servo: Option<[f64; 4]>,
     /// Kinetic energy of the specimen at a plate's speed, mJ, and the share of work beyond which a test runs away.
     pub sound: [f64; 2],
 }
@@ -289,7 +287,6 @@ impl Upload<'_> {
             dt: outline.dt,
             steps: outline.steps,
             stride: outline.stride,
-            frames: run.test.frames.into(),
             ramp: [run.path.speed, run.path.ramp_s],
             servo: (run.test.control == Control::Servo).then(|| Servo::rule(outline.steps as f64)),
             sound: [run.plate_energy(), super::drive::RUNAWAY],
