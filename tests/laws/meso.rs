@@ -157,8 +157,7 @@ fn pressed_along_a_crack(to: f64) -> (Tensor<f64>, f64) {
     let (mut history, mut stress, mut integrity) = (Meso::<f64>::virgin(), [0.0; 6], 1.0);
     for share in ramp(0.0, 1.0, 4000) {
         let along = 0.8 * to * share + 0.2 * to * (2.0 * share - 1.0).max(0.0);
-        let answer =
-            law.stress(&[along, 0.0, -0.0024 * (share - 0.5).max(0.0), 0.0, 0.0, 0.0], &mut history, WIDTH);
+        let answer = law.stress(&[along, 0.0, -0.0024 * (share - 0.5).max(0.0), 0.0, 0.0, 0.0], &mut history, WIDTH);
         (stress, integrity) = (answer.stress, answer.integrity);
     }
     (stress, integrity)

@@ -101,9 +101,9 @@ def loose(kc: float) -> float:
 
 
 def standing(kt: float) -> float:
-    """Share of the stiffness that a crack leaves: all until the bilinear law ends, nearly nothing G_f / f_t beyond."""
+    """Share of the stiffness that a crack leaves: all until the bilinear law ends, nearly nothing 0.2 G_f / f_t beyond."""
     beyond = WIDTH * kt * FT / GF - 5
-    return min(max(1 - beyond, 1e-3), 1.0)
+    return min(max(1 - 5 * beyond, 1e-3), 1.0)
 
 
 def excess(principal: list[float], kc: float, gamma: float) -> float:

@@ -30,13 +30,7 @@ const TORN_MM: f64 = 0.12;
 
 /// A bar pulled apart at a weak band in its middle: the cells that the middle plane cuts, and those with their centre
 /// within `half_width` elements of it. Without a Poisson effect nothing hinders it.
-fn torn(
-    mut meshed: Meshed,
-    law: LawName,
-    half_width: f64,
-    smoothing: Smoothing,
-    way_mm: f64,
-) -> (Materials, Response) {
+fn torn(mut meshed: Meshed, law: LawName, half_width: f64, smoothing: Smoothing, way_mm: f64) -> (Materials, Response) {
     let (height, element_size_mm) = (meshed.side_mm(), meshed.options.element_size_mm);
     let middle = 0.5 * height + 0.1;
     let nodes = meshed.mesh.kind.nodes();

@@ -52,7 +52,7 @@ fn weak_stone_breaks_and_lowers_the_peak_and_strong_stone_is_as_good_as_elastic(
         let kinds = vec![StoneKind { share: 1.0, strength_ratio: ratio }];
         solve(&with(Stone { kinds, weibull_modulus, ..Stone::default() }))
     };
-    let strong = of(4.0, None);
+    let strong = of(40.0, None);
     assert!(strong.broken_stone.unwrap() < 5e-3, "{:?}", strong.broken_stone);
     assert!((strong.figures.peak_mpa / elastic.figures.peak_mpa - 1.0).abs() < 2e-3, "{:?}", strong.figures);
     let weak = of(0.1, None);

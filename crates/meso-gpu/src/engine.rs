@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 
 /// Numbers of the kernels' `state` before those of the supports, three each, and the strains without stress; the place of its flag that a batch
 /// has ended.
-const STATE: usize = 21;
-const HALT: usize = 17;
+const STATE: usize = 23;
+const HALT: usize = 19;
 /// Numbers of the kernels' `rules` before those of the supports.
-const RULES: usize = 12;
+const RULES: usize = 15;
 /// Bits of a support at a node: it is the node's last one; it is a load.
 const LAST: u32 = 256;
 const LOAD: u32 = 512;
@@ -217,6 +217,8 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
         pace,
         most,
         supply,
+        stored,
+        fall,
         external,
         internal,
         friction,
@@ -232,7 +234,7 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
         step: step as u64,
         progress: [progress, held],
         path: [speed, travel],
-        servo: [pace, most, supply],
+        servo: [pace, most, supply, stored, fall],
         energies: [external, internal, friction, kinetic, spent],
         since_row: [a, b, c, d],
     }

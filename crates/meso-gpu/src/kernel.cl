@@ -49,19 +49,21 @@ typedef unsigned short ushort;
 #define PACE 5
 #define MOST 6
 #define SUPPLY 7
-#define EXTERNAL 8
-#define INTERNAL 9
-#define FRICTION 10
-#define KINETIC 11
-#define SPENT 12
-#define SINCE_ROW 13
-#define HALT 17
+#define STORED 8
+#define FALL 9
+#define EXTERNAL 10
+#define INTERNAL 11
+#define FRICTION 12
+#define KINETIC 13
+#define SPENT 14
+#define SINCE_ROW 15
+#define HALT 19
 /* The present step: the whole travel and speed of the path, the pace. */
-#define NOW_WHOLE 18
-#define NOW_SPEED 19
-#define NOW_PACE 20
+#define NOW_WHOLE 20
+#define NOW_SPEED 21
+#define NOW_PACE 22
 /* By support in the present step: its place, its mean speed, its pressure. */
-#define MOVED 21
+#define MOVED 23
 #define AT 0
 #define MEAN_SPEED 1
 #define PRESSURE 2
@@ -81,8 +83,11 @@ typedef unsigned short ushort;
 #define R_SLOWEST 9
 #define R_LAG 10
 #define R_MEAN 11
+#define R_SNAP 12
+#define R_SNAPPING 13
+#define R_WAY 14
 /* By support: its axis, whether the specimen is above it (1) or below (-1), whether it is glued on, its friction, its way. */
-#define R_FACES 12
+#define R_FACES 15
 #define AXIS 0
 #define INWARD 1
 #define GLUED 2
@@ -457,7 +462,13 @@ DEVICE void follow(GLOBAL const double* rules, GLOBAL double* state, const doubl
   const double released = (spent - larger(supply, 0.0)) * steps;
   const double bound = rules[R_COLLAPSE] * most, ratio = bound / released;
   const double held = released > bound ? larger(ratio * ratio, rules[R_SLOWEST]) : 1.0;
-  state[PACE] = state[PACE] + (held - state[PACE]) * rules[R_LAG];
+  const double fell = state[STORED] - stored + smaller(supplied, 0.0);
+  state[STORED] = stored;
+  const double fall = state[FALL] + (fell - state[FALL] * (state[PACE] / steps)) / rules[R_WAY];
+  state[FALL] = fall;
+  const double usual = rules[R_SNAP] * most;
+  const double snaps = fall > usual ? larger(usual / fall, rules[R_SNAPPING]) : 1.0;
+  state[PACE] = state[PACE] + (smaller(held, snaps) - state[PACE]) * rules[R_LAG];
 }
 
 /* Ends a step: sums over spans, scalars, the servo, whether something is due, and the next step's motion. */

@@ -10,7 +10,7 @@ const LEAST_INTEGRITY: f64 = 1e-4;
 /// Straight pieces of the crack law of fib Model Code 2010, 5.1.8.2: the share a - b w of f_t at the opening w, in G_f / f_t.
 const BRANCHES: [(f64, f64); 2] = [(1.0, 0.8), (0.25, 0.05)];
 /// Opening beyond the law's last one over which a crack takes the stiffness, in G_f / f_t.
-const FADING: f64 = 1.0;
+const FADING: f64 = 0.2;
 /// Least share of the stiffness beside an ended crack.
 const LEAST_STANDING: f64 = 1e-3;
 

@@ -6,7 +6,7 @@
 //! h the width of the band, L = max(h, crushing length).
 //!
 //! ```text
-//! g         max(y, 0.1) e,  e = 1 - <h kt f_t / G_f - 5>, at least 0.001
+//! g         max(y, 0.1) e,  e = 1 - 5 <h kt f_t / G_f - 5>, at least 0.001
 //! cracks    R_i = g s_i - f_t y_t(kt) y(kc) <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
 //! crushing  F = g (s1 - s3 + 3 alpha p + gamma s1 / (1 + B P / f_c)) / (1 - alpha) - e rise(kc) y(kc) <= 0
 //!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1)

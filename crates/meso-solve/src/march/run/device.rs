@@ -90,8 +90,8 @@ pub struct Scalars {
     pub progress: [f64; 2],
     /// Speed of the path and place on it, mm/s and mm.
     pub path: [f64; 2],
-    /// The servo's pace, largest elastic energy and mean supply.
-    pub servo: [f64; 3],
+    /// The servo's pace, largest elastic energy, mean supply, elastic energy and its fall.
+    pub servo: [f64; 5],
     /// Work of the plates, of the elements' forces and of friction; kinetic and spent energy, mJ.
     pub energies: [f64; 5],
     /// Sums since the last row.
@@ -110,7 +110,7 @@ pub struct Rules {
     /// Speed of the path after its ramp, mm/s, and the ramp's length, s.
     pub ramp: [f64; 2],
     /// Thresholds and lags of the servo; none where the plates keep their speed.
-    pub servo: Option<[f64; 4]>,
+    pub servo: Option<[f64; 7]>,
     /// Kinetic energy of the specimen at a plate's speed, mJ, and the share of work beyond which a test runs away.
     pub sound: [f64; 2],
 }

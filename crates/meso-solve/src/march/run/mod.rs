@@ -283,7 +283,7 @@ impl<'a> Run<'a> {
             let is_sound = path.begins(state.progress * outline.dt);
             state.follower.follow(value, [state.travel, moved], is_sound, steps)
         });
-        state.servo.follow([stored, spent, supplied], allows.unwrap_or(1.0), steps);
+        state.servo.follow([stored, spent, supplied], allows, steps);
         if !path.turns.is_empty() {
             state.servo.give_back();
         }
