@@ -1,8 +1,9 @@
 //! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
+use crate::march::supports::Supports;
 use crate::march::supports::contact::{Motion, Touched};
-use crate::march::supports::{MOST, Supports};
 use meso_element::block::Block;
+use meso_trial::MOST_SUPPORTS;
 use rayon::prelude::*;
 
 /// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
@@ -27,7 +28,7 @@ pub(crate) struct Nodes {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Forces of the supports on the specimen, each along its axis, N.
-    pub(crate) supports: [f64; MOST],
+    pub(crate) supports: [f64; MOST_SUPPORTS],
     /// Work of the supports, of the elements' forces, and of friction, mJ.
     pub(crate) external: f64,
     /// See `external`.

@@ -8,9 +8,10 @@ use crate::error::SolveError;
 use crate::march::curve::Row;
 use crate::march::path::Leg;
 use crate::march::servo::{Follower, Servo};
-use crate::march::supports::{Held, MOST};
+use crate::march::supports::Held;
 use meso_element::block::{Block, Common, Group};
 use meso_element::lanes::LANES;
+use meso_trial::MOST_SUPPORTS;
 use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
@@ -112,7 +113,7 @@ impl Run<'_> {
         if leg.values().map(f64::to_bits) != values.map(f64::to_bits) {
             return Err(damaged());
         }
-        let mut held = [Held::default(); MOST];
+        let mut held = [Held::default(); MOST_SUPPORTS];
         fill(from, held.as_flattened_mut())?;
         let (forces, since) = (some(from)?, some(from)?);
         let [way, count] = some(from)?;

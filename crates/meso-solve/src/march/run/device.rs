@@ -14,15 +14,15 @@ use crate::error::SolveError;
 use crate::march::gauges::watched;
 use crate::march::nodes::Sums;
 use crate::march::servo::Servo;
+use crate::march::supports::Supports;
 use crate::march::supports::contact::{Contact, Face, Load, Motion};
-use crate::march::supports::{MOST, Supports};
 use meso_element::block::{Batch, Block, Free, Group};
 use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
 use meso_trial::Control;
-use meso_trial::Rule;
+use meso_trial::{MOST_SUPPORTS, Rule};
 
 /// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
@@ -250,7 +250,7 @@ impl Run<'_> {
         let Scalars { step, progress: [progress, added], path: [speed, travel], servo, energies, since_row } = *scalars;
         let [external, internal, friction, kinetic, spent] = energies;
         let [bottom, top, way, count] = since_row;
-        let mut forces = [0.0; MOST];
+        let mut forces = [0.0; MOST_SUPPORTS];
         forces[..2].copy_from_slice(&[bottom, top]);
         let since_row = Since { forces, travel: way, count, gauges: Vec::new() };
         let before = std::mem::take(&mut self.state);

@@ -20,7 +20,7 @@ use crate::march::nodes::{Nodes, Sums};
 use crate::march::path::{Leg, Path};
 use crate::march::servo::{Follower, Servo};
 use crate::march::supports::contact::Motion;
-use crate::march::supports::{Held, MOST, Moment, Supports};
+use crate::march::supports::{Held, Moment, Supports};
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
@@ -29,8 +29,8 @@ use meso_element::lanes::InstructionSet;
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use meso_trial::Sample;
-use meso_trial::TurnOf;
 use meso_trial::{Control, Setup, Smoothing, Test};
+use meso_trial::{MOST_SUPPORTS, TurnOf};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
@@ -99,9 +99,9 @@ pub(crate) struct State {
     /// Where a path with turns is.
     pub(crate) leg: Leg,
     /// Places and speeds of the plates that a servo drives.
-    pub(crate) held: [Held; MOST],
+    pub(crate) held: [Held; MOST_SUPPORTS],
     /// Forces of the supports in the last step, N.
-    pub(crate) forces: [f64; MOST],
+    pub(crate) forces: [f64; MOST_SUPPORTS],
     pub(crate) external: f64,
     pub(crate) internal: f64,
     pub(crate) friction: f64,
@@ -117,7 +117,7 @@ pub(crate) struct State {
 /// Sums over the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Since {
-    pub(crate) forces: [f64; MOST],
+    pub(crate) forces: [f64; MOST_SUPPORTS],
     pub(crate) travel: f64,
     pub(crate) count: f64,
     /// One for each gauge.

@@ -3,8 +3,7 @@
 //! No penalty: a node is first moved as if free; where it would pass into a plate, it is put onto it, and the impulse
 //! that this takes is the plate's. Friction takes away as much of its sliding as Coulomb's cone allows.
 
-use crate::march::supports::MOST;
-use meso_trial::Rule;
+use meso_trial::{MOST_SUPPORTS, Rule};
 
 /// A node that can meet a plate.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +54,7 @@ pub struct Moved {
 pub(crate) struct Motion {
     /// Length of the step, s.
     pub(crate) dt: f64,
-    pub(crate) supports: [Moved; MOST],
+    pub(crate) supports: [Moved; MOST_SUPPORTS],
 }
 
 /// The action of a plate on a node in a step.

@@ -13,9 +13,6 @@ use meso_trial::Sample;
 use meso_trial::nodes;
 use meso_trial::{MOST_SUPPORTS, Rule, SupportSpec};
 
-/// Supports of a test, at most.
-pub(crate) const MOST: usize = MOST_SUPPORTS;
-
 /// Mass of a plate with a servo over the mass of its nodes. Forces of a step move the plate in the next one, which is
 /// stable where the plate is heavier than its nodes.
 const PLATE_MASS: f64 = 5.0;
@@ -114,7 +111,7 @@ impl Supports {
     }
 
     /// Sum of the `forces` at the lower and at the upper end, N along the axis.
-    pub(crate) fn at_ends(&self, forces: &[f64; MOST]) -> [f64; 2] {
+    pub(crate) fn at_ends(&self, forces: &[f64; MOST_SUPPORTS]) -> [f64; 2] {
         let mut ends = [0.0; 2];
         for (fixture, force) in self.all.iter().zip(forces) {
             if let Some(end) = fixture.end {
@@ -131,14 +128,14 @@ impl Supports {
     }
 
     /// Stress in a step with these forces, MPa.
-    pub(crate) fn stress(&self, forces: &[f64; MOST]) -> f64 {
+    pub(crate) fn stress(&self, forces: &[f64; MOST_SUPPORTS]) -> f64 {
         let [bottom, top] = self.stresses(self.at_ends(forces), 1.0);
         0.5 * (top + bottom)
     }
 
     /// A step of all supports.
-    pub(crate) fn motion(&self, dt: f64, moment: &Moment, held: &[Held; MOST]) -> Motion {
-        let mut supports = [Moved::default(); MOST];
+    pub(crate) fn motion(&self, dt: f64, moment: &Moment, held: &[Held; MOST_SUPPORTS]) -> Motion {
+        let mut supports = [Moved::default(); MOST_SUPPORTS];
         for ((fixture, moved), [at, speed, before]) in self.all.iter().zip(&mut supports).zip(held) {
             *moved = Moved {
                 travel: fixture.moves * moment.travel + at,
@@ -150,7 +147,7 @@ impl Supports {
     }
 
     /// Adds the forces of pressures in a step, which no plate carries, to those of all supports, N.
-    pub(crate) fn add_pressures(&self, motion: &Motion, forces: &mut [f64; MOST]) {
+    pub(crate) fn add_pressures(&self, motion: &Motion, forces: &mut [f64; MOST_SUPPORTS]) {
         for ((fixture, moved), force) in self.all.iter().zip(&motion.supports).zip(forces) {
             if fixture.face.rule == Rule::Pressure {
                 *force += fixture.face.inward * moved.pressure * fixture.area_mm2;
@@ -164,7 +161,13 @@ impl Supports {
     }
 
     /// Moves the plates with a servo by a step, towards the force that each should have.
-    pub(crate) fn follow(&self, dt: f64, moment: &Moment, forces: &[f64; MOST], held: &mut [Held; MOST]) {
+    pub(crate) fn follow(
+        &self,
+        dt: f64,
+        moment: &Moment,
+        forces: &[f64; MOST_SUPPORTS],
+        held: &mut [Held; MOST_SUPPORTS],
+    ) {
         let stress = self.stress(forces);
         for ((fixture, force), [at, speed, before]) in self.all.iter().zip(forces).zip(held) {
             *before = *speed;
