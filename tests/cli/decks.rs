@@ -120,3 +120,27 @@ fn a_deck_that_cannot_be_is_refused_before_anything_is_read_or_packed() {
     assert!(run.code == 2 && run.stderr.contains("biaxial has no .k yet"), "{}", run.stderr);
     assert!(!folder.names().contains(&"study".to_owned()), "{:?}", folder.names());
 }
+
+/// docs/paper/deck.toml is the step of the method paper: Buildings 2025, 15(21), 3883, Sec. 3.2.
+#[test]
+fn the_papers_deck_presses_by_6_per_mille_in_20_ms_on_a_plate_at_rest() {
+    let folder = Folder::new();
+    folder.write("s.toml", spec(CUBE));
+    folder.write("paper.toml", include_str!("../../docs/paper/deck.toml"));
+    let support = |name: &str, moves: f64| {
+        format!("[[supports]]\nname = '{name}'\non = 'z-{name}'\nfriction = 0.1\nmoves = {moves}\n")
+    };
+    let supports = support("min", 0.0).replacen("min", "bottom", 1) + &support("max", -1.0).replacen("max", "top", 1);
+    folder.write("own.toml", format!("kind = 'compression'\n{supports}"));
+    let deck = |name: &str, words: &[&str]| {
+        let run = folder.run(&[&["pack", "s.toml", "-qo", name][..], &MESH, &["--analysis"], words].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        String::from_utf8(folder.read(name)).unwrap()
+    };
+    let paper = deck("paper.inp", &["paper.toml"]);
+    let figures = ["own.toml", "--strain", "0.006", "--duration", "0.02", "--time-increment", "5e-7"];
+    assert!(paper == deck("own.inp", &figures));
+    for line in ["*DYNAMIC, EXPLICIT\n, 0.02\n", "DT=5e-7,", "REF_TOP, 3, 3, -9.600000000e-2\n", "REF_BOTTOM, 3, 3\n"] {
+        assert!(paper.contains(line), "{line}");
+    }
+}
