@@ -189,8 +189,9 @@ def test_a_class_of_concrete_is_a_mean_strength():
     """The case: fcm is "C30"; it must be a number."""
     for name in ("C30", "c30/37", " C30/37 "):
         assert mc.Materials.for_concrete(name, rock="basalt") == mc.Materials.for_concrete(38, rock="basalt")
-    for name in ("30", "C", "C30/", "M40", ""):
-        with pytest.raises(ValueError, match="give a class, as C30 or C30/37, or the mean strength in MPa, 38 for C30"):
+    assert mc.Materials.for_concrete("M40") == mc.Materials.for_mortar(40)
+    for name in ("30", "C", "C30/", "X40", ""):
+        with pytest.raises(ValueError, match="no class of concrete, as C30 or C30/37, .* a number is the mean strength in MPa, 38"):
             mc.Materials.for_concrete(name)
 
 

@@ -336,11 +336,19 @@ pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
+/// A mean strength, MPa, or the class or mortar of a concrete.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a number or a text")]
+enum Fcm {
+    Mpa(f64),
+    Class(String),
+}
+
 /// Keywords of [`concrete_materials`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Concrete {
-    fcm: Option<f64>,
+    fcm: Option<Fcm>,
     mortar: Option<f64>,
     rock: Option<Rock>,
     fraction: f64,
@@ -357,7 +365,10 @@ pub(crate) fn concrete_materials<'py>(
     guard(|| {
         let Concrete { fcm, mortar, rock, fraction, law } = self::options(given)?;
         let mix = match (fcm, mortar) {
-            (Some(fcm_mpa), None) => Mix { fcm_mpa, rock, fraction, law },
+            (Some(Fcm::Mpa(fcm_mpa)), None) => Mix { fcm_mpa, rock, fraction, law },
+            (Some(Fcm::Class(class)), None) => Mix::parse(class.trim(), rock, fraction, law).map_err(|error| {
+                wrong_value(format!("fcm {error}; a number is the mean strength in MPa, 38 for C30"))
+            })?,
             (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction, law),
             _ => return Err(wrong_value("give the concrete's mean strength or the mortar's, not both")),
         };

@@ -5,7 +5,6 @@ They return plain dicts, as in a SPEC.toml or TEST.toml; `pack`, `Spec` and `Mes
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
@@ -30,8 +29,6 @@ Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
 # Shares do not reach this by rounding.
 _PER_CENT = 1.001
 _PANS = ("pan", "tray", "bottom")
-# EN 1992-1-1, Table 3.1: the mean strength over the class, MPa.
-_MEAN_OVER_CLASS = 8.0
 
 
 class GradingOptions(TypedDict, total=False):
@@ -339,17 +336,11 @@ class Materials:
     def for_concrete(
         fcm: float | str, *, rock: _Rock | None = None, fraction: float = 0.4, law: _Law = "meso"
     ) -> _types.DeckMaterials:
-        """Return the values of a concrete by its mean cylinder strength, MPa, or by its class, "C30" or "C30/37".
+        """Return the values of a concrete by its mean cylinder strength, MPa, or by its class, "C30" or "C30/37", or its mortar, "M40".
 
         `rock` is the aggregates' kind, `fraction` the packing's share of aggregates, which the mortar's modulus follows
         from, and `law` the law of the mortar; decks take the values of `cdp`.
         """
-        if isinstance(fcm, str):
-            found = re.fullmatch(r"[Cc](\d+(?:\.\d+)?)(?:/\d+(?:\.\d+)?)?", fcm.strip())
-            if found is None:
-                message = f"fcm is {fcm!r}; give a class, as C30 or C30/37, or the mean strength in MPa, 38 for C30"
-                raise ValueError(message)
-            fcm = float(found[1]) + _MEAN_OVER_CLASS
         return _concrete_materials(fcm=fcm, rock=rock, fraction=fraction, law=law)
 
     @staticmethod
