@@ -67,6 +67,8 @@ fn get_one_answer(folder: &Folder, coarse: [&str; 2], lost: &str) {
     folder.write("STUDY.toml", format!("spec = 'wrong.toml'\n[solve]\nelement-size-mm = {}\n", coarse[1]));
     let study = folder.run(&["study", "STUDY.toml", "-o", "s"]);
     assert_eq!(study.code, 1, "{}", study.stderr);
+    let said = said.replace("--element-size-mm", "[solve] element_size_mm");
+    let said = said.replace("--accept-phase-error", "[solve] accept_phase_error");
     assert!(study.stderr.contains(said.trim_start_matches("error: ")), "{}", study.stderr);
 }
 

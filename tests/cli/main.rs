@@ -37,6 +37,7 @@ mod meshing;
 mod no_devices;
 mod outputs;
 mod phase_error;
+mod refusals;
 mod report;
 mod same_bytes;
 mod solve;

@@ -181,9 +181,9 @@ fn values_that_no_deck_can_hold_are_named() {
     let folder = Folder::with_model();
     for (flag, value, said) in [
         ("--friction", "-0.1", "--friction is -0.1; it must be 0 to 10"),
-        ("--strain", "nan", "--strain is NaN; it must lie between 0 and 1"),
+        ("--strain", "nan", "'--strain <E>': it must be a number, with a point"),
         ("--strain", "0", "--strain is 0; it must lie between 0 and 1"),
-        ("--frames", "0", "it must be a whole number from 1"),
+        ("--frames", "0", "--frames is 0; it must be 1 or more"),
     ] {
         let run = folder.run(&["mesh", "small.json", "-o", "m.inp", &format!("{flag}={value}")]);
         assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);

@@ -155,7 +155,7 @@ fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
         (&["none.toml"], 1, "none.toml: No such file or directory"),
         (&["broken.json"], 1, "broken.json: "),
         (&["small.json", "--friction", "-1"], 2, "--friction is -1; it must be 0 to 10"),
-        (&["small.json", "--friction", "nan"], 2, "--friction is NaN;"),
+        (&["small.json", "--friction", "nan"], 2, "'--friction <MU>': it must be a number"),
         (&["small.json", "--strain", "0"], 2, "--strain is 0; it must be 1e-12 to 0.1"),
         (&["small.json", "--strain", "1"], 2, "--strain is 1;"),
         (&["small.json", "--duration", "-1"], 2, "--duration is -1; it must be a positive number"),

@@ -1,25 +1,33 @@
 //! Who gave the values of a request, and so how its options are spelled.
 
+use crate::flags::of_schema;
 use meso_concrete::OutOfRange;
 
 /// A front that fills a request.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Giver<'a> {
     /// Flags of the command: `--voxel-size-mm`.
+    #[default]
     Flags,
     /// Keywords of Python, in which lengths have no unit: `voxel_size`.
     Keywords,
-    /// A section of a file: `[effective] voxel_size_mm`.
+    /// A section of a study, whose keys are flags: `[effective] voxel_size_mm`, `[solve] duration`.
     Section(&'a str),
+    /// A table whose keys are those of the options: `[test] duration_s`.
+    Table(&'a str),
 }
 
 impl Giver<'_> {
-    /// The option with this key, as its user spells it.
+    /// The option with this key, as its user spells it. Values in a table, as of `materials.mortar`, have no flag.
     pub fn option(self, key: &str) -> String {
         match self {
-            Self::Flags => format!("--{}", key.replace('_', "-")),
+            Self::Flags | Self::Keywords if key.contains('.') => key.to_owned(),
+            Self::Flags => of_schema::name(key),
             Self::Keywords => key.trim_end_matches("_mm").to_owned(),
-            Self::Section(name) => format!("[{name}] {key}"),
+            Self::Section(name) => {
+                format!("[{name}] {}", of_schema::name(key).trim_start_matches('-').replace('-', "_"))
+            }
+            Self::Table(name) => format!("[{name}] {key}"),
         }
     }
 
@@ -40,6 +48,8 @@ mod tests {
         let of = |giver: Giver<'_>| giver.refusal(&wrong);
         assert_eq!(of(Giver::Flags), "--voxel-size-mm is 0; it must be a positive number");
         assert_eq!(of(Giver::Keywords), "voxel_size is 0; it must be a positive number");
+        assert_eq!(Giver::Section("solve").option("duration_s"), "[solve] duration");
+        assert_eq!(Giver::Table("test").option("duration_s"), "[test] duration_s");
         assert_eq!(of(Giver::Section("effective")), "[effective] voxel_size_mm is 0; it must be a positive number");
     }
 }

@@ -11,9 +11,13 @@
 mod axes;
 mod effective;
 pub mod flags;
+mod given;
 mod giver;
+mod options;
 mod strains;
 
 pub use axes::Axes;
 pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, PhasesGiven, Subject, What};
+pub use given::{Given, Options};
 pub use giver::Giver;
+pub use options::deck_refusal;

@@ -55,5 +55,6 @@ pub use error::{MeshError, Ways};
 pub use figures::{InterfaceDistance, PhaseVolumes};
 pub use meso_concrete::Room;
 pub use options::{
-    Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, NarrowGaps, Order, Purpose, Volumes,
+    Auto, ElementSize, Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, NarrowGaps, Order, Purpose,
+    Volumes,
 };

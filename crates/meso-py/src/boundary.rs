@@ -1,6 +1,7 @@
 //! The boundary of Rust and Python: only exceptions that `except Exception` catches cross it.
 
-use meso_concrete::{OutOfRange, printable};
+use meso_ask::Giver;
+use meso_concrete::printable;
 use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -71,17 +72,12 @@ pub(crate) fn keyword(key: &str) -> String {
     }
 }
 
-/// The fault of an option by Python's name, in which lengths have no unit.
-pub(crate) fn without_unit(wrong: &OutOfRange) -> PyErr {
-    wrong_value(format!("{} {}", wrong.key.trim_end_matches("_mm"), wrong.fault()))
-}
-
 /// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
 pub(crate) fn mesh_error(error: MeshError) -> PyErr {
-    let text = error.message(keyword);
+    let text = error.message(|key| Giver::Keywords.option(key));
     match error {
         MeshError::Files { folder, error } => file_error(&folder, error),
-        MeshError::Option(wrong) => wrong_value(format!("{} {}", keyword(&wrong.key), wrong.fault())),
+        MeshError::Option(wrong) => wrong_value(Giver::Keywords.refusal(&wrong)),
         MeshError::MissingGmsh { .. } => {
             PyRuntimeError::new_err(format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\""))
         }

@@ -2,6 +2,7 @@
 
 use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
+use meso_ask::Giver;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
 use meso_core::import::volume::{self, Volume, Wanted};
@@ -121,7 +122,7 @@ pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given:
     match MeshFormat::from_path(path) {
         Some(format) if format.is_deck() => {
             let effects = format.check(deck).and_then(|()| deck.validate_effects(mesh.kind == CellKind::Hexahedron));
-            effects.map_err(|error| wrong_value(error.to_string()))
+            effects.map_err(|error| wrong_value(Giver::Keywords.refusal(&error)))
         }
         Some(_) if is_given => {
             let path = path.display();
@@ -146,7 +147,8 @@ pub(crate) fn write_mesh(
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
     if let Some(format) = format.filter(|format| format.is_deck()) {
-        deck.validate(mesh).and_then(|()| format.check(deck)).map_err(|error| wrong_value(error.to_string()))?;
+        let suits = deck.validate(mesh).and_then(|()| format.check(deck));
+        suits.map_err(|error| wrong_value(Giver::Keywords.refusal(&error)))?;
     }
     let mut files = format.map(|format| format.files(path, mesh, deck));
     // Nothing lies beside a stream.

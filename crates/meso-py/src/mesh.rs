@@ -1,7 +1,7 @@
 //! `Mesh`: points, cells and the phase of every cell.
 
 use crate::arrays;
-use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
+use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_type, wrong_value};
 use crate::files;
 use crate::pickle;
 use crate::response::{self, Asked, Meshed, Named, PyResponse};
@@ -9,14 +9,15 @@ use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
+use meso_ask::{Giver, deck_refusal};
 use meso_concrete::thousands;
+use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{Mesh, MeshError, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
+use meso_core::mesh::{Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
 use meso_core::watch::Stage;
-use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
 use meso_solve::footing::{self, Footing};
 use meso_solve::{Sample, TrialError};
@@ -40,52 +41,23 @@ impl PartialEq for PyMesh {
     }
 }
 
-/// The options that Python's keywords name, and whether the size of the elements is to be tried.
-#[derive(Clone, PartialEq)]
-pub(crate) struct Wanted {
-    pub(crate) table: MeshTable,
-    is_auto: bool,
-}
-
-impl Wanted {
-    /// Whether no keyword is given.
-    pub(crate) fn is_nothing(&self) -> bool {
-        !self.is_auto && self.table == MeshTable::default()
-    }
-
-    /// The options with the size that `"auto"` means; `leaves_room` as in [`footing::element_size`].
-    pub(crate) fn resolved(
-        mut self,
-        purpose: Purpose,
-        spec: &Spec,
-        leaves_room: bool,
-        watch: &dyn meso_core::Watch,
-    ) -> Result<MeshOptions, MeshError> {
-        if self.is_auto {
-            let size = footing::element_size(&self.table, purpose, spec, leaves_room, watch)?;
-            self.table.element_size_mm = Some(size);
-        }
-        let options = self.table.resolve(purpose, &spec.itz)?;
-        options.validate(&spec.specimen)?;
-        Ok(options)
-    }
-}
-
-/// The options that Python's keywords name; `itz=None` means no ITZ, and `element_size="auto"` a size that is tried.
+/// The options that Python's keywords name; `itz=None` means no ITZ.
 pub(crate) fn table(
     method: Option<&Bound<'_, PyAny>>,
     element_size: Option<&Bound<'_, PyAny>>,
     keywords: &Bound<'_, PyDict>,
-) -> PyResult<Wanted> {
-    let is_auto = element_size.is_some_and(|size| size.extract::<&str>().is_ok_and(|text| text == "auto"));
-    let element_size = element_size.filter(|_| !is_auto);
+) -> PyResult<MeshTable> {
+    let word = element_size.and_then(|size| size.extract::<&str>().ok()).filter(|word| *word != "auto");
+    if let Some(word) = word {
+        return Err(wrong_type(format!("element_size is {word:?}; it must be a number, mm, or auto")));
+    }
     for (key, value) in [("method", method), ("element_size_mm", element_size)] {
         value.map_or(Ok(()), |value| keywords.set_item(key, value))?;
     }
     if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
         keywords.set_item("itz", "none")?;
     }
-    Ok(Wanted { table: options(Some(keywords))?, is_auto })
+    options(Some(keywords))
 }
 
 /// Use of a mesh by Python's `for_test`.
@@ -101,13 +73,13 @@ pub(crate) fn build(
     py: Python<'_>,
     model: Arc<Model>,
     progress: Option<&Bound<'_, PyAny>>,
-    asked: Wanted,
+    asked: MeshTable,
     purpose: Purpose,
     accept_phase_error: bool,
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
     let of = Arc::clone(&model);
-    let options = beside_python(py, None, move |watch| asked.resolved(purpose, &of.spec, false, watch))?;
+    let options = beside_python(py, None, move |watch| footing::options(&asked, purpose, &of.spec, false, watch))?;
     let options = options.map_err(mesh_error)?.for_bodies(&model.aggregates);
     accept_in_memory("the mesh", options.bytes(&model.spec.specimen), "element_size")?;
     let gmsh = gmsh(py)?;
@@ -278,6 +250,7 @@ impl PyMesh {
             let keys = deck.map_or(0, |deck| deck.len()) + usize::from(test.is_some());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
             let spec = &slf.get().1.spec;
+            let named = if test.is_some() { "test" } else { "analysis" };
             if let Some(test) = test.map(|named| named.test(slf.py())).transpose()? {
                 if deck.analysis != Analysis::None {
                     return Err(wrong_value("analysis and test are two words for one thing; leave one of them out"));
@@ -285,7 +258,8 @@ impl PyMesh {
                 deck.analysis = test.into();
             }
             files::check_deck(&mesh, &deck, &path, keys > 0)?;
-            let wrong = |error: TrialError| response::wrong(&error.into());
+            let asked = deck.clone();
+            let wrong = |error: TrialError| wrong_value(deck_refusal(&asked, named, &error, Giver::Keywords));
             deck.suits(&spec.specimen).map_err(wrong)?;
             deck.load(&Sample::of(&mesh, &spec.specimen, &slf.get().2)).map_err(wrong)?;
             let model = &slf.get().1;
@@ -367,7 +341,7 @@ impl PyMesh {
             let (kind, keywords) = test.with(slf.py(), options)?;
             let asked = Asked::new(&kind, materials, threads, &keywords)?;
             let PyMesh(mesh, model, made) = slf.get().clone();
-            let asked = asked.on(device, &mesh)?;
+            let asked = asked.on(device, &mesh, &model.spec.specimen)?;
             response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)
         })
     }

@@ -11,6 +11,7 @@ use crate::views::{call_view, cell_type, framing};
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Watch as _};
 use meso_files::Beside;
 use meso_gpu::{Choice, Lease};
@@ -95,8 +96,9 @@ impl Asked {
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
     }
 
-    /// The test of `mesh` on the device that `name` means, found before any work.
-    pub(crate) fn on(self, name: &str, mesh: &Mesh) -> PyResult<Self> {
+    /// The test of `mesh` on the device that `name` means; what its specimen cannot have is refused before any work.
+    pub(crate) fn on(self, name: &str, mesh: &Mesh, specimen: &Specimen) -> PyResult<Self> {
+        self.test.suits(specimen).map_err(|error| wrong(&error.into()))?;
         let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
         if device.is_some() {
             meso_solve::device::accept(mesh.kind).map_err(|error| wrong(&error))?;

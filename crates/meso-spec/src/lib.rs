@@ -224,3 +224,8 @@ pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Va
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
     read::read(&tree::parse_toml(text)?)
 }
+
+/// The line of TOML text on which the key at a dotted `path` stands.
+pub fn line_of(text: &str, path: &str) -> Option<usize> {
+    tree::parse_toml(text).ok()?.line_at(path)
+}

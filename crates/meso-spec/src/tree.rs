@@ -42,6 +42,15 @@ impl Node {
         }
         line
     }
+
+    /// The line of the value at a dotted path, whose parts may stand in one quoted key.
+    pub(super) fn line_at(&self, path: &str) -> Option<usize> {
+        let Value::Table(entries) = &self.value else { return None };
+        entries.iter().find_map(|(name, child)| match path.strip_prefix(name.as_str())? {
+            "" => child.line,
+            rest => child.line_at(rest.strip_prefix('.')?),
+        })
+    }
 }
 
 impl Node {

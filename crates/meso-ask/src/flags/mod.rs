@@ -1,4 +1,5 @@
 //! Parsers of flags.
 
 pub mod names;
+pub mod of_schema;
 pub mod values;

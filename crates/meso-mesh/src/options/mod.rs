@@ -3,7 +3,7 @@
 mod memory;
 mod table;
 
-pub use table::{MeshTable, Purpose};
+pub use table::{Auto, ElementSize, MeshTable, Purpose};
 
 use super::error::MeshError;
 use meso_concrete::Room;

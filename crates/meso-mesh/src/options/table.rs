@@ -9,33 +9,56 @@ use meso_concrete::aggregate::Itz;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
-/// Options of `Packing.mesh` and of `--summary-json`. Leave out the options of other methods.
+/// Options of a mesh, as `mesh`, `Packing.mesh` and a study take them. Leave out the options of other methods.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshTable {
-    /// Method of meshing.
+    /// Method of meshing [default: voxel; for a test lattice]
     pub method: Option<MethodName>,
-    /// Edge length of the elements, mm; rounded so that whole elements fill the specimen.
-    pub element_size_mm: Option<f64>,
-    /// Interfacial transition zone in the mesh.
+    /// Edge length of the elements, mm, or auto: the largest of some sizes that keeps every phase within 5 % on a small cube
+    /// of the packing. It is rounded so that whole elements fill the specimen [default: 2; for a test without a model 4]
+    pub element_size_mm: Option<ElementSize>,
+    /// Interfacial transition zone in the mesh [default: solid, or none where the elements are thicker than it; for a test
+    /// smeared]
     pub itz: Option<ItzForm>,
-    /// Treatment of aggregates that would share nodes.
+    /// Treatment of aggregates that would share nodes [default: keep; for a test mortar]
     pub joined: Option<Joined>,
-    /// Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra.
+    /// Volume of the aggregates in a mesh that follows them [default: exact for grains other than convex polyhedra, and for a
+    /// test without a solid ITZ; else fitted]
     pub volumes: Option<Volumes>,
-    /// Fewest elements across a gap between aggregates, in tetrahedra.
+    /// Gaps one tetrahedron wide between aggregates [default: keep; for a test of a model split]
     pub narrow_gaps: Option<NarrowGaps>,
-    /// Whether a solid ITZ may be thinner than one voxel; voxels only.
+    /// Let the ITZ of voxels be thinner than one voxel, with holes in it
     pub thin_itz: Option<bool>,
-    /// Sub-samples per voxel and axis, 1 to 8; voxels only.
+    /// Sub-samples per voxel and axis, 1 to 8 [default: 1]; with more than 1 each body gets as many voxels as its samples fill
     pub subsamples: Option<u32>,
-    /// Fit of a lattice to the aggregates' surfaces; lattices only.
+    /// Fit of a lattice to the aggregates' surfaces [default: fitted]
     pub fit: Option<Fit>,
-    /// Order of the elements, 1 or 2; voxels take 1.
+    /// Order of the elements [default: 1]; 2 puts a node in the middle of every edge of a tetrahedron (C3D10)
     pub order: Option<u32>,
-    /// Number of slabs that gmsh fills one by one; conforming meshes only.
+    /// Number of slabs that gmsh fills one by one; absent: as many as its memory needs
     pub slabs: Option<u32>,
+}
+
+/// Edge length of the elements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(untagged, expecting = "a number or auto")]
+pub enum ElementSize {
+    /// Length, mm.
+    Mm(f64),
+    /// The largest of some sizes that keeps the phases of the packing at hand.
+    Tried(Auto),
+}
+
+/// The word `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+pub enum Auto {
+    /// Sizes are tried.
+    Auto,
 }
 
 /// Use of a mesh: it decides the options that are not asked for.
@@ -66,7 +89,9 @@ impl Purpose {
         match self {
             Self::Mesh => MeshTable { itz: None, ..usual },
             Self::Test => test(),
-            Self::FirstTest => MeshTable { element_size_mm: Some(4.0), narrow_gaps: Some(NarrowGaps::Keep), ..test() },
+            Self::FirstTest => {
+                MeshTable { element_size_mm: Some(ElementSize::Mm(4.0)), narrow_gaps: Some(NarrowGaps::Keep), ..test() }
+            }
         }
     }
 }
@@ -80,7 +105,13 @@ impl MeshTable {
         let usual = MeshOptions::default();
         let asked = self.clone().or(purpose.usual());
         let method = asked.method.unwrap_or(usual.method.name());
-        let element_size_mm = asked.element_size_mm.unwrap_or(usual.element_size_mm);
+        let element_size_mm = match asked.element_size_mm {
+            Some(ElementSize::Mm(size)) => size,
+            Some(ElementSize::Tried(_)) => {
+                return Err(MeshError::option("element_size_mm", "auto", "give a number here"));
+            }
+            None => usual.element_size_mm,
+        };
         let (fit, order) = (self.fit.unwrap_or(Fit::Fitted), order(self.order.unwrap_or(1), method)?);
         let (thin_itz, subsamples) = (self.thin_itz.unwrap_or(false), self.subsamples.unwrap_or(1));
         validate_count("subsamples", subsamples, MAX_SUBSAMPLES)?;
@@ -107,6 +138,18 @@ impl MeshTable {
             },
             narrow_gaps: asked.narrow_gaps.filter(|_| method.splits_gaps()).unwrap_or_default(),
         })
+    }
+
+    /// Whether the size of the elements is to be tried.
+    pub fn is_auto(&self) -> bool {
+        matches!(self.element_size_mm, Some(ElementSize::Tried(_)))
+    }
+
+    /// The table with the size that `auto` means, or without one; a size in mm stays.
+    #[must_use]
+    pub fn with_tried(self, size_mm: Option<f64>) -> Self {
+        let element_size_mm = if self.is_auto() { size_mm.map(ElementSize::Mm) } else { self.element_size_mm };
+        Self { element_size_mm, ..self }
     }
 
     /// The options of this table, and of `usual` if they are absent here; those of one method stay absent.
@@ -190,7 +233,7 @@ impl From<MeshOptions> for MeshTable {
         }
         Self {
             method: Some(method.name()),
-            element_size_mm: Some(element_size_mm),
+            element_size_mm: Some(ElementSize::Mm(element_size_mm)),
             itz: Some(itz),
             joined: Some(joined),
             volumes,

@@ -400,26 +400,26 @@ class SpecOptions(TypedDict, total=False):
 
 
 class MeshOptions(TypedDict, total=False):
-    """Options of `Packing.mesh` and of `--summary-json`. Leave out the options of other methods."""
+    """Options of a mesh, as `mesh`, `Packing.mesh` and a study take them. Leave out the options of other methods."""
 
     fit: Literal["fitted", "plain"] | None
-    """Fit of a lattice to the aggregates' surfaces; lattices only."""
+    """Fit of a lattice to the aggregates' surfaces [default: fitted]"""
     itz: Literal["solid", "cohesive", "smeared", "none"] | None
-    """Interfacial transition zone in the mesh."""
+    """Interfacial transition zone in the mesh [default: solid, or none where the elements are thicker than it; for a test smeared]"""
     joined: Literal["keep", "mortar", "cut"] | None
-    """Treatment of aggregates that would share nodes."""
+    """Treatment of aggregates that would share nodes [default: keep; for a test mortar]"""
     narrow_gaps: Literal["keep", "split"] | None
-    """Fewest elements across a gap between aggregates, in tetrahedra."""
+    """Gaps one tetrahedron wide between aggregates [default: keep; for a test of a model split]"""
     order: int | None
-    """Order of the elements, 1 or 2; voxels take 1."""
+    """Order of the elements [default: 1]; 2 puts a node in the middle of every edge of a tetrahedron (C3D10)"""
     slabs: int | None
-    """Number of slabs that gmsh fills one by one; conforming meshes only."""
+    """Number of slabs that gmsh fills one by one; absent: as many as its memory needs"""
     subsamples: int | None
-    """Sub-samples per voxel and axis, 1 to 8; voxels only."""
+    """Sub-samples per voxel and axis, 1 to 8 [default: 1]; with more than 1 each body gets as many voxels as its samples fill"""
     thin_itz: bool | None
-    """Whether a solid ITZ may be thinner than one voxel; voxels only."""
+    """Let the ITZ of voxels be thinner than one voxel, with holes in it"""
     volumes: Literal["fitted", "exact"] | None
-    """Volume of the aggregates in a mesh that follows their surfaces; absent, it is exact unless all are convex polyhedra."""
+    """Volume of the aggregates in a mesh that follows them [default: exact for grains other than convex polyhedra, and for a test without a solid ITZ; else fitted]"""
 
 
 class DeckCdpm2Parameters(TypedDict, total=False):
@@ -566,31 +566,31 @@ class DeckOptions(TypedDict, total=False):
     analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
-    """Time of the path, s; absent: the test's own, as in the engine, and 0.02 in an impact."""
+    """Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]"""
     frames: int | None
-    """Frames of field output; absent: 50."""
+    """Frames of field output [default: 50]"""
     friction: float | None
-    """Friction between plates and specimen; absent: the test's own, 0.1 in an impact."""
+    """Friction between plates and specimen [default: the test's own, 0.1 in an impact]"""
     geometry_only: bool
-    """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
+    """Only nodes, elements, sets and surfaces, for *INCLUDE"""
     heading: Sequence[str]
     """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
     impact_speed_mm_per_s: float | None
-    """Speed of the striker of an impact, mm/s; absent: 5000."""
+    """Speed of the striker in an impact, mm/s [default: 5000]"""
     lsdyna_law: Literal["cdpm", "rel3", "cscm"]
-    """Law of mortar and ITZ in an LS-DYNA deck (`.k`)."""
+    """Law of mortar and ITZ in a .k"""
     materials: DeckMaterials
     """Material values."""
     periodic_equations: bool
-    """Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z."""
+    """Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain"""
     reduced_integration: bool
-    """Hexahedra with reduced integration, C3D8R for C3D8."""
+    """Hexahedra with reduced integration (C3D8R)"""
     strain: float | None
-    """Strain at the end, a positive number; absent: the test's own, 0.001 in the analysis elastic."""
+    """Strain at the end of the analysis, a positive number [default: the test's own, 0.001 elastic]"""
     time_increment_s: float | None
-    """Time increment that mass scaling keeps, s; absent: the test's own, as in the engine."""
+    """Time increment that mass scaling keeps, s [default: the test's own, as in `solve`]"""
     with_damage: bool
-    """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
+    """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own"""
 
 
 class SolveBelow(TypedDict, total=False):
@@ -727,15 +727,15 @@ class SolveOptions(TypedDict, total=False):
     """A test of a specimen. Whatever is absent takes its default from the mesh and the kind of test."""
 
     control: Literal["servo", "crack-mouth", "lateral-strain", "steady"]
-    """How the plates keep their speed."""
+    """Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in a deck"""
     duration_s: float | None
-    """Time of the whole test at the plates' full speed, s."""
+    """Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]"""
     expansion: SolveExpansion | None
     """Strains of the phases that have no stress; they grow before the path begins. An expansion test without them has 1e-4 in the aggregates."""
     frames: int
-    """Frames that the observer gets, evenly over the strain (where the path turns, the time); 0 for none."""
+    """Frames of all fields, evenly over the strain (where the path turns, the time), 0 for none"""
     friction: float | None
-    """Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the plates are glued on."""
+    """Friction between plates and specimen; in tension the plates are glued on [default: 0.1; 0.5 in splitting]"""
     gauges: Sequence[SolveGauge]
     """Gauges, each a column of the curve; those of the named test where none are given."""
     history: str | None
@@ -745,7 +745,7 @@ class SolveOptions(TypedDict, total=False):
     interface: SolveInterface
     """Cohesive faces."""
     law: Literal["meso", "cdp", "cdpm2", "elastic"]
-    """The law of mortar and ITZ."""
+    """The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison"""
     pressure_mpa: float | None
     """Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent."""
     ramp: float
@@ -753,11 +753,11 @@ class SolveOptions(TypedDict, total=False):
     rows: int
     """Rows of the curve, at most, and as densely where the servo adds steps."""
     smoothing: Literal["none", "edges"] | None
-    """Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not."""
+    """Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]"""
     span_mm: float | None
     """Distance of a beam's rollers, mm."""
     strain: float | None
-    """Strain of the test at the end; 0.005 in compression, 0.0005 in tension."""
+    """Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]"""
     stress_ratio: float | None
     """Lateral over axial stress of a biaxial test; 1 where absent."""
     strip_mm: float | None
@@ -765,7 +765,7 @@ class SolveOptions(TypedDict, total=False):
     supports: Sequence[SolveSupportSpec]
     """Supports and loads; those of the named test where none are given."""
     time_step_s: float | None
-    """Time step that mass scaling keeps, s."""
+    """Time step that mass scaling keeps, s [default: by the element size]"""
     turns: Sequence[SolveTurn]
     """Places at which the path turns; straight on to `strain` where none are given."""
 

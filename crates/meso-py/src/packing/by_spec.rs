@@ -1,11 +1,11 @@
 //! `pack`: Python's arguments are checked, then packed beside Python.
 
 use crate::boundary::{guard, mesh_error, wrong_type, wrong_value};
-use crate::mesh::{self, Wanted};
+use crate::mesh;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
-use meso_core::mesh::Purpose;
+use meso_core::mesh::{MeshTable, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
 use meso_solve::footing;
@@ -107,7 +107,7 @@ pub(crate) fn pack(
         spec.fraction = fraction.unwrap_or(spec.fraction);
         spec.placement.time_limit_s = time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| spec::spec_error(&error))?;
-        if for_test || !wanted.is_nothing() {
+        if for_test || wanted != MeshTable::default() {
             spec = leave_room(py, spec, wanted, mesh::purpose(for_test))?;
         }
         warn_of(py, &spec)?;
@@ -122,9 +122,9 @@ pub(crate) fn pack(
 const STAGES: [(Stage, f64); 4] = [(Stage::Read, 8.0), (Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)];
 
 /// The spec with the gaps that the mesh needs and the spec leaves open.
-fn leave_room(py: Python<'_>, mut spec: Spec, wanted: Wanted, purpose: Purpose) -> PyResult<Spec> {
+fn leave_room(py: Python<'_>, mut spec: Spec, wanted: MeshTable, purpose: Purpose) -> PyResult<Spec> {
     let left = beside_python(py, None, move |watch| {
-        let options = wanted.resolved(purpose, &spec, true, watch)?;
+        let options = footing::options(&wanted, purpose, &spec, true, watch)?;
         footing::leave_room(&mut spec, &options, purpose).map(|_| spec)
     })?;
     let spec = left.map_err(mesh_error)?;

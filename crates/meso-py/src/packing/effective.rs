@@ -1,6 +1,6 @@
 //! Effective properties of a packing or a label volume, as dicts.
 
-use crate::boundary::{accept_in_memory, guard, keyword, wrong_type, wrong_value};
+use crate::boundary::{accept_in_memory, guard, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
@@ -217,7 +217,7 @@ fn raised(error: &EffectiveError) -> PyErr {
     match error {
         EffectiveError::Diverged { .. } => PyRuntimeError::new_err(error.to_string()),
         EffectiveError::Value(wrong) if wrong.table == "effective" => wrong_value(Giver::Keywords.refusal(wrong)),
-        EffectiveError::Mesh(error) => wrong_value(error.message(keyword)),
+        EffectiveError::Mesh(error) => wrong_value(error.message(|key| Giver::Keywords.option(key))),
         _ => wrong_value(error.to_string()),
     }
 }

@@ -2,9 +2,10 @@
 
 use super::PyPacking;
 use super::effective::{spacing, volume};
-use crate::boundary::{accept_in_memory, guard, without_unit, wrong_value};
+use crate::boundary::{accept_in_memory, guard, wrong_value};
 use crate::files;
 use crate::run::{Plan, in_stages, listener};
+use meso_ask::Giver;
 use meso_core::import::grains::{Roles, SmoothOptions};
 use meso_core::labelled::{LabelOptions, LabelsError};
 use meso_core::watch::Stage;
@@ -114,7 +115,7 @@ fn warn(py: Python<'_>, remarks: impl IntoIterator<Item = String>) -> PyResult<(
 
 fn raised(error: &LabelsError) -> PyErr {
     match error {
-        LabelsError::Option(wrong) => without_unit(wrong),
+        LabelsError::Option(wrong) => wrong_value(Giver::Keywords.refusal(wrong)),
         _ => wrong_value(error.to_string()),
     }
 }

@@ -7,7 +7,7 @@
 
 mod trial;
 
-pub use trial::element_size;
+pub use trial::{element_size, options};
 
 use meso_mesh::{Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Room, Tools, build};
 use meso_pack::{Model, Spec};

@@ -6,7 +6,7 @@
 use super::{Footing, leave_room};
 use meso_concrete::specimen::{Periodic, Specimen};
 use meso_concrete::watch::Watch;
-use meso_mesh::{MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Tools, build};
+use meso_mesh::{ElementSize, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Tools, build};
 use meso_pack::packing::StopReason;
 use meso_pack::{Model, Spec, pack};
 
@@ -50,11 +50,28 @@ pub fn element_size(
     leaves_room: bool,
     watch: &dyn Watch,
 ) -> Result<f64, MeshError> {
-    let table = MeshTable { element_size_mm: Some(spec.grading.d_min_mm), ..table.clone() };
+    let table = MeshTable { element_size_mm: Some(ElementSize::Mm(spec.grading.d_min_mm)), ..table.clone() };
     let options = table.resolve(purpose, &spec.itz)?;
     let footing = Footing { purpose, options, accepts_phase_error: false };
     let trial = Trial { footing: &footing, spec, leaves_room, watch };
     trial.found().map(|tried| tried.size_mm).ok_or_else(|| trial.nothing_found())
+}
+
+/// The options of a mesh of `spec`, with the size that `auto` means; `leaves_room` as in [`element_size`].
+///
+/// # Errors
+/// See [`element_size`].
+pub fn options(
+    table: &MeshTable,
+    purpose: Purpose,
+    spec: &Spec,
+    leaves_room: bool,
+    watch: &dyn Watch,
+) -> Result<MeshOptions, MeshError> {
+    let tried = table.is_auto().then(|| element_size(table, purpose, spec, leaves_room, watch)).transpose()?;
+    let options = table.clone().with_tried(tried).resolve(purpose, &spec.itz)?;
+    options.validate(&spec.specimen)?;
+    Ok(options)
 }
 
 impl Trial<'_> {

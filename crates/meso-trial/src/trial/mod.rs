@@ -30,20 +30,20 @@ use std::f64::consts::PI;
 pub struct Test {
     /// The named test, which gives supports, gauges and history unless they are given.
     pub kind: TestKind,
-    /// Coulomb's coefficient between plates and specimen; 0.1, and 0.5 under the strips of a splitting test. In tension the
-    /// plates are glued on.
+    /// Friction between plates and specimen; in tension the plates are glued on [default: 0.1; 0.5 in splitting]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub friction: Option<f64>,
-    /// Strain of the test at the end; 0.005 in compression, 0.0005 in tension.
+    /// Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]
     #[cfg_attr(feature = "schema", schemars(range(min = 1e-12, max = 0.1)))]
     pub strain: Option<f64>,
-    /// Time of the whole test at the plates' full speed, s.
+    /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub duration_s: Option<f64>,
-    /// Time step that mass scaling keeps, s.
+    /// Time step that mass scaling keeps, s [default: by the element size]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub time_step_s: Option<f64>,
-    /// How the plates keep their speed.
+    /// Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in
+    /// a deck
     pub control: Control,
     /// Share of the time in which the plates gain their speed.
     #[cfg_attr(feature = "schema", schemars(range(min = 0.01, max = 1.0)))]
@@ -51,12 +51,12 @@ pub struct Test {
     /// Rows of the curve, at most, and as densely where the servo adds steps.
     #[cfg_attr(feature = "schema", schemars(range(min = 10, max = 1_000_000)))]
     pub rows: u32,
-    /// Frames that the observer gets, evenly over the strain (where the path turns, the time); 0 for none.
+    /// Frames of all fields, evenly over the strain (where the path turns, the time), 0 for none
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10_000)))]
     pub frames: u32,
-    /// The law of mortar and ITZ.
+    /// The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison
     pub law: LawName,
-    /// Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not.
+    /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     pub smoothing: Option<Smoothing>,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]

@@ -1,7 +1,7 @@
 //! Flags of `mesocrete effective`.
 
 use crate::commands::shared::{Threads, Writing};
-use meso_ask::EffectiveAsk;
+use meso_ask::{EffectiveAsk, Giver};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -14,6 +14,8 @@ pub(crate) struct Args {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) ask: EffectiveAsk,
+    #[arg(skip)]
+    pub(crate) giver: Giver<'static>,
     #[command(flatten)]
     pub(super) threads: Threads,
     #[command(flatten)]

@@ -28,12 +28,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
     let specimen = Specimen::read(args, &watch)?;
-    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error))?;
-    tasks.iter().try_for_each(|task| specimen.leaves_room(task))?;
+    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error, args.giver))?;
+    tasks.iter().try_for_each(|task| specimen.leaves_room(task, args.giver))?;
     let (mut found, mut fields) = (Vec::new(), Vec::new());
     for task in tasks {
         let begun = Instant::now();
-        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error))?;
+        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error, args.giver))?;
         found.push((result, begun.elapsed().as_secs_f64()));
         fields.extend(theirs);
     }
@@ -55,12 +55,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 impl Args {
     /// Refuses flags that are wrong with any file.
     pub(crate) fn validate(&self) -> Result<(), Failure> {
-        self.ask.accept(self.input()).map_err(|wrong| Failure::Usage(Giver::Flags.refusal(&wrong)))
+        self.ask.accept(self.input()).map_err(|wrong| Failure::Usage(self.giver.refusal(&wrong)))
     }
 
     /// Refuses flags that a packing of `spec` has no property for.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        self.ask.settle(Facts::Packing(spec), self.values()?).map(drop).map_err(|error| wrong(&error))
+        self.ask.settle(Facts::Packing(spec), self.values()?).map(drop).map_err(|error| wrong(&error, self.giver))
     }
 
     /// Names of the files that a run writes.
@@ -126,13 +126,13 @@ impl Specimen {
     }
 
     /// Refuses a task beyond the memory.
-    fn leaves_room(&self, task: &EffectiveTask) -> Result<(), Failure> {
+    fn leaves_room(&self, task: &EffectiveTask, giver: Giver<'_>) -> Result<(), Failure> {
         let (name, (key, size)) = (task.name(), task.size());
         match self {
             Self::Packing(_) => {
                 let cells = if key == "voxel_size_mm" { "voxels" } else { "tetrahedra" };
                 let work = format!("the {name} of {cells} of {size} mm");
-                room::accept_in_memory(&work, task.bytes, (&Giver::Flags.option(key), size))
+                room::accept_in_memory(&work, task.bytes, (&giver.option(key), size))
             }
             Self::Labels(_) => room::accept_image(&format!("the {name} of the volume"), task.bytes),
         }
@@ -140,9 +140,9 @@ impl Specimen {
 }
 
 /// Turns an error into wrong usage, by the name of its flag.
-fn wrong(error: &EffectiveError) -> Failure {
+fn wrong(error: &EffectiveError, giver: Giver<'_>) -> Failure {
     match error {
-        EffectiveError::Value(value) if value.table == "effective" => Failure::Usage(Giver::Flags.refusal(value)),
+        EffectiveError::Value(value) if value.table == "effective" => Failure::Usage(giver.refusal(value)),
         EffectiveError::Diverged { .. } => Failure::Run(error.to_string()),
         _ => Failure::Usage(error.to_string()),
     }

@@ -2,7 +2,7 @@
 
 use super::flags::Args;
 use super::report::MeshReport;
-use crate::commands::meshing::{Settings, wrong_option};
+use crate::commands::meshing::Settings;
 use crate::failure::{Failure, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
@@ -31,14 +31,16 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     args.meshing.accept(&model)?;
     args.meshing.try_sizes(&model.spec, &watch)?;
     let mut settings = args.meshing.settings(&model.spec, writes_deck)?;
-    plan.iter().try_for_each(|(_, format)| format.check(&settings.deck)).map_err(|error| wrong_option(&error))?;
+    plan.iter()
+        .try_for_each(|(_, format)| format.check(&settings.deck))
+        .map_err(|error| args.meshing.wrong_option(&error))?;
     let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
     watch.finish();
     let (mesh, off) = mesh?;
-    settings.load(&mesh, &model, off)?;
+    args.meshing.load(&mut settings, &mesh, &model, off)?;
     let deck = &settings.deck;
     if writes_deck {
-        deck.validate(&mesh).map_err(|error| wrong_option(&error))?;
+        deck.validate(&mesh).map_err(|error| args.meshing.wrong_option(&error))?;
     }
     let mut unit = Unit::default();
     let fill_all = || {

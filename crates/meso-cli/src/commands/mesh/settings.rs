@@ -4,6 +4,7 @@ use super::flags::Args;
 use crate::commands::meshing::Meshing;
 use crate::failure::Failure;
 use crate::outputs::Target;
+use meso_ask::Giver;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
 use meso_core::{Silent, Spec};
@@ -11,6 +12,11 @@ use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 
 impl Args {
+    /// Sets who gave the options.
+    pub(crate) fn given_by(&mut self, giver: Giver<'static>) {
+        self.meshing.given_by(giver);
+    }
+
     /// Refuses flags that are wrong with any file.
     pub(crate) fn validate(&self) -> Result<(), Failure> {
         self.meshing.validate()?;

@@ -1,20 +1,32 @@
-//! Errors of meshes and decks, with options named by their flags.
+//! Errors of meshes and decks, with options as their user spells them.
 
+use super::flags::{DeckFlags, MeshFlags};
+use super::settings::Meshing;
 use crate::failure::Failure;
+use meso_ask::{Giver, deck_refusal};
 use meso_concrete::OutOfRange;
-use meso_core::export::abaqus::DeckOptions;
 use meso_core::mesh::MeshError;
 use meso_solve::TrialError;
 
-/// Turns an error of meshing into a failure; wrong options are wrong usage.
-pub(crate) fn wrong_mesh(error: &MeshError) -> Failure {
-    let text = error.message(flag);
+impl MeshFlags {
+    /// Turns an error of meshing into a failure; wrong options are wrong usage.
+    pub(crate) fn wrong(&self, error: &MeshError) -> Failure {
+        let giver = self.given.giver();
+        wrong_mesh(error, giver)
+    }
+}
+
+/// Turns an error of meshing into a failure, with the options of a `giver`.
+pub(super) fn wrong_mesh(error: &MeshError, giver: Giver<'_>) -> Failure {
+    let text = error.message(|key| giver.option(key));
     match error {
-        MeshError::Option(wrong) => wrong_option(wrong),
+        MeshError::Option(wrong) => Failure::Usage(giver.refusal(wrong)),
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
-        MeshError::PhaseError { .. } => Failure::Run(format!("{text}; --accept-phase-error accepts it")),
+        MeshError::PhaseError { .. } => {
+            Failure::Run(format!("{text}; {} accepts it", giver.option("accept_phase_error")))
+        }
         MeshError::NearTouching { .. } => {
             Failure::Run(format!("{text}; `mesocrete pack --method conforming` leaves such gaps by itself"))
         }
@@ -22,30 +34,16 @@ pub(crate) fn wrong_mesh(error: &MeshError) -> Failure {
     }
 }
 
-/// Turns a value out of its range into wrong usage, by the name of its flag.
-pub(crate) fn wrong_option(error: &OutOfRange) -> Failure {
-    Failure::Usage(format!("{} {}", flag(&error.key), error.fault()))
-}
-
-/// Turns an error of a deck's test into wrong usage: a value that was laid over the test's own has its flag.
-pub(super) fn wrong_test(error: &TrialError, deck: &DeckOptions) -> Failure {
-    let TrialError::Value(wrong) = error else { return Failure::Usage(error.to_string()) };
-    let flag = match wrong.key.as_str() {
-        "strain" if deck.strain.is_some() => "--strain",
-        "friction" if deck.friction.is_some() => "--friction",
-        "duration_s" if deck.duration_s.is_some() => "--duration",
-        "time_step_s" if deck.time_increment_s.is_some() => "--time-increment",
-        "kind" => "--analysis",
-        _ => return Failure::Usage(error.to_string()),
-    };
-    Failure::Usage(format!("{flag} {}", wrong.fault()))
-}
-
-/// The flag of an option: `--element-size-mm` of `element_size_mm`. Flags drop the unit suffix `_s`; values of
-/// `[materials]` have no flag.
-pub(crate) fn flag(key: &str) -> String {
-    if key.contains('.') {
-        return key.to_owned();
+impl Meshing {
+    /// Turns a value of a deck out of its range into wrong usage.
+    pub(crate) fn wrong_option(&self, error: &OutOfRange) -> Failure {
+        Failure::Usage(self.deck.given.refusal(error))
     }
-    format!("--{}", key.strip_suffix("_s").unwrap_or(key).replace('_', "-"))
+}
+
+impl DeckFlags {
+    /// Turns an error of a deck's test into wrong usage.
+    pub(super) fn wrong_test(&self, error: &TrialError) -> Failure {
+        Failure::Usage(deck_refusal(&self.given.options, "analysis", error, self.given.giver()))
+    }
 }

@@ -5,6 +5,5 @@ mod flags;
 mod run;
 mod settings;
 
-pub(super) use errors::wrong_option;
 pub(super) use flags::MeshFlags;
 pub(super) use settings::{MeshSettings, Meshing, Settings, materials};

@@ -14,7 +14,7 @@ impl MeshSettings {
     /// Meshes, and finds the phase that is farthest off its exact volume.
     pub(crate) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
         let gmsh = Announced { gmsh: &self.gmsh, quiet };
-        self.footing.mesh(model, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error))
+        self.footing.mesh(model, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error, self.giver))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Options of a mesh and its deck that follow from the flags, for one specimen.
 
-use super::errors::{wrong_mesh, wrong_option, wrong_test};
 use super::flags::{DeckFlags, MeshFlags};
 use crate::failure::Failure;
 use crate::{inputs, room};
+use meso_ask::Giver;
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
@@ -22,7 +22,7 @@ pub(crate) struct Meshing {
     #[command(flatten)]
     mesh: MeshFlags,
     #[command(flatten)]
-    deck: DeckFlags,
+    pub(super) deck: DeckFlags,
 }
 
 /// A mesh and its deck, checked for one spec.
@@ -37,31 +37,33 @@ pub(crate) struct Settings {
 pub(crate) struct MeshSettings {
     pub(crate) footing: Footing,
     pub(super) gmsh: Gmsh,
+    pub(super) giver: Giver<'static>,
 }
 
 impl MeshFlags {
     /// The options for any packing whose aggregates have these shells.
     pub(crate) fn options(&self, purpose: Purpose, shells: &Itz) -> Result<MeshOptions, Failure> {
-        self.table().resolve(purpose, shells).map_err(|error| wrong_mesh(&error))
+        self.table().resolve(purpose, shells).map_err(|error| self.wrong(&error))
     }
 
     /// The options for packings of `spec`. Options that do not fit its specimen are wrong usage, a missing gmsh a failure.
     pub(crate) fn settings(&self, purpose: Purpose, spec: &Spec) -> Result<MeshSettings, Failure> {
         let options = self.options(purpose, &spec.itz)?;
         let gmsh = Gmsh::program(&self.gmsh);
-        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))?;
-        options.accepts_shape(&spec.shape).map_err(|error| wrong_mesh(&error))?;
+        options.validate(&spec.specimen).map_err(|error| self.wrong(&error))?;
+        options.accepts_shape(&spec.shape).map_err(|error| self.wrong(&error))?;
         if options.method.name() == MethodName::Conforming {
-            gmsh.check().map_err(|error| wrong_mesh(&error))?;
+            gmsh.check().map_err(|error| self.wrong(&error))?;
         }
         let accepts_phase_error = self.accept_phase_error;
-        Ok(MeshSettings { footing: Footing { purpose, options, accepts_phase_error }, gmsh })
+        let giver = self.given.giver();
+        Ok(MeshSettings { footing: Footing { purpose, options, accepts_phase_error }, gmsh, giver })
     }
 
     /// Refuses a method that cannot mesh the bodies of `model`, before gmsh is looked for: a label volume's spec has no shape.
     pub(crate) fn accept(&self, purpose: Purpose, model: &Model) -> Result<(), Failure> {
         let options = self.options(purpose, &model.spec.itz)?;
-        mesh::accepts(&model.aggregates, &options).map_err(|error| wrong_mesh(&error))
+        mesh::accepts(&model.aggregates, &options).map_err(|error| self.wrong(&error))
     }
 
     /// The materials of the file that is given, or the illustrative ones.
@@ -84,6 +86,12 @@ struct MaterialsFile {
 }
 
 impl Meshing {
+    /// Sets who gave the options.
+    pub(crate) fn given_by(&mut self, giver: Giver<'static>) {
+        self.mesh.given_by(giver);
+        self.deck.given.given_by(giver);
+    }
+
     fn purpose(&self) -> Purpose {
         if self.deck.analyses() { Purpose::Test } else { Purpose::Mesh }
     }
@@ -96,8 +104,8 @@ impl Meshing {
     /// Refuses an analysis that no packing can have in these formats, before any work.
     pub(crate) fn accept_formats(&self, mut formats: impl Iterator<Item = MeshFormat>) -> Result<(), Failure> {
         let deck = self.deck.options()?;
-        formats.try_for_each(|format| format.check(&deck)).map_err(|error| wrong_option(&error))?;
-        deck.follows().map_err(|error| wrong_test(&error, &deck))
+        formats.try_for_each(|format| format.check(&deck)).map_err(|error| self.wrong_option(&error))?;
+        deck.follows().map_err(|error| self.deck.wrong_test(&error))
     }
 
     /// Whether the test of the deck is a file.
@@ -122,8 +130,12 @@ impl Meshing {
             self.validate_deck(&self.deck(spec, &options)?, &options, writes_deck)?;
         }
         match options.validate(&spec.specimen) {
-            Err(MeshError::Option(wrong)) if wrong.key == "element_size_mm" && !self.mesh.has_size() => Ok(()),
-            suits => suits.map_err(|error| wrong_mesh(&error)),
+            Err(MeshError::Option(wrong))
+                if wrong.key == "element_size_mm" && !self.mesh.given.has("element_size_mm") =>
+            {
+                Ok(())
+            }
+            suits => suits.map_err(|error| self.mesh.wrong(&error)),
         }
     }
 
@@ -139,11 +151,11 @@ impl Meshing {
         room::accept_in_memory(
             "the mesh",
             options.bytes(&spec.specimen),
-            ("--element-size-mm", options.element_size_mm),
+            (&self.mesh.given.giver().option("element_size_mm"), options.element_size_mm),
         )?;
         let deck = self.deck(spec, options)?;
         self.validate_deck(&deck, options, writes_deck)?;
-        deck.suits(&spec.specimen).map_err(|error| wrong_test(&error, &deck))?;
+        deck.suits(&spec.specimen).map_err(|error| self.deck.wrong_test(&error))?;
         Ok(Settings { hint: self.hint(spec, options.itz), mesh, deck })
     }
 
@@ -151,10 +163,12 @@ impl Meshing {
     fn validate_deck(&self, deck: &DeckOptions, mesh: &MeshOptions, is_written: bool) -> Result<(), Failure> {
         if is_written {
             let has_hexahedra = mesh.method.name() == MethodName::Voxel;
-            return deck.validate_effects(has_hexahedra).map_err(|error| wrong_option(&error));
+            return deck.validate_effects(has_hexahedra).map_err(|error| self.wrong_option(&error));
         }
         match self.deck.only_for_decks() {
-            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp or .k is written; leave it out"))),
+            Some(option) => {
+                Err(Failure::Usage(format!("{option} has no effect: no .inp or .k is written; leave it out")))
+            }
             None => Ok(()),
         }
     }
@@ -166,9 +180,9 @@ impl Meshing {
             allow_joined: self.mesh.table().joined == Some(Joined::Keep),
             ..self.deck.options()?
         };
-        deck.validate_for(spec.specimen.periodic().0).map_err(|error| wrong_option(&error))?;
+        deck.validate_for(spec.specimen.periodic().0).map_err(|error| self.wrong_option(&error))?;
         if mesh.itz == ItzForm::Cohesive {
-            deck.validate_cohesive().map_err(|error| wrong_option(&error))?;
+            deck.validate_cohesive().map_err(|error| self.wrong_option(&error))?;
         }
         Ok(deck)
     }
@@ -192,16 +206,20 @@ impl Meshing {
     pub(crate) fn try_sizes(&self, spec: &Spec, watch: &dyn Watch) -> Result<(), Failure> {
         self.mesh.try_sizes(self.purpose(), spec, false, watch)
     }
-}
 
-impl Settings {
     /// Puts the supports and loads of the test on `mesh` into the deck, and the heading. `off` is the phase that is farthest
     /// off its volume.
-    pub(crate) fn load(&mut self, mesh: &Mesh, model: &Model, off: Option<PhaseOff>) -> Result<(), Failure> {
-        let (spec, options) = (&model.spec, self.mesh.footing.options.for_bodies(&model.aggregates));
-        self.deck.head(spec, &options, off.is_some_and(|off| !off.is_accepted()));
+    pub(crate) fn load(
+        &self,
+        settings: &mut Settings,
+        mesh: &Mesh,
+        model: &Model,
+        off: Option<PhaseOff>,
+    ) -> Result<(), Failure> {
+        let (spec, options) = (&model.spec, settings.mesh.footing.options.for_bodies(&model.aggregates));
+        settings.deck.head(spec, &options, off.is_some_and(|off| !off.is_accepted()));
         let sample = Sample::of(mesh, &spec.specimen, &options);
-        self.deck.load(&sample).map_err(|error| wrong_test(&error, &self.deck))
+        settings.deck.load(&sample).map_err(|error| self.deck.wrong_test(&error))
     }
 }
 
@@ -215,7 +233,7 @@ impl MeshFlags {
     ) -> Result<Option<String>, Failure> {
         self.try_sizes(purpose, spec, true, watch)?;
         let options = self.options(purpose, &spec.itz)?;
-        let left = footing::leave_room(spec, &options, purpose).map_err(|error| wrong_mesh(&error))?;
+        let left = footing::leave_room(spec, &options, purpose).map_err(|error| self.wrong(&error))?;
         Ok(left.map(|(room, gap)| match room {
             Room::Everywhere(_) => format!("packing with gaps of {gap} mm, which a conforming mesh needs"),
             Room::Between(_) => {

@@ -2,10 +2,10 @@
 
 use super::flags::Args;
 use crate::commands::mesh;
-use crate::commands::meshing::wrong_option;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
+use meso_ask::Giver;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::mesh::Mesh;
@@ -138,7 +138,8 @@ impl Plan {
                     unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
                 }
                 (Content::Mesh(format), Some((mesh, deck))) => {
-                    deck.validate(mesh).and_then(|()| format.check(deck)).map_err(|error| wrong_option(&error))?;
+                    let suits = deck.validate(mesh).and_then(|()| format.check(deck));
+                    suits.map_err(|error| Failure::Usage(Giver::Flags.refusal(&error)))?;
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
                 }
                 (Content::Mesh(_), None) | (Content::Page, _) => {}

@@ -40,7 +40,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch);
         let built = settings.as_ref().map(build).transpose();
         if let (Some(settings), Ok(Some((mesh, off)))) = (&mut settings, &built) {
-            settings.load(mesh, &model, *off)?;
+            args.meshing.load(settings, mesh, &model, *off)?;
         }
         let mesh = built.map(|built| built.map(|(mesh, _)| mesh));
         // A packing is not lost with its mesh.

@@ -7,7 +7,8 @@ use crate::commands::test_file::FileOr;
 use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;
-use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
+use meso_ask::Given;
+use meso_solve::{Test, TestKind};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -21,46 +22,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME|TEST.toml", default_value = "compression", value_parser = test_parser())]
     #[arg(help = format!("The test: {}; or a file of its supports, loads, turns and gauges, see `mesocrete init --test`", names::list::<TestKind>()))]
     pub(super) test: TestText,
-    #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(help = format!("Friction between plates and specimen; in tension the plates are glued on [default: {}; 0.5 in splitting]", Test::default().friction()))]
-    pub(super) friction: Option<f64>,
+    #[command(flatten)]
+    pub(super) given: Given<Test>,
     /// Plates of brushes or teflon: a friction of 0.005
     #[arg(long, conflicts_with = "friction")]
     pub(super) brush: bool,
-    /// Lateral pressure of a triaxial test, MPa; negative ones are tension [default: 5]
-    #[arg(long, value_name = "P", value_parser = values::number, allow_negative_numbers = true)]
-    pub(super) pressure_mpa: Option<f64>,
-    /// Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]
-    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
-    pub(super) strain: Option<f64>,
-    #[arg(long, value_parser = names::parser::<LawName>())]
-    #[arg(help = format!(
-        "The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison \
-         [default: {}]",
-        names::of(&Test::default().law)
-    ))]
-    pub(super) law: Option<LawName>,
-    /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
-    #[arg(long, value_name = "OVER", value_parser = names::parser::<Smoothing>())]
-    #[arg(hide_short_help = true)]
-    pub(super) smoothing: Option<Smoothing>,
-    /// Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in a
-    /// deck [default: servo]
-    #[arg(long, value_name = "HOW", value_parser = names::parser::<Control>())]
-    #[arg(hide_short_help = true)]
-    pub(super) control: Option<Control>,
-    /// Frames of all fields, evenly over the strain, 0 for none
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
-    #[arg(allow_negative_numbers = true)]
-    pub(super) frames: u32,
-    /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
-    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(hide_short_help = true)]
-    pub(super) duration: Option<f64>,
-    /// Time step that mass scaling keeps, s [default: by the element size]
-    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
-    #[arg(hide_short_help = true)]
-    pub(super) time_step: Option<f64>,
     /// Write checkpoint.bin every S seconds, for --resume
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]

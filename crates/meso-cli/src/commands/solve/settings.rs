@@ -2,12 +2,13 @@
 
 use super::flags::{Args, TestText};
 use super::folder::CHECKPOINT;
-use crate::commands::meshing::{MeshSettings, wrong_option};
+use crate::commands::meshing::MeshSettings;
 use crate::commands::{names, test_file};
 use crate::failure::Failure;
 use crate::gpu::{self, Choice, Device};
 use crate::progress::Watch;
 use crate::{inputs, room};
+use meso_ask::{Given, Giver};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
 use meso_core::spec::options_from_value;
@@ -18,6 +19,8 @@ use meso_study::{NameError, Names};
 use serde_json::Value;
 use std::path::Path;
 
+/// Frames of a test that asks for none.
+const FRAMES: u32 = 5;
 /// Friction of brushes and teflon (van Mier et al. 1997).
 const BRUSH: f64 = 0.005;
 
@@ -33,18 +36,15 @@ impl Args {
             let why = "has no effect here, where no plate rubs; leave it out";
             return Err(Failure::Usage(format!("--brush {why} (--test {})", names::of(&test.kind))));
         }
-        Ok(Test {
-            friction: if self.brush { Some(BRUSH) } else { self.friction.or(test.friction) },
-            strain: self.strain.or(test.strain),
-            duration_s: self.duration.or(test.duration_s),
-            time_step_s: self.time_step.or(test.time_step_s),
-            pressure_mpa: self.pressure_mpa.or(test.pressure_mpa),
-            frames: self.frames,
-            control: self.control.unwrap_or(test.control),
-            law: self.law.unwrap_or(test.law),
-            smoothing: self.smoothing.or(test.smoothing),
-            ..test
-        })
+        let frames = if test.frames == 0 { FRAMES } else { test.frames };
+        let friction = if self.brush { Some(BRUSH) } else { test.friction };
+        Ok(self.given.over(&Test { friction, frames, ..test }))
+    }
+
+    /// Sets who gave the options.
+    pub(crate) fn given_by(&mut self, giver: Giver<'static>) {
+        self.mesh.given_by(giver);
+        self.given.given_by(giver);
     }
 
     /// Sets the test of a study, by the keys of a TEST.toml.
@@ -93,7 +93,7 @@ impl Args {
             return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
         }
         let options = self.mesh.options(self.purpose(), &Shells::default())?;
-        if self.smoothing == Some(Smoothing::Edges) && options.method.name() == MethodName::Voxel {
+        if self.given.options.smoothing == Some(Smoothing::Edges) && options.method.name() == MethodName::Voxel {
             let message = "--smoothing edges needs tetrahedra; take --method lattice or conforming, or leave it out";
             return Err(Failure::Usage(message.to_owned()));
         }
@@ -103,7 +103,7 @@ impl Args {
         if self.device != Choice::Cpu {
             let is_voxel = options.method.name() == MethodName::Voxel;
             let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
-            meso_solve::device::accept(kind).map_err(|error| wrong(&error))?;
+            meso_solve::device::accept(kind).map_err(|error| self.wrong(&error))?;
         }
         if self.packs() {
             return Ok(());
@@ -123,25 +123,18 @@ impl Args {
         Ok(())
     }
 
-    /// Turns an error of the engine into wrong usage: a value of a TEST.toml has its file, unless a flag changed it.
+    /// Turns an error of the engine into wrong usage: a value of a file has its name, unless a flag changed it.
     pub(super) fn wrong(&self, error: &SolveError) -> Failure {
-        let (TestText::File(path), SolveError::Value(value)) = (&self.test, error) else { return wrong(error) };
-        let is_flag = match value.key.as_str() {
-            "friction" => self.friction.is_some() || self.brush,
-            "strain" => self.strain.is_some(),
-            "duration_s" => self.duration.is_some(),
-            "time_step_s" => self.time_step.is_some(),
-            "pressure_mpa" => self.pressure_mpa.is_some(),
-            "control" => self.control.is_some(),
-            "law" => self.law.is_some(),
-            "smoothing" => self.smoothing.is_some(),
-            _ => false,
-        };
-        if value.table != "test" || is_flag {
-            wrong(error)
-        } else {
-            Failure::Usage(format!("{}: {error}", path.display()))
-        }
+        let SolveError::Value(value) = error else { return Failure::Usage(error.to_string()) };
+        let (is_test, key) = (value.table == "test", value.key.as_str());
+        let is_given = self.given.has(key) || key == "friction" && self.brush;
+        Failure::Usage(match &self.test {
+            TestText::File(path) if !is_test || !is_given => format!("{}: {error}", path.display()),
+            TestText::Tree(_) if is_test && !is_given => Giver::Table("test").refusal(value),
+            _ if is_test && key == "kind" => format!("{} {}", self.given.giver().option("test"), value.fault()),
+            _ if is_test && Given::<Test>::has_flag(key) => self.given.refusal(value),
+            _ => error.to_string(),
+        })
     }
 
     /// The device that takes the steps; none where this processor does.
@@ -203,30 +196,4 @@ impl Args {
         };
         Failure::Usage(format!("{flag} {}", error.message))
     }
-}
-
-/// Keys of a TEST.toml that have no flag.
-const OF_FILES: [&str; 11] = [
-    "ramp",
-    "rows",
-    "hourglass",
-    "stress_ratio",
-    "strip_mm",
-    "span_mm",
-    "expansion",
-    "supports",
-    "turns",
-    "history",
-    "gauges",
-];
-
-/// Turns an error of the engine into wrong usage; a value of the test has a flag.
-pub(super) fn wrong(error: &SolveError) -> Failure {
-    Failure::Usage(match error {
-        SolveError::Value(wrong) if wrong.table == "test" && wrong.key == "kind" => format!("--test {}", wrong.fault()),
-        SolveError::Value(wrong) if wrong.table == "test" && !OF_FILES.contains(&wrong.key.as_str()) => {
-            return wrong_option(wrong);
-        }
-        _ => error.to_string(),
-    })
 }

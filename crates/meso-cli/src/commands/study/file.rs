@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use meso_core::SpecError;
 use meso_core::recipes::Recipe;
-use meso_core::spec::{Files, options_from_toml};
+use meso_core::spec::{Files, line_of, options_from_toml};
 use meso_files::Beside;
 use meso_study::{Axis, Case, Keep, Plan, Planning, Sampling, digest};
 use serde::Deserialize;
@@ -39,6 +39,8 @@ struct Content {
 /// A STUDY.toml and its place.
 pub(crate) struct StudyFile {
     path: PathBuf,
+    /// The text of the file, which has the lines of its options; empty of a study that another command made.
+    text: String,
     /// The spec that the axes are laid over, and the folder of the files that it names.
     base: Value,
     folder: PathBuf,
@@ -51,7 +53,8 @@ pub(crate) struct StudyFile {
 impl StudyFile {
     /// Reads the file, and the spec that it names.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
-        Self::of(inputs::toml(path, options_from_toml)?, path)
+        let (content, text) = inputs::toml(path, |text| Ok((options_from_toml(text)?, text.to_owned())))?;
+        Ok(Self { text, ..Self::of(content, path)? })
     }
 
     /// The study of a tree of values, as if it were the file at `path`.
@@ -81,7 +84,16 @@ impl StudyFile {
             }
         }
         let Content { outputs, model: keep, .. } = content;
-        Ok(Self { path: path.to_owned(), base, folder, axes, outputs, keep, task: Value::Object(task) })
+        Ok(Self {
+            path: path.to_owned(),
+            text: String::new(),
+            base,
+            folder,
+            axes,
+            outputs,
+            keep,
+            task: Value::Object(task),
+        })
     }
 
     /// Reads a study from `text` that names no other file; `None` for one that names some, or has very many cases.
@@ -137,9 +149,20 @@ impl StudyFile {
             .map_err(|failure| self.wrong(&failure))
     }
 
-    /// A failure with the file's name.
+    /// A failure with the file's name, and the line of the option that it begins with.
     pub(super) fn wrong(&self, failure: &Failure) -> Failure {
-        Failure::Usage(format!("{}: {}", self.path.display(), failure.message()))
+        let line = self.line(failure.message()).map(|line| format!(" line {line}")).unwrap_or_default();
+        Failure::Usage(format!("{}{line}: {}", self.path.display(), failure.message()))
+    }
+
+    /// The line of the option that begins a message: `[mesh] subsamples`, which an axis may have set.
+    fn line(&self, message: &str) -> Option<usize> {
+        let (section, rest) = message.strip_prefix('[')?.split_once("] ")?;
+        let key = rest.split(' ').next()?;
+        let places = ["", "over.", "zip.", "draw.over."]
+            .into_iter()
+            .flat_map(|table| [key.to_owned(), key.replace('_', "-")].map(|key| (table, key)));
+        places.into_iter().find_map(|(table, key)| line_of(&self.text, &format!("{table}{section}.{key}")))
     }
 }
 

@@ -10,6 +10,7 @@ use crate::outputs::Signals;
 use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
 pub(crate) use file::StudyFile;
+use meso_ask::Giver;
 use meso_concrete::thousands;
 use meso_study::{Again, Case, CaseState, Plan, RunError, Status, StudyRun, TABLES, Tally};
 use std::io::{self, IsTerminal};
@@ -70,7 +71,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut file = StudyFile::read(&args.study)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
-    let given = Given { threads: shared_threads(args.jobs, args.threads), gmsh: args.gmsh.clone() };
+    let given =
+        Given { threads: shared_threads(args.jobs, args.threads), gmsh: args.gmsh.clone(), giver: Giver::Section };
     let plan = checked_plan(&file, &args.output, &given, &shown)?;
     if args.dry_run {
         return list(&plan, args);
@@ -89,14 +91,14 @@ pub(crate) fn cases(
     quiet: bool,
 ) -> Result<StudyRun, Failure> {
     let shown = Shown::new(quiet);
-    let given = Given { threads: shared_threads(jobs, threads), gmsh: None };
+    let given = Given { threads: shared_threads(jobs, threads), gmsh: None, giver: |_| Giver::Flags };
     let plan = checked_plan(file, out, &given, &shown)?;
     drive(file, &plan, out, &Working { given, jobs, again: Again::Failed }, &shown)
 }
 
 /// Refuses a study that another command made, where a flag of a case is wrong.
 pub(crate) fn check(file: &StudyFile, out: &Path) -> Result<(), Failure> {
-    let given = Given { threads: None, gmsh: None };
+    let given = Given { threads: None, gmsh: None, giver: |_| Giver::Flags };
     checked_plan(file, out, &given, &Shown::new(true)).map(drop)
 }
 
@@ -152,7 +154,7 @@ fn shared_threads(jobs: Option<u16>, threads: Option<u16>) -> Option<u16> {
 /// opens no file and runs no program.
 pub(crate) fn validate(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
     let Some(file) = StudyFile::alone(text)? else { return Ok(Vec::new()) };
-    let given = Given { threads: None, gmsh: None };
+    let given = Given { threads: None, gmsh: None, giver: Giver::Section };
     let plan = file.plan_alone()?;
     plan.cases.iter().map(|case| Ok(file.steps(case, Path::new(""), &given)?.files())).collect()
 }

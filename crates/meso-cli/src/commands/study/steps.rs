@@ -7,11 +7,14 @@ use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
 use crate::{interrupt, stderr, threads};
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use meso_ask::Giver;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Silent, Spec};
 use meso_effective::results::FIGURES;
 use meso_study::{Case, CaseOutcome, Keep, NameError, Names, RECORD, of_effective, of_packing, of_summary};
 use serde_json::{Map, Value};
+use std::error::Error as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -55,6 +58,8 @@ pub(super) struct Given {
     pub(super) threads: Option<u16>,
     /// The program gmsh. A file never names a program.
     pub(super) gmsh: Option<PathBuf>,
+    /// Who gave the options of a section.
+    pub(super) giver: fn(&'static str) -> Giver<'static>,
 }
 
 /// The steps of one case.
@@ -93,16 +98,19 @@ impl Steps {
         let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
         let effective_line = line("effective", [&model, Path::new("-o"), folder], false).transpose()?;
         let mesh = mesh_line.map(|line| -> Result<_, Failure> {
-            let line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
+            let mut line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
+            line.args.given_by((given.giver)("mesh"));
             line.args.validate().map(|()| line.args)
         });
         let solve = solve_line.map(|line| -> Result<_, Failure> {
             let mut line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            line.args.given_by((given.giver)("solve"));
             case.task.get("test").map_or(Ok(()), |test| line.args.set_test(test))?;
             line.args.validate_alone().map(|()| line.args)
         });
         let effective = effective_line.map(|line| -> Result<_, Failure> {
-            let line = EffectiveLine::try_parse_from(line).map_err(|error| wrong_flag("effective", &error))?;
+            let mut line = EffectiveLine::try_parse_from(line).map_err(|error| wrong_flag("effective", &error))?;
+            line.args.giver = (given.giver)("effective");
             line.args.validate().map(|()| line.args)
         });
         let (mesh, solve, effective) = (mesh.transpose()?, solve.transpose()?, effective.transpose()?);
@@ -279,11 +287,31 @@ fn words(
     Ok(line)
 }
 
-/// clap's message in a line, without the usage that follows.
+/// A fault of a section's options, by their keys; others in clap's words, without the usage that follows.
 fn wrong_flag(section: &str, error: &clap::Error) -> Failure {
-    let text = error.to_string();
-    let message = text.split("\n\n").next().unwrap_or(&text).replace('\n', " ");
-    Failure::Usage(format!("[{section}] {}", message.trim_start_matches("error: ")))
+    let of = |kind: ContextKind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let why = match error.get(ContextKind::ValidValue) {
+        Some(ContextValue::Strings(names)) => Some(format!("it must be one of {}", names.join(", "))),
+        _ => error.source().map(ToString::to_string),
+    };
+    let key = |flag: &str| Some(flag.strip_prefix("--")?.split([' ', '=']).next()?.replace('-', "_"));
+    let key = of(ContextKind::InvalidArg).and_then(key);
+    let meant = of(ContextKind::SuggestedArg).map(|meant| format!("did you mean {}? ", meant.trim_start_matches('-')));
+    Failure::Usage(match (key, of(ContextKind::InvalidValue), why) {
+        (Some(key), Some(value), Some(why)) => format!("[{section}] {key} is {value}; {why}"),
+        (Some(key), None, None) if error.kind() == ErrorKind::UnknownArgument => format!(
+            "[{section}] {key} is not known; {}mesocrete {section} --help lists the options",
+            meant.unwrap_or_default()
+        ),
+        _ => {
+            let text = error.to_string();
+            let message = text.split("\n\n").next().unwrap_or(&text).replace('\n', " ");
+            format!("[{section}] {}", message.trim_start_matches("error: "))
+        }
+    })
 }
 
 fn summary(path: &Path) -> Result<Value, Failure> {

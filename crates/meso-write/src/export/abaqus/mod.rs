@@ -40,36 +40,36 @@ const LAW: LawName = LawName::Cdp;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct DeckOptions {
-    /// Write nodes, elements, sets and surfaces alone, for `*INCLUDE`.
+    /// Only nodes, elements, sets and surfaces, for *INCLUDE
     pub geometry_only: bool,
-    /// Hexahedra with reduced integration, C3D8R for C3D8.
+    /// Hexahedra with reduced integration (C3D8R)
     pub reduced_integration: bool,
-    /// Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z.
+    /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
     pub periodic_equations: bool,
     /// The analysis the deck runs, or the test; `geometry_only` leaves it out.
     pub analysis: Analysis,
-    /// Strain at the end, a positive number; absent: the test's own, 0.001 in the analysis elastic.
+    /// Strain at the end of the analysis, a positive number [default: the test's own, 0.001 elastic]
     pub strain: Option<f64>,
-    /// Friction between plates and specimen; absent: the test's own, 0.1 in an impact.
+    /// Friction between plates and specimen [default: the test's own, 0.1 in an impact]
     pub friction: Option<f64>,
-    /// Time of the path, s; absent: the test's own, as in the engine, and 0.02 in an impact.
+    /// Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]
     pub duration_s: Option<f64>,
-    /// Time increment that mass scaling keeps, s; absent: the test's own, as in the engine.
+    /// Time increment that mass scaling keeps, s [default: the test's own, as in `solve`]
     pub time_increment_s: Option<f64>,
-    /// Frames of field output; absent: 50.
+    /// Frames of field output [default: 50]
     pub frames: Option<u32>,
-    /// Speed of the striker of an impact, mm/s; absent: 5000.
+    /// Speed of the striker in an impact, mm/s [default: 5000]
     pub impact_speed_mm_per_s: Option<f64>,
     /// Supports and loads of the test on the mesh that is written: see [`load`](DeckOptions::load).
     #[serde(skip)]
     pub loads: Option<Loads>,
     /// Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks.
     pub allow_joined: bool,
-    /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own.
+    /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
     pub with_damage: bool,
     /// Material values.
     pub materials: Materials,
-    /// Law of mortar and ITZ in an LS-DYNA deck (`.k`).
+    /// Law of mortar and ITZ in a .k
     pub lsdyna_law: LsdynaLaw,
     /// Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept.
     pub heading: Vec<String>,

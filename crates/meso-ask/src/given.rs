@@ -1,0 +1,101 @@
+//! Options that a user gave, with their giver.
+
+use crate::Giver;
+use crate::flags::of_schema::{self, Flag};
+use clap::error::ErrorKind;
+use clap::{ArgMatches, Args, Command, Error, FromArgMatches};
+use meso_concrete::OutOfRange;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+/// Options of a request, of which some have flags.
+pub trait Options: JsonSchema + Serialize + DeserializeOwned + Default {
+    /// The options that have flags, in the order of the help.
+    const FLAGS: &'static [Flag];
+}
+
+/// Options that were given, and who gave them.
+#[derive(Clone, Debug, Default)]
+pub struct Given<T> {
+    /// The options; those that nobody gave have their defaults.
+    pub options: T,
+    given: Map<String, Value>,
+    giver: Giver<'static>,
+}
+
+impl<T: Options> Given<T> {
+    /// The front that fills the request.
+    pub fn giver(&self) -> Giver<'static> {
+        self.giver
+    }
+
+    /// Sets the front that fills the request.
+    pub fn given_by(&mut self, giver: Giver<'static>) {
+        self.giver = giver;
+    }
+
+    /// Whether an option has a flag.
+    pub fn has_flag(key: &str) -> bool {
+        T::FLAGS.iter().any(|flag| flag.key == key)
+    }
+
+    /// The options of `base`, under those that were given.
+    pub fn over(&self, base: &T) -> T {
+        let mut tree = serde_json::to_value(base).unwrap_or_default();
+        if let Value::Object(options) = &mut tree {
+            options.extend(self.given.clone());
+        }
+        // Both were read from such trees.
+        serde_json::from_value(tree).unwrap_or_default()
+    }
+
+    /// Whether an option was given.
+    pub fn has(&self, key: &str) -> bool {
+        self.given.contains_key(key)
+    }
+
+    /// Keys of the options that were given another value than their default.
+    pub fn asked(&self) -> impl Iterator<Item = &'static str> {
+        let usual = serde_json::to_value(T::default()).unwrap_or_default();
+        T::FLAGS
+            .iter()
+            .map(|flag| flag.key)
+            .filter(move |key| self.given.get(*key).is_some_and(|own| *own != usual[*key]))
+    }
+
+    /// A refusal in the giver's spelling.
+    pub fn refusal(&self, wrong: &OutOfRange) -> String {
+        self.giver.refusal(wrong)
+    }
+}
+
+impl<T: Options> Args for Given<T> {
+    fn augment_args(command: Command) -> Command {
+        of_schema::add::<T>(T::FLAGS, command)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<T: Options> FromArgMatches for Given<T> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let value = |flag: &Flag| match matches.try_get_one::<bool>(flag.key) {
+            Ok(switch) => switch.filter(|given| **given).map(|_| true.into()),
+            Err(_) => matches.get_one::<Value>(flag.key).cloned(),
+        };
+        let given: Map<String, Value> =
+            T::FLAGS.iter().filter_map(|flag| Some((flag.key.to_owned(), value(flag)?))).collect();
+        let options = serde_json::from_value(Value::Object(given.clone()));
+        let options = options.map_err(|error| Error::raw(ErrorKind::InvalidValue, format!("{error}\n")))?;
+        Ok(Self { options, given, giver: Giver::Flags })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
