@@ -14,6 +14,11 @@ use serde_json::{Map, Value};
 pub trait Options: JsonSchema + Serialize + DeserializeOwned + Default {
     /// The options that have flags, in the order of the help.
     const FLAGS: &'static [Flag];
+
+    /// The key of the option with a flag, which is named without its dashes.
+    fn key_of(flag: &str) -> Option<&'static str> {
+        Self::FLAGS.iter().map(|own| own.key).find(|key| of_schema::name(key).strip_prefix("--") == Some(flag))
+    }
 }
 
 /// Options that were given, and who gave them.

@@ -14,6 +14,7 @@ pub mod flags;
 mod given;
 mod giver;
 mod options;
+mod over;
 mod strains;
 
 pub use axes::Axes;
@@ -21,3 +22,4 @@ pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, Phas
 pub use given::{Given, Options};
 pub use giver::Giver;
 pub use options::deck_refusal;
+pub use over::Over;

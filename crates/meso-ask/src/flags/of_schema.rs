@@ -81,6 +81,8 @@ struct Forms {
     names: Vec<String>,
     is_number: bool,
     is_whole: bool,
+    is_seed: bool,
+    least: u64,
     is_switch: bool,
 }
 
@@ -101,12 +103,16 @@ impl Forms {
         };
         self.is_number |= has("number");
         self.is_whole |= has("integer");
+        self.is_seed |= schema["format"] == "uint64";
+        self.least = self.least.max(schema["minimum"].as_u64().unwrap_or_default());
         self.is_switch |= has("boolean");
     }
 
     fn read_by(self, arg: Arg) -> Arg {
         let arg = if self.is_number || self.is_whole { arg.allow_negative_numbers(true) } else { arg };
         match (self.is_whole, self.is_number) {
+            (true, _) if self.is_seed => arg.value_parser(|text: &str| values::seed(text).map(Value::from)),
+            (true, _) if self.least > 0 => arg.value_parser(|text: &str| values::count(text).map(Value::from)),
             (true, _) => arg.value_parser(|text: &str| values::whole_number(text).map(Value::from)),
             (false, true) => arg.value_parser(move |text: &str| number_or(&self.names, text)),
             (false, false) => arg.value_parser(PossibleValuesParser::new(self.names).map(Value::from)),

@@ -5,6 +5,7 @@ use crate::mesh;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
+use meso_ask::Over;
 use meso_core::mesh::{MeshTable, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
@@ -103,9 +104,7 @@ pub(crate) fn pack(
             }
             false => given.read(&Silent, None)?,
         };
-        spec.seed = seed.unwrap_or(spec.seed);
-        spec.fraction = fraction.unwrap_or(spec.fraction);
-        spec.placement.time_limit_s = time_limit.or(spec.placement.time_limit_s);
+        Over { seed, fraction, time_limit_s: time_limit, ..Over::default() }.lay(&mut spec);
         spec.validate().map_err(|error| spec::spec_error(&error))?;
         if for_test || wanted != MeshTable::default() {
             spec = leave_room(py, spec, wanted, mesh::purpose(for_test))?;

@@ -36,7 +36,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     watch.keeps_the_best();
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
-    let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
+    let written = model.map_err(|error| args.name_flag(&error)).and_then(|model| {
         let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch);
         let built = settings.as_ref().map(build).transpose();
         if let (Some(settings), Ok(Some((mesh, off)))) = (&mut settings, &built) {

@@ -7,7 +7,7 @@ use crate::commands::test_file::FileOr;
 use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;
-use meso_ask::Given;
+use meso_ask::{Given, Over};
 use meso_solve::{Test, TestKind};
 use std::path::PathBuf;
 
@@ -34,19 +34,8 @@ pub(crate) struct Args {
     /// Resume from the checkpoint.bin in DIR; give the same flags as before
     #[arg(long)]
     pub(super) resume: bool,
-    /// Seed of the packing, where one is made
-    #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
-    pub(super) seed: Option<u64>,
-    /// Volume of the aggregates over the specimen's, 0 to 1, where a packing is made
-    #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
-    pub(super) fraction: Option<f64>,
-    /// Smallest distance between two aggregates, where a packing is made [default: half an element, or less where the packing
-    /// would get too dense]
-    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
-    pub(super) min_gap_mm: Option<f64>,
-    /// End the packing after S seconds with the best found, where one is made
-    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
-    pub(super) time_limit: Option<f64>,
+    #[command(flatten)]
+    pub(super) over: Given<Over>,
     /// What takes the steps: cpu, gpu (the first that there is), cuda:N or opencl:N; the results are the same bytes (see
     /// `mesocrete devices`)
     #[arg(long, value_name = "NAME", default_value_t = Choice::Cpu)]

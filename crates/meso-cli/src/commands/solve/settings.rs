@@ -45,6 +45,7 @@ impl Args {
     pub(crate) fn given_by(&mut self, giver: Giver<'static>) {
         self.mesh.given_by(giver);
         self.given.given_by(giver);
+        self.over.given_by(giver);
     }
 
     /// Sets the test of a study, by the keys of a TEST.toml.
@@ -108,19 +109,13 @@ impl Args {
         if self.packs() {
             return Ok(());
         }
-        let of_packings = [
-            ("--seed", self.seed.is_some()),
-            ("--fraction", self.fraction.is_some()),
-            ("--min-gap-mm", self.min_gap_mm.is_some()),
-            ("--time-limit", self.time_limit.is_some()),
-        ];
-        for (flag, given) in of_packings {
-            if given {
-                let message = format!("{flag} has no effect on a saved model; leave it out, or give a SPEC.toml");
-                return Err(Failure::Usage(message));
-            }
+        match self.over.asked().next() {
+            Some(key) => Err(Failure::Usage(format!(
+                "{} has no effect on a saved model; leave it out, or give a SPEC.toml",
+                self.over.giver().option(key)
+            ))),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Turns an error of the engine into wrong usage: a value of a file has its name, unless a flag changed it.
@@ -169,15 +164,12 @@ impl Args {
 
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
     pub(super) fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
-        let read = |path| inputs::spec(path, watch, self.time_limit);
+        let read = |path| inputs::spec(path, watch, self.over.options.time_limit_s);
         let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
-        spec.seed = self.seed.unwrap_or(spec.seed);
-        spec.fraction = self.fraction.unwrap_or(spec.fraction);
-        spec.placement.min_gap_mm = self.min_gap_mm.unwrap_or(spec.placement.min_gap_mm);
-        spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
-        spec.validate().map_err(|error| self.name_flag(error))?;
+        self.over.options.lay(&mut spec);
+        spec.validate().map_err(|error| self.name_flag(&error))?;
         self.leave_room(&mut spec, watch)?;
-        spec.validate().map_err(|error| self.name_flag(error))?;
+        spec.validate().map_err(|error| self.name_flag(&error))?;
         Ok(spec)
     }
 
@@ -186,14 +178,7 @@ impl Args {
         self.mesh.leave_room(self.purpose(), spec, watch).map(drop)
     }
 
-    /// A wrong value from a flag is called by the flag's name.
-    fn name_flag(&self, error: SpecError) -> Failure {
-        let flag = match error.key.as_str() {
-            "fraction" if self.fraction.is_some() => "--fraction",
-            "placement.min_gap_mm" if self.min_gap_mm.is_some() => "--min-gap-mm",
-            "placement.time_limit_s" if self.time_limit.is_some() => "--time-limit",
-            _ => return Failure::Usage(error.to_string()),
-        };
-        Failure::Usage(format!("{flag} {}", error.message))
+    fn name_flag(&self, error: &SpecError) -> Failure {
+        Failure::Usage(self.over.spec_error(error))
     }
 }

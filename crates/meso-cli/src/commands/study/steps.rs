@@ -8,7 +8,7 @@ use crate::progress::Watch;
 use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use meso_ask::Giver;
+use meso_ask::{Giver, Options as _, Over};
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Silent, Spec};
 use meso_effective::results::FIGURES;
@@ -18,14 +18,14 @@ use std::error::Error as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-/// Where a study has a flag of packings.
-fn of_packings(flag: &str) -> &'static str {
-    match flag {
-        "min-gap-mm" => "--min-gap-mm, or placement.min_gap_mm in its spec or in [over]",
-        "time-limit" => "--time-limit, or placement.time_limit_s in its spec",
-        "seed" => "seed in its spec or in [over]",
-        _ => "fraction in its spec or in [over]",
-    }
+/// Where a study has an option of packings.
+fn of_packings(key: &str) -> String {
+    let own = match key {
+        "seed" | "fraction" => key.to_owned(),
+        _ => format!("placement.{key}"),
+    };
+    let flag = ["min_gap_mm", "time_limit_s"].contains(&key).then(|| Giver::Flags.option(key) + ", or ");
+    format!("{}{own} in its spec or in [over]", flag.unwrap_or_default())
 }
 
 /// The figures of a case's mesh, and of its test.
@@ -260,9 +260,8 @@ fn words(
         {
             return Err(Failure::Usage(format!("[{section}] {key} is set by the study; remove it")));
         }
-        if section == "solve" && ["seed", "fraction", "min-gap-mm", "time-limit"].contains(&flag.as_str()) {
-            let message =
-                format!("[solve] {key} is of the packing, which the study makes; give {}", of_packings(&flag));
+        if let Some(of_packings) = Over::key_of(&flag).filter(|_| section == "solve").map(of_packings) {
+            let message = format!("[solve] {key} is of the packing, which the study makes; give {of_packings}");
             return Err(Failure::Usage(message));
         }
         if flag_files::is_hash(&flag) {
