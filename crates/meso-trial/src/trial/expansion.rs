@@ -5,7 +5,7 @@ use crate::sample::Sample;
 use crate::trial::load::{Side, WIDEST_MM};
 use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, Quantity};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
@@ -62,7 +62,7 @@ pub struct Below {
 )]
 pub enum Course {
     /// It grows smoothly to this value.
-    To(#[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))] f64),
+    To(#[cfg_attr(feature = "schema", schemars(range(min = -0.005, max = 0.02)))] f64),
     /// It is 0 at the time 0, and passes these times, in any unit, and strains; the last time of all phases ends the growth.
     Through(Vec<[f64; 2]>),
     /// A CSV file with the rows: columns named time and strain. It lies beside the TEST.toml.
@@ -149,13 +149,16 @@ impl Course {
     }
 }
 
+/// Strains without stress: no phase of concrete shrinks by 0.5 %, and per cent of shrinkage lie below that.
+const FREE: Quantity = Quantity { least: -0.005, most: 0.02, unit: "", others: Quantity::STRAINS };
+
 /// The reason why no phase has this strain.
-pub(super) fn unfit_strain(strain: f64) -> Option<&'static str> {
+pub(super) fn unfit_strain(strain: f64) -> Option<String> {
     let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
-    match (-0.02..=0.02).contains(&strain) {
-        false => Some("it must be -0.02 to 0.02"),
+    match FREE.has(strain) {
+        false => Some(FREE.refusal(strain)),
         true if is_seen => None,
-        true => Some("it must be 0, or 1e-12 at least: single precision carries no less"),
+        true => Some("it must be 0, or 1e-12 at least: single precision carries no less".to_owned()),
     }
 }
 

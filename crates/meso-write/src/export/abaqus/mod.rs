@@ -25,7 +25,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::{OutOfRange, exceeds, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
-use meso_mesh::figures::PhaseVolumes;
+use meso_mesh::figures::{MassScaling, PhaseVolumes};
 use meso_mesh::materials::{Materials, Strength};
 use meso_trial::{LawName, Loads, Sample, Test, TestKind, TrialError, word};
 use serde::{Deserialize, Serialize};
@@ -199,6 +199,10 @@ const IMPACT_MM_PER_S: f64 = 5000.0;
 const FRAMES: u32 = 50;
 /// Time increment whose mass scaling a report gives where no test has one, s.
 const REPORTED_S: f64 = 5e-7;
+/// Mass over the mesh's own that mass scaling adds little to, much to, and that is refused.
+const LITTLE_MASS: f64 = 1.2;
+const MUCH_MASS: f64 = 2.0;
+const MOST_MASS: f64 = 100.0;
 
 impl DeckOptions {
     /// The test of the deck, with the values that are laid over its own; none of an analysis.
@@ -301,6 +305,7 @@ impl DeckOptions {
             None if has_test => return Err(no_loads(&self.analysis)),
             None => {}
         }
+        self.accept_mass(mesh)?;
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
 
@@ -335,8 +340,38 @@ impl DeckOptions {
         }
         let softening = if self.has_curves() { materials::band_doubt(mesh, &self.materials) } else { None };
         let softening = softening.or_else(|| self.softening_doubt(mesh));
-        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh)];
+        let mass = self.mass_doubt(mesh);
+        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh), mass];
         doubts.into_iter().flatten().collect()
+    }
+
+    /// The mass that an explicit step of this deck adds, if it has one.
+    fn mass_scaling(&self, mesh: &Mesh) -> Option<MassScaling> {
+        self.has_curve().then(|| MassScaling::of(mesh, &self.materials, self.mass_scaling_step_s()))
+    }
+
+    /// Refuses a step whose mass scaling leaves nothing of the specimen's own inertia.
+    fn accept_mass(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        let Some(scaling) = self.mass_scaling(mesh) else { return Ok(()) };
+        let (step, times) = (scaling.time_step_s, scaling.factor);
+        let accepted = || {
+            let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+            format!(
+                "such steps need {times:.0} times the mass: inertia would carry this test; take {fits:e} s, which adds at most \
+                 20 %, or check the units of the materials"
+            )
+        };
+        if times <= MOST_MASS { Ok(()) } else { Err(DECK.error("time_increment_s", format!("{step:e}"), accepted())) }
+    }
+
+    fn mass_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let scaling = self.mass_scaling(mesh).filter(|scaling| scaling.factor > MUCH_MASS)?;
+        let (step, times) = (scaling.time_step_s, scaling.factor);
+        let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+        Some(format!(
+            "steps of {step:e} s need {times:.1} times the mass, so inertia will carry this test; --time-increment {fits:e} adds \
+             at most 20 %"
+        ))
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
