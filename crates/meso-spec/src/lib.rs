@@ -197,6 +197,9 @@ impl Spec {
         if spec.grading.classes_mm.is_empty() {
             spec.grading.classes_mm = spec.grading.usual_classes();
         }
+        if !size_given {
+            spec.grading.size = spec.grading.curve.usual_size();
+        }
         if !vertices_given {
             spec.shape.vertices = spec.shape.kind.usual_vertices();
         }
@@ -205,11 +208,8 @@ impl Spec {
         }
         spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
         reading.watch.target(spec.fraction);
-        let valid = if reading.is_found {
-            spec.validate_described(reading.watch)
-        } else {
-            spec.validate_while(reading.watch)
-        };
+        let valid =
+            if reading.is_found { spec.validate_described(reading.watch) } else { spec.validate_while(reading.watch) };
         valid.map_err(|error| error.at(&tree))?;
         if let Some(table) = table {
             table.say(&spec.grading, reading.files);
