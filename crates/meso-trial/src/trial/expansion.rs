@@ -6,6 +6,7 @@ use crate::trial::load::{Side, WIDEST_MM};
 use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::{OutOfRange, Quantity};
+use meso_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 /// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
@@ -259,7 +260,25 @@ impl Expansion {
         TEST.require("expansion.layer_on", self.layer_on.len(), has_layer, why)?;
         let has_layer = self.layer_mm.is_some() || self.below.is_none();
         let why = "strains lie below a layer only with layer_mm, its depth; give that, too";
-        TEST.require("expansion.below", self.words(), has_layer, why)
+        TEST.require("expansion.below", self.words(), has_layer, why)?;
+        let why = "no phase has a strain; give one, as mortar = -3e-4, or leave the table out";
+        TEST.require("expansion", self.words(), self.most() > 0.0, why)
+    }
+
+    /// Refuses strains of phases that the mesh does not have.
+    ///
+    /// # Errors
+    /// Names the first of them.
+    pub fn suits(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        let has = |phase: usize| mesh.phase.iter().any(|own| *own as usize == phase);
+        for zone in self.zones() {
+            for (number, course) in (0..PHASES).filter_map(|number| Some((number, zone[number]?))) {
+                let strains = course.words().filter(|_| !has(number));
+                let (key, why) = (PHASE_KEYS[number], "the mesh has no element of that phase; leave it out");
+                strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
+            }
+        }
+        Ok(())
     }
 
     /// Its strains that are not 0, with their phases.
@@ -365,6 +384,9 @@ mod tests {
         let rows = |rows: &[[f64; 2]]| of(Course::Through(rows.to_vec()));
         for (expansion, text) in [
             (of(0.03.into()), "test.expansion.mortar is 0.03"),
+            (of((-0.02).into()), "test.expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -2e-4"),
+            (of((-300.0).into()), "-300 microstrain are -3e-4"),
+            (Expansion::default(), "test.expansion is 0; no phase has a strain"),
             (of(1e-15.into()), "or 1e-12 at least"),
             (rows(&[]), "at least one row"),
             (rows(&[[0.0, 1e-4]]), "above 0 and ascend"),
