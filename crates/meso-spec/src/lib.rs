@@ -188,7 +188,7 @@ impl Spec {
             reading.watch.target(fraction);
         }
         let table = sieves::inline(&mut tree, reading.files)?;
-        library::inline(&mut tree, reading.files)?;
+        library::inline(&mut tree, &mut reading)?;
         surface::inline(&mut tree, &mut reading)?;
         let is_given = |table: &str, key: &str| tree.child(table).is_some_and(|table| table.child(key).is_some());
         let (vertices_given, size_given) = (is_given("shape", "vertices"), is_given("grading", "size"));

@@ -24,7 +24,7 @@ pub const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub(crate) const MAX_AGGREGATES: f64 = 1e7;
 
-const TIME_LIMIT: &str = "placement.time_limit_s";
+pub(crate) const TIME_LIMIT: &str = "placement.time_limit_s";
 /// Most corners of a specimen's surface.
 const MAX_VERTICES: usize = 1_000_000;
 
