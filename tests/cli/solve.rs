@@ -417,7 +417,7 @@ fn a_course_of_strains_comes_from_a_table_whose_faults_have_its_file_line_and_co
     for (lines, fault) in [
         ("fibre = 1e-4", "expansion.fibre is 1e-4; the mesh has no element of that phase; leave it out"),
         ("", "expansion is 0; no phase has a strain; give one, as mortar = -3e-4, or leave the table out"),
-        ("mortar = -0.02", "expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -2e-4"),
+        ("mortar = -0.02", "expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -0.0002"),
     ] {
         folder.write("tests/TEST.toml", format!("kind = 'expansion'\n[expansion]\n{lines}\n"));
         let run = solve(&folder, &args);

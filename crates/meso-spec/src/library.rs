@@ -498,7 +498,7 @@ impl Reader<'_> {
     fn grain(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<Inlined, String> {
         if self.waiting.watch.seconds() >= self.waiting.deadline {
             self.is_late = true;
-            return Err(format!("{} had its turn; raise the limit, or save reduced grains first", place.file));
+            return Err("no time was left for it; raise the limit, or save reduced grains first".to_owned());
         }
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if self.takes_hull {

@@ -4,12 +4,12 @@
 //! differences, later ones Broyden's updates (1965), so a step costs one test of each packing. A wide prior about the start
 //! keeps a parameter in place that the curve hardly depends on. A step that makes things worse shrinks the next one.
 
-use meso_concrete::Quantity;
+use meso_concrete::PhysicalRange;
 
 /// Peaks of concrete in a test of its strength.
-const PEAK: Quantity = Quantity { least: 1.0, most: 300.0, unit: "MPa", others: Quantity::STRESSES };
+const PEAK: PhysicalRange = PhysicalRange { least: 1.0, most: 300.0, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Strains at the peak, with the give of a machine.
-const PEAK_STRAIN: Quantity = Quantity { least: 1e-4, most: 0.03, unit: "", others: Quantity::STRAINS };
+const PEAK_STRAIN: PhysicalRange = PhysicalRange { least: 1e-4, most: 0.03, unit: "", others: PhysicalRange::STRAINS };
 
 /// Figures of a curve that a fit compares, each with the relative error that counts as one.
 #[derive(Clone, Debug, PartialEq)]

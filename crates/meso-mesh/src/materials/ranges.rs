@@ -4,28 +4,29 @@
 
 use super::{Elastic, Materials, Strength};
 use crate::cells::Phase;
-use meso_concrete::{OutOfRange, Quantity, Ranges};
+use meso_concrete::{OutOfRange, PhysicalRange, Ranges};
 
 /// Checks values by their names in `[materials]`.
 pub const MATERIALS: Ranges = Ranges("materials");
 
 /// From foam to ten times lead; kg/mm3, g/cm3 and kg/m3 of stone lie above.
-const DENSITY: Quantity = Quantity {
+const DENSITY: PhysicalRange = PhysicalRange {
     least: 1e-11,
     most: 1e-7,
     unit: "tonne/mm3",
     others: &[("kg/m3", 1e-12), ("g/cm3", 1e-9), ("kg/mm3", 1e-3)],
 };
 /// From weak mortar to diamond; rubber has its own range below [`SOFTEST`].
-const MODULUS: Quantity = Quantity { least: 300.0, most: 2e6, unit: "MPa", others: Quantity::STRESSES };
+const MODULUS: PhysicalRange = PhysicalRange { least: 300.0, most: 2e6, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Largest modulus of rubber and foam, MPa: GPa of mortar, stone and steel lie above.
 const SOFTEST: f64 = 10.0;
-const COMPRESSIVE: Quantity = Quantity { least: 0.1, most: 1000.0, unit: "MPa", others: Quantity::STRESSES };
-const TENSILE: Quantity = Quantity { least: 0.01, most: 100.0, unit: "MPa", others: Quantity::STRESSES };
+const COMPRESSIVE: PhysicalRange =
+    PhysicalRange { least: 0.1, most: 1000.0, unit: "MPa", others: PhysicalRange::STRESSES };
+const TENSILE: PhysicalRange = PhysicalRange { least: 0.01, most: 100.0, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Mortar with many fibres reaches 15 N/mm; N/m of plain mortar lie above.
-const FRACTURE: Quantity = Quantity { least: 1e-4, most: 15.0, unit: "N/mm", others: ENERGIES };
-const CRUSHING: Quantity = Quantity { least: 1e-3, most: 1000.0, unit: "N/mm", others: ENERGIES };
-const PEAK_STRAIN: Quantity = Quantity { least: 1e-5, most: 0.1, unit: "", others: Quantity::STRAINS };
+const FRACTURE: PhysicalRange = PhysicalRange { least: 1e-4, most: 15.0, unit: "N/mm", others: ENERGIES };
+const CRUSHING: PhysicalRange = PhysicalRange { least: 1e-3, most: 1000.0, unit: "N/mm", others: ENERGIES };
+const PEAK_STRAIN: PhysicalRange = PhysicalRange { least: 1e-5, most: 0.1, unit: "", others: PhysicalRange::STRAINS };
 /// Units of energy per area beside N/mm.
 const ENERGIES: &[(&str, f64)] = &[("N/m", 1e-3)];
 
@@ -132,7 +133,7 @@ impl Materials {
     }
 }
 
-fn accept(range: Quantity, key: String, value: f64) -> Result<(), OutOfRange> {
+fn accept(range: PhysicalRange, key: String, value: f64) -> Result<(), OutOfRange> {
     MATERIALS.positive(&key, value)?;
     MATERIALS.require(key, value, range.has(value), range.refusal(value))
 }

@@ -5,8 +5,8 @@ use crate::sample::Sample;
 use crate::trial::load::{Side, WIDEST_MM};
 use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::{OutOfRange, Quantity};
-use meso_mesh::Mesh;
+use meso_concrete::{OutOfRange, PhysicalRange};
+use meso_mesh::{Mesh, Phase};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
@@ -151,7 +151,7 @@ impl Course {
 }
 
 /// Strains without stress: no phase of concrete shrinks by 0.5 %, and per cent of shrinkage lie below that.
-const FREE: Quantity = Quantity { least: -0.005, most: 0.02, unit: "", others: Quantity::STRAINS };
+const FREE: PhysicalRange = PhysicalRange { least: -0.005, most: 0.02, unit: "", others: PhysicalRange::STRAINS };
 
 /// The reason why no phase has this strain.
 pub(super) fn unfit_strain(strain: f64) -> Option<String> {
@@ -265,15 +265,15 @@ impl Expansion {
         TEST.require("expansion", self.words(), self.most() > 0.0, why)
     }
 
-    /// Refuses strains of phases that the mesh does not have.
+    /// Refuses strains of an ITZ or of fibres that the mesh does not have.
     ///
     /// # Errors
     /// Names the first of them.
     pub fn suits(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
-        let has = |phase: usize| mesh.phase.iter().any(|own| *own as usize == phase);
         for zone in self.zones() {
-            for (number, course) in (0..PHASES).filter_map(|number| Some((number, zone[number]?))) {
-                let strains = course.words().filter(|_| !has(number));
+            for phase in [Phase::Itz, Phase::Fibre] {
+                let (number, has) = (phase as usize, mesh.phase.contains(&phase));
+                let strains = zone[number].and_then(Course::words).filter(|_| !has);
                 let (key, why) = (PHASE_KEYS[number], "the mesh has no element of that phase; leave it out");
                 strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
             }
@@ -384,8 +384,8 @@ mod tests {
         let rows = |rows: &[[f64; 2]]| of(Course::Through(rows.to_vec()));
         for (expansion, text) in [
             (of(0.03.into()), "test.expansion.mortar is 0.03"),
-            (of((-0.02).into()), "test.expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -2e-4"),
-            (of((-300.0).into()), "-300 microstrain are -3e-4"),
+            (of((-0.02).into()), "test.expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -0.0002"),
+            (of((-300.0).into()), "-300 microstrain are -0.0003"),
             (Expansion::default(), "test.expansion is 0; no phase has a strain"),
             (of(1e-15.into()), "or 1e-12 at least"),
             (rows(&[]), "at least one row"),

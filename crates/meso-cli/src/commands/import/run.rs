@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
 use crate::{inputs, room, stderr};
-use meso_concrete::thousands;
+use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::formats::SurfaceOptions;
 use meso_core::labelled::{LabelOptions, LabelsError, of_labels};
@@ -74,7 +74,7 @@ fn remedy(error: &LabelsError, least: usize) -> String {
 fn is_short(labels: &LabelReport) -> bool {
     let had = labels.fraction + labels.dropped_fraction;
     let share = labels.lost_fraction / had;
-    let is_short = !(share <= LOSS);
+    let is_short = exceeds(share, LOSS);
     if is_short {
         let [share, dropped] = [share, labels.dropped_fraction / had].map(|share| 100.0 * share);
         stderr::line(format!(

