@@ -274,13 +274,15 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
     let gone = || parts.grains.iter().zip(&meshes).filter(|(_, mesh)| mesh.is_none()).map(|(part, _)| part.voxels);
     let dropped = specks[1] + gone().sum::<usize>();
     let kept = || parts.grains.iter().zip(&meshes).filter_map(|(part, mesh)| Some((part, mesh.as_ref()?)));
+    // Grains that vanished are apart from nothing.
+    let is_left = |number: u32| meshes[number as usize - 1].is_some();
     let report = LabelReport {
         voxels: volume.counts,
         voxel_size_mm: spacing,
         labels: kept().map(|(part, _)| part.label).collect(),
         fraction: kept().map(|(part, _)| part.voxels as f64).sum::<f64>() / voxels,
         farthest_mm: surfaces.farthest(&meshes),
-        separated_pairs: parts.touching_pairs(),
+        separated_pairs: parts.touching_pairs().into_iter().filter(|&(a, b)| is_left(a) && is_left(b)).count(),
         dropped: specks[0] + gone().count(),
         dropped_fraction: dropped as f64 / voxels,
         lost_fraction: 0.0,
