@@ -308,3 +308,25 @@ fn a_time_limit_ends_the_proof_of_a_surface_and_nothing_is_written() {
         assert_eq!(folder.names(), names);
     }
 }
+
+/// A limit of 3 s was not heard while a library was read: 27 s for one with faces of 4,000 corners.
+#[test]
+fn a_time_limit_ends_the_reading_of_a_library_and_nothing_is_written() {
+    let folder = Folder::new();
+    folder.write("grains.toml", "specimen = { kind = 'cube', side_mm = 40 }\n[grading]\nd_min_mm = 3\nd_max_mm = 6\n");
+    assert_eq!(folder.run(&["pack", "grains.toml", "-o", "grains.stl"]).code, 0);
+    let spec = "fraction = 0.02\nspecimen = { kind = 'cube', side_mm = 40 }\nshape = { library = 'grains.stl' }\n";
+    folder.write("many.toml", spec);
+    folder.write("short.toml", format!("{spec}[placement]\ntime_limit_s = 0.001\n"));
+    let names = folder.names();
+    for (args, named) in [
+        (&["pack", "many.toml", "--time-limit", "0.001"][..], "many.toml: --time-limit is 0.001, "),
+        (&["pack", "short.toml"], "short.toml: line 5: placement.time_limit_s is 0.001, "),
+    ] {
+        let run = folder.run(args);
+        let said = format!("error: {named}which was over while shape.library \"grains.stl\" was read: body ");
+        assert!(run.code == 1 && run.stderr.contains(&said), "{}", run.stderr);
+        assert!(run.stderr.contains("no time was left for it; raise the limit"), "{}", run.stderr);
+        assert_eq!(folder.names(), names);
+    }
+}

@@ -82,9 +82,19 @@ fn a_curve_or_a_class_that_cannot_be_is_wrong_usage() {
     let folder = Folder::new();
     folder.write("SPEC.toml", SPEC);
     folder.write("flat.csv", "strain,stress_mpa\n0,0\n0.001,0\n");
+    folder.write("psi.csv", "strain,stress_mpa\n0,0\n0.001,4351\n0.003,2000\n");
+    folder.write("percent.csv", "strain,stress_mpa\n0,0\n0.2,30\n0.3,20\n");
     folder.write("short.csv", "strain,stress_mpa\n0,0\n0.001\n");
     for (args, message) in [
         (&["fit", "flat.csv", "SPEC.toml"][..], "flat.csv: it must rise from its first row to a peak"),
+        (
+            &["fit", "psi.csv", "SPEC.toml"][..],
+            "psi.csv: the peak stress is 4351; it must be 1 to 300 MPa: 4351 kPa are",
+        ),
+        (
+            &["fit", "percent.csv", "SPEC.toml"][..],
+            "percent.csv: the strain at its peak is 0.2; it must be 0.0001 to 0.03",
+        ),
         (&["fit", "short.csv", "SPEC.toml"][..], "short.csv: line 3 has 1 cells and line 1 has 2"),
         (&["init", "--materials", "B30"][..], "--materials \"B30\" is no class of concrete, as C30 or C30/37"),
         (&["init", "--materials", "C5"][..], "--materials C5: materials.fcm is 13; it must be 20 to 128 MPa"),

@@ -200,7 +200,10 @@ fn values_that_no_deck_can_hold_are_named() {
         ),
         ("cohesive_thickness_mm = 200", "materials.cohesive_thickness_mm is 200; it must be below 1.345e2"),
         ("plasticity = { biaxial_ratio = 0.5 }", "materials.plasticity.biaxial_ratio is 0.5; it must be 1 or more"),
-        ("mortar = { density_t_per_mm3 = 2.4 }", "materials.mortar.density_t_per_mm3 is 2.4; it must be a positive"),
+        (
+            "mortar = { density_t_per_mm3 = 2.4 }",
+            "materials.mortar.density_t_per_mm3 is 2.4; it must be 1e-11 to 1e-7 tonne/mm3: 2.4 g/cm3 are 2.4e-9",
+        ),
         ("itz_strength_rato = 0.7", "m.toml: line 2: materials.itz_strength_rato is not a known key; did you mean"),
         ("itz_strength_ratio = '0.7'", "m.toml: line 2: materials.itz_strength_ratio is \"0.7\""),
     ] {

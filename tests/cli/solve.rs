@@ -293,7 +293,12 @@ pub(crate) mod signals {
         let result = result(folder, "out/result.json");
         let (steps, planned) = (result["steps"].as_u64().unwrap(), result["steps_planned"].as_u64().unwrap());
         assert!(result["ended"] == "stopped" && steps < planned, "{args:?} {steps} of {planned}");
-        assert!(folder.read("out/result.html").ends_with(b"</html>\n"));
+        let page = String::from_utf8(folder.read("out/result.html")).unwrap();
+        assert!(page.ends_with("</html>\n"));
+        // A page was titled "3.24 MPa" where the stress still rose.
+        let title = page.split("<title>").nth(1).unwrap().split("</title>").next().unwrap();
+        let is_free = args.contains(&"expansion");
+        assert_eq!(title.contains("no peak yet, "), result["softened"] == false && !is_free, "{title}");
         assert!(!folder.names_in("out").iter().any(|name| name.ends_with(".tmp")));
         result
     }
@@ -400,13 +405,24 @@ fn a_course_of_strains_comes_from_a_table_whose_faults_have_its_file_line_and_co
         let named = format!("tests/TEST.toml: test.expansion.mortar is dry.csv; {fault}");
         assert!(run.code == 2 && run.stderr.contains(&named), "{}", run.stderr);
     }
-    folder.write("tests/dry.csv", "time,strain\n28,-2e-4\n90,-4e-4\n");
+    // With the mark that Excel writes before UTF-8.
+    folder.write("tests/dry.csv", "\u{feff}time,strain\r\n28,-2e-4\r\n90,-4e-4\r\n");
     let run = solve(&folder, &args);
     let words = "mortar -4e-4 at 90 in 2 rows in a layer of 6 mm, aggregate 1e-4 below the layer";
     assert!(run.code == 0 && run.stderr.contains(words), "{}", run.stderr);
     let result = result(&folder, "out/result.json");
     assert_eq!(result["expansion"]["mortar"], serde_json::json!([[28.0, -2e-4], [90.0, -4e-4]]));
     assert_eq!(result["expansion"]["below"]["aggregate"], 1e-4);
+    // Zeros without a word: fibres of a specimen without fibres, and a table without a strain.
+    for (lines, fault) in [
+        ("fibre = 1e-4", "expansion.fibre is 1e-4; the mesh has no element of that phase; leave it out"),
+        ("", "expansion is 0; no phase has a strain; give one, as mortar = -3e-4, or leave the table out"),
+        ("mortar = -0.02", "expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -0.0002"),
+    ] {
+        folder.write("tests/TEST.toml", format!("kind = 'expansion'\n[expansion]\n{lines}\n"));
+        let run = solve(&folder, &args);
+        assert!(run.code == 2 && run.stderr.contains(fault), "{} {}", run.code, run.stderr);
+    }
 }
 
 /// Found by an audit: `--test expansion` alone was refused, and an expansion printed no figure.

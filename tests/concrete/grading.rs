@@ -235,10 +235,9 @@ fn a_spec_says_how_it_read_a_sieve_table_and_which_share_of_the_curve_it_models(
     let (read, remarks) = spec(", blend = { Sand = 40, Gravel = 60 }").unwrap();
     assert!(near(read.grading.curve.passing(4.0, 16.0), 0.42) && near(read.grading.curve.passing(8.0, 16.0), 0.64));
     let [remark] = &remarks[..] else { panic!("{remarks:?}") };
-    assert!(
-        remark.contains("4 to 8 mm is 22 % of the curve, 36 % is coarser and 42 % finer; grading.size"),
-        "{remark}"
-    );
+    assert!(remark.ends_with("4 to 8 mm is 22 % of the curve, 36 % is coarser and 42 % finer"), "{remark}");
+    let (_, remarks) = spec(", column = 'Sand' }\nsize = 'longest-axis'\n#").unwrap();
+    assert!(remarks[0].ends_with("; grading.size takes its openings as longest axes"), "{remarks:?}");
     assert!(near(spec(", column = 'Sand'").unwrap().0.grading.curve.passing(4.0, 16.0), 0.9));
     for (keys, part) in [
         ("", "can be the grading; name one beside file"),

@@ -23,8 +23,10 @@ const GERMAN: Curve = &[(0.25, 8.0), (1.0, 21.5), (4.0, 40.2), (8.0, 62.0), (16.
 const ASTM: Curve = &[(0.15, 2.0), (0.3, 12.0), (0.6, 38.0), (1.18, 63.0), (2.36, 85.0), (4.75, 98.0), (9.5, 100.0)];
 const STONE: Curve = &[(4.0, 0.0), (8.0, 20.0), (16.0, 80.0), (31.5, 100.0)];
 
+const WASHED: Curve = &[(4.0, 20.0), (8.0, 60.0), (11.2, 85.0), (16.0, 100.0)];
+
 /// Name of the sheet, its text, and the curve that it has.
-const READ: [(&str, &str, Curve); 64] = [
+const READ: [(&str, &str, Curve); 70] = [
     (
         "EN 933-1, German",
         "\u{feff}Prüfbericht Nr.;4711\r\nSieb (mm);Durchgang (%)\r\n31,5;100\r\n16;95,5\r\n8;62,0\r\n4;40,2\r\n1;21,5\r\n0,25;8,0\r\n",
@@ -221,6 +223,37 @@ const READ: [(&str, &str, Curve); 64] = [
         &[(4.75, 0.0), (9.5, 20.0), (16.0, 80.0), (31.5, 100.0)],
     ),
     ("a pan of 0 mm", "Sieve (mm);Retained (%)\n31.5;0\n16;20\n8;60\n4;20\n0;0\n", STONE),
+    // EN 933-1: all shares are of the initial mass, 1000 g, and the fines are those of washing and pan.
+    (
+        "a loss of exactly 1 %",
+        "Sieve (mm),Mass retained (g)\n16,0\n11.2,150\n8,250\n4,400\nPan,190\nTotal,1000\n",
+        WASHED,
+    ),
+    (
+        "washed-out fines",
+        "Sieve (mm),Mass retained (g)\n16,0\n11.2,150\n8,250\n4,400\nPan,150\nWashing loss,50\n",
+        WASHED,
+    ),
+    (
+        "washed-out fines without a pan",
+        "Sieve (mm);Mass retained (g)\n16;0\n11.2;150\n8;250\n4;400\nFiner than 63 um by washing;200\n",
+        WASHED,
+    ),
+    (
+        "initial and final mass below the sieves",
+        "Sieve (mm);Mass retained (g)\n16;0\n11.2;150\n8;250\n4;400\nPan;145\nFines washed out;50\nFinal mass M2 (g);950\nInitial mass M1 (g);1000\n",
+        WASHED,
+    ),
+    (
+        "initial mass and mass after washing above the sieves",
+        "Sieve (mm);Mass retained (g)\nInitial dry mass M1;1000\nDry mass after washing M2;950\nFines by washing;50\n16;0\n11.2;150\n8;250\n4;400\nPan;150\n",
+        WASHED,
+    ),
+    (
+        "washed-out fines in per cent, German",
+        "Sieb (mm);Rückstand einzeln (%)\n16;0\n11,2;15\n8;25\n4;40\nSchale;15\nAbgeschlämmt, ausgewaschen;5\n",
+        WASHED,
+    ),
 ];
 
 #[test]
@@ -233,7 +266,22 @@ fn tables_of_laboratories_are_read_as_they_are_meant() {
 }
 
 /// Name of the sheet, its text, and words of the refusal.
-const REFUSED: [(&str, &str, &[&str]); 55] = [
+const REFUSED: [(&str, &str, &[&str]); 58] = [
+    (
+        "a loss of 1.1 %",
+        "Sieve (mm),Mass retained (g)\n16,0\n11.2,150\n8,250\n4,400\nPan,189\nInitial mass,1000\n",
+        &["all rows sum to 989, but the row of the sum has 1000"],
+    ),
+    (
+        "washed-out fines beside masses added up",
+        "Sieve (mm);Cumulative mass retained (g)\n16;0\n8;600\n4;900\nPan;950\nWashed out;50\n",
+        &["line 6: 50 of fines were washed out", "read that column"],
+    ),
+    (
+        "a row that nobody knows",
+        "Sieve (mm);Mass retained (g)\n16;0\n8;600\n4;300\nPan;100\nDust;50\n",
+        &["line 6: \"Dust\" names no sieve"],
+    ),
     (
         "shares under per cent",
         "sieve_mm,passing_percent\n4,0\n8,0.45\n16,1\n",

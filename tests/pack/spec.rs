@@ -1,6 +1,7 @@
 //! Keys and values that a SPEC.toml may have, and the errors of others.
 
 use crate::bad_specs::REJECTED;
+use meso_core::aggregate::SizeDefinition;
 use meso_core::materials::{Elastic, Materials, MortarStrength};
 #[cfg(feature = "schema")]
 use meso_core::recipes::Recipe;
@@ -169,4 +170,32 @@ fn a_key_of_few_words_names_them_and_a_variant_says_what_it_is() {
     let text = Spec::default().describe().unwrap();
     assert!(text.contains("One of \"auto\", \"take-and-place\", \"rearrange\".\nstrategy = \"auto\"\n"), "{text}");
     assert!(text.contains("# A cube from the origin.\nkind = \"cube\"\n"), "{text}");
+}
+
+/// A laboratory's file without `size` was taken as longest axes: 1,171 grains for 220.
+#[test]
+fn sizes_are_openings_in_tables_and_standards_and_longest_axes_in_formulas() {
+    let table = "kind = 'sieves', sieves_mm = [4, 8, 16], passing = [0.3, 0.6, 1]";
+    for (curve, size) in [
+        (table, SizeDefinition::Sieve),
+        ("kind = 'sieves', sieves_mm = [4, 8, 16], passing_percent = [30, 60, 100]", SizeDefinition::Sieve),
+        ("kind = 'standard', name = 'din-1045-2-b16'", SizeDefinition::Sieve),
+        ("kind = 'fuller', exponent = 0.45", SizeDefinition::LongestAxis),
+        ("kind = 'bolomey', a = 0.1", SizeDefinition::LongestAxis),
+    ] {
+        let spec = |size: &str| {
+            let text = format!("[grading]\nd_min_mm = 4\nd_max_mm = 16\ncurve = {{ {curve} }}\n{size}");
+            Spec::from_toml(&text).unwrap().grading.size
+        };
+        assert_eq!(spec(""), size, "{curve}");
+        assert_eq!(spec("size = 'sieve'"), SizeDefinition::Sieve, "{curve}");
+        assert_eq!(spec("size = 'longest-axis'"), SizeDefinition::LongestAxis, "{curve}");
+    }
+    // Where no curve is named it is the paper's.
+    assert_eq!(Spec::from_toml("seed = 2").unwrap().grading.size, SizeDefinition::LongestAxis);
+    // A saved spec says its size, so that an old model stays as it was.
+    let mut old = Spec::from_toml(&format!("[grading]\nd_min_mm = 4\nd_max_mm = 16\ncurve = {{ {table} }}")).unwrap();
+    old.grading.size = SizeDefinition::LongestAxis;
+    let text = old.to_json().unwrap();
+    assert_eq!(Spec::from_value(&serde_json::from_str(&text).unwrap()).unwrap(), old);
 }

@@ -46,7 +46,7 @@ const LINES: [&str; 30] = [
     "stress_ratio = 1e-320",
     "strip_mm = 1e300",
     "turns = [{ at = 0.001 }, { at = 1, of = 'stress' }, { at = -1e300, of = 'opening' }]",
-    "expansion = { mortar = 0.02, aggregate = -0.02 }",
+    "expansion = { mortar = 0.02, aggregate = -0.005 }",
     "supports = [{ name = 'a', on = 'z-min', moves = 1 }, { name = 'b', on = 'z-max' }]",
     "supports = [{ name = 'a', on = 'mantle', rule = 'pressure', pressure_mpa = 1000 }]",
     "supports = [{ name = 'a', on = 'x-min', strip = { axis = 'y', at_mm = 1e300, width_mm = -1 } }]",

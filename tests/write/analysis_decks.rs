@@ -474,6 +474,30 @@ fn a_mesh_report_has_the_mass_scaling_of_each_phase() {
     );
 }
 
+/// A density of 2.4e-6 (kg/mm3) passed, and "+1421080148 % by mass scaling" was a plain line.
+#[test]
+fn a_step_that_needs_much_mass_is_doubted_with_one_that_needs_little_and_far_too_much_is_refused() {
+    let mesh = meshed(MeshOptions { itz: ItzForm::None, element_size_mm: 1.0, ..Default::default() });
+    let at = |step: f64| {
+        let options = DeckOptions { time_increment_s: Some(step), allow_joined: true, ..compression() };
+        loaded(&mesh, &options)
+    };
+    let scaled = |step: f64| MassScaling::of(&mesh, &Materials::default(), step).factor;
+    let named = |text: &str| -> f64 {
+        let (_, words) = text.split_once("take ").or_else(|| text.split_once("a time increment of ")).unwrap();
+        words.split(' ').next().unwrap().parse().unwrap()
+    };
+    let of_mass = |step: f64| at(step).doubts(&mesh, None).into_iter().find(|doubt| doubt.contains("times the mass"));
+    let doubt = of_mass(5e-7).unwrap();
+    assert!(doubt.contains("steps of 5e-7 s need") && scaled(5e-7) > 2.0 && scaled(5e-7) < 100.0, "{doubt}");
+    let little = named(&doubt);
+    assert!((1.02..=1.2).contains(&scaled(little)) && of_mass(little).is_none(), "{doubt} {}", scaled(little));
+    let refused = at(1e-5).validate(&mesh).unwrap_err().to_string();
+    assert!(refused.starts_with("deck.time_increment_s is 1e-5; such steps need") && scaled(1e-5) > 100.0, "{refused}");
+    assert_eq!(named(&refused), little);
+    assert_eq!(at(5e-7).validate(&mesh), Ok(()));
+}
+
 /// From the cards alone: the volumes of the sets, as a solver that is driven by the deck would find them.
 #[test]
 fn a_deck_holds_the_whole_specimen() {

@@ -95,6 +95,25 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
     assert!(!text(&mesh, &geometry, MeshFormat::K).unwrap().contains("*MAT_"));
 }
 
+/// d3plot had no damage, bricks of one point no hourglass stiffness, and curves numbers of rounding as 0.04423679999999999.
+#[test]
+fn frames_have_damage_reduced_bricks_a_stiffness_and_curves_plain_numbers() {
+    let mesh = voxels();
+    let of = |reduced_integration: bool, analysis: Analysis| {
+        let options = DeckOptions { reduced_integration, ..deck(analysis, LsdynaLaw::Cdpm) };
+        text(&mesh, &options, MeshFormat::K).unwrap()
+    };
+    let text = of(true, TestKind::Compression.into());
+    assert_eq!(cards(&text, "*DATABASE_EXTENT_BINARY", 1)[0][0], 20.0);
+    assert_eq!(cards(&text, "*CONTROL_HOURGLASS", 1)[0][..2], [4.0, 0.03]);
+    let curve: Vec<&str> = text.split("*DEFINE_CURVE").nth(1).unwrap().lines().skip(2).collect();
+    let rows = curve.iter().take_while(|line| !line.starts_with(['*', '$']));
+    let long = rows.clone().flat_map(|line| line.split_whitespace()).find(|number| number.len() > 14);
+    assert!(rows.count() > 50 && long.is_none(), "{long:?}");
+    assert!(!of(false, TestKind::Compression.into()).contains("HOURGLASS"));
+    assert!(!of(true, Analysis::None).contains("EXTENT_BINARY"));
+}
+
 #[test]
 fn options_that_a_format_cannot_have_are_refused() {
     let mesh = voxels();

@@ -11,7 +11,7 @@ use meso_concrete::import::grains::{
 };
 use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
-use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
 use meso_place::{LabelReport, Report, StopReason};
 use meso_spec::{Spec, SpecError};
@@ -25,6 +25,8 @@ pub struct LabelOptions {
     pub roles: Roles,
     /// Connected grains of fewer voxels are mortar.
     pub least_voxels: usize,
+    /// Largest share of the volume that a grain may have; a larger one is asked about.
+    pub largest_grain: f64,
     /// Thickness of the ITZ of every grain, mm.
     pub itz_thickness_mm: f64,
     /// How surfaces are made.
@@ -37,6 +39,7 @@ impl Default for LabelOptions {
             voxel_size_mm: None,
             roles: Roles { mortar: vec![0], aggregate: Vec::new() },
             least_voxels: 64,
+            largest_grain: 0.2,
             itz_thickness_mm: 0.0,
             surfaces: SmoothOptions::default(),
         }
@@ -85,31 +88,66 @@ pub enum LabelsError {
         /// How many are smaller.
         dropped: usize,
     },
-    /// A grain as large as the volume, or one that reaches all its faces, as a phase of grains that touch does.
+    /// Grey values, most of whose connected parts are specks.
     #[error(
-        "label {label} has one connected grain that takes {percent:.0} % of the volume, or reaches all its faces; name it as mortar, or separate its grains first, by a watershed"
+        "it has {labels} values, and {percent:.0} % of its voxels lie in parts of fewer than {least}: this is a grey image; segment it first, one label a phase or a grain"
     )]
-    Fills {
+    Grey {
+        /// Number of labels.
+        labels: usize,
+        /// Share of the voxels in small parts, %.
+        percent: f64,
+        /// Least voxels of a grain.
+        least: usize,
+    },
+    /// A grain that surrounds others, reaches all faces of the volume, or has much of it.
+    #[error("label {label} is {percent:.0} % of the volume in one part{}", question(*surrounds, *is_open))]
+    Mortar {
         /// Its label.
         label: i64,
         /// Its share.
         percent: f64,
+        /// How many grains it surrounds.
+        surrounds: usize,
+        /// Whether it reaches all faces.
+        is_open: bool,
+        /// Roles that the labels probably have.
+        roles: Roles,
     },
-    /// Surfaces that could not be made.
-    #[error(transparent)]
-    Surfaces(#[from] SurfacesError),
+    /// Grains of which no surface is left.
+    #[error(
+        "its grains are too thin for a surface: none is left after smoothing; take smaller voxels, or less smoothing"
+    )]
+    Vanished,
     /// A model that no spec can describe.
     #[error("its grains make no model: {0}")]
     Spec(#[from] SpecError),
+    /// Surfaces that could not be made.
+    #[error(transparent)]
+    Surfaces(#[from] SurfacesError),
+}
+
+/// What is asked about a label that may be mortar.
+fn question(surrounds: usize, is_open: bool) -> String {
+    match surrounds {
+        0 => {
+            let open = if is_open { ", which reaches all faces of the volume" } else { "" };
+            format!("{open}: is it mortar? Grains that touch are one part; separate them first, by a watershed")
+        }
+        1 => " and surrounds a grain: is it mortar?".to_owned(),
+        _ => format!(" and surrounds {surrounds} grains: is it mortar?"),
+    }
 }
 
 /// Fewest voxels along an axis.
 const LEAST_COUNT: usize = 4;
-/// A grain with more than this share of the volume is no grain.
-const FILLS: f64 = 0.5;
+/// More values than this, most of them in specks, are a grey image.
+const GREY: usize = 20;
+/// Labels of mesocrete's own images of phases: aggregate, ITZ, mortar, outside.
+const OWN_PHASES: [i64; 4] = [0, 1, 2, 255];
 /// Bytes a voxel: labels as they are read and as numbers, roots and sizes of grains.
 const VOXEL_BYTES: f64 = 18.0;
-/// Digits of a limit of sizes, 1/mm.
+/// Least digits of a limit of sizes, 1/mm.
 const DIGITS: f64 = 1e3;
 
 impl LabelOptions {
@@ -133,12 +171,49 @@ impl LabelOptions {
         is_in("step", step, [1.0, 8.0], "voxels")?;
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
         is_in("tolerance", tolerance, [0.0, 1.0], "voxels")?;
+        is_in("largest_grain", self.largest_grain, [0.0, 1.0], "of the volume")?;
         is_in("itz_thickness_mm", self.itz_thickness_mm, [0.0, 1e3], "mm")
     }
 
     /// Bytes that a volume of so many voxels takes at its most.
     pub fn bytes(counts: [usize; 3]) -> f64 {
         VOXEL_BYTES * counts.iter().map(|count| *count as f64).product::<f64>()
+    }
+
+    /// Asks about labels that are hardly grains, before any surface is made.
+    fn ask(&self, volume: &Volume<u16>, parts: &LabelledGrains) -> Result<(), LabelsError> {
+        let voxels = volume.of.len() as f64;
+        let surrounds = parts.surrounded();
+        let is_open = |grain: &LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
+        let is_large = |grain: &LabelledGrain| grain.voxels as f64 > self.largest_grain * voxels;
+        let all = || parts.grains.iter().zip(&surrounds);
+        let asked = all().filter(|(grain, count)| **count > 0 || is_open(grain) || is_large(grain));
+        let Some((grain, count)) = asked.clone().max_by_key(|(grain, count)| (**count, grain.voxels)) else {
+            return Ok(());
+        };
+        let asked: Vec<i64> = asked.map(|(grain, _)| grain.label).collect();
+        Err(LabelsError::Mortar {
+            label: grain.label,
+            percent: 100.0 * grain.voxels as f64 / voxels,
+            surrounds: *count,
+            is_open: is_open(grain),
+            roles: self.probable(&volume.labels, &asked),
+        })
+    }
+
+    /// The roles of labels of which some are mortar after all.
+    fn probable(&self, labels: &[i64], asked: &[i64]) -> Roles {
+        let is_own = asked.contains(&2) && labels.iter().all(|label| OWN_PHASES.contains(label));
+        if is_own {
+            let aggregate = labels.iter().copied().filter(|label| *label < 2).collect();
+            return Roles { mortar: Vec::new(), aggregate };
+        }
+        let is_left = |label: &&i64| !self.roles.mortar.contains(label) && !asked.contains(label);
+        let given = if labels.iter().any(|label| is_left(&label)) { &self.roles.mortar[..] } else { &[] };
+        let mut mortar: Vec<i64> = given.iter().chain(asked).copied().filter(|label| labels.contains(label)).collect();
+        mortar.sort_unstable();
+        mortar.dedup();
+        Roles { mortar, aggregate: Vec::new() }
     }
 
     /// Refuses a volume that is no specimen.
@@ -181,38 +256,43 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
     options.accept(volume)?;
     watch.stage(Stage::Take, 0.0);
     let mut parts = LabelledGrains::of(volume, &options.roles, options.least_voxels);
-    let [filled, hollow_voxels] = parts.fill_hollows();
+    let specks = parts.dropped;
     let voxels = volume.of.len() as f64;
-    let largest = parts.grains.iter().max_by_key(|part| part.voxels);
-    let Some(largest) = largest else {
-        return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: parts.dropped[0] });
-    };
-    let reaches_all = |grain: &&LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
-    if let Some(grain) = [largest]
-        .into_iter()
-        .chain(&parts.grains)
-        .find(|grain| reaches_all(grain) || grain.voxels as f64 > FILLS * voxels)
-    {
-        return Err(LabelsError::Fills { label: grain.label, percent: 100.0 * grain.voxels as f64 / voxels });
+    let kept: usize = parts.grains.iter().map(|part| part.voxels).sum();
+    if volume.labels.len() > GREY && specks[1] > kept {
+        let percent = 100.0 * specks[1] as f64 / voxels;
+        return Err(LabelsError::Grey { labels: volume.labels.len(), percent, least: options.least_voxels });
     }
+    if parts.grains.is_empty() {
+        return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: specks[0] });
+    }
+    let [filled, hollow_voxels] = parts.fill_hollows();
+    options.ask(volume, &parts)?;
     let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
     let surfaces = GrainSurfaces::new(&parts, spacing, options.surfaces);
     let meshes = surfaces.all(watch)?;
-    let vanished = meshes.iter().filter(|mesh| mesh.is_none()).count();
+    let gone = || parts.grains.iter().zip(&meshes).filter(|(_, mesh)| mesh.is_none()).map(|(part, _)| part.voxels);
+    let dropped = specks[1] + gone().sum::<usize>();
     let kept = || parts.grains.iter().zip(&meshes).filter_map(|(part, mesh)| Some((part, mesh.as_ref()?)));
+    // Grains that vanished are apart from nothing.
+    let is_left = |number: u32| meshes[number as usize - 1].is_some();
     let report = LabelReport {
         voxels: volume.counts,
         voxel_size_mm: spacing,
         labels: kept().map(|(part, _)| part.label).collect(),
         fraction: kept().map(|(part, _)| part.voxels as f64).sum::<f64>() / voxels,
         farthest_mm: surfaces.farthest(&meshes),
-        separated_pairs: parts.touching_pairs(),
-        dropped: parts.dropped[0] + vanished,
-        dropped_fraction: parts.dropped[1] as f64 / voxels,
+        separated_pairs: parts.touching_pairs().into_iter().filter(|&(a, b)| is_left(a) && is_left(b)).count(),
+        dropped: specks[0] + gone().count(),
+        dropped_fraction: dropped as f64 / voxels,
+        lost_fraction: 0.0,
         filled,
         filled_fraction: hollow_voxels as f64 / voxels,
     };
     let surfaces: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
+    if surfaces.is_empty() {
+        return Err(LabelsError::Vanished);
+    }
     let bodies = parallel::map_each(&surfaces, |mesh| Polyhedron::of_surface(mesh));
     Ok(assembled(bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
 }
@@ -250,7 +330,10 @@ pub(crate) fn assembled(
     let itz_thin = parallel::filter(aggregates.len(), |id| is_thin(&aggregates[id]));
     let fraction = volumes.iter().sum::<f64>() / specimen.volume();
     let spec = Spec { fraction, specimen, grading, itz: Itz { thickness_mm: [itz; 2] }, ..Spec::default() };
-    spec.validate()?;
+    spec.validate_described(&Silent)?;
+    // What the grains had in the labels, and have not here.
+    let had = labels.fraction + labels.dropped_fraction;
+    let labels = LabelReport { lost_fraction: (had - fraction).max(0.0), ..labels };
     let report = Report {
         strategy: STRATEGY.to_owned(),
         grading: spec.grading.describe(),
@@ -270,8 +353,10 @@ const STRATEGY: &str = "label volume";
 /// The sieve curve of grains by their sizes and volumes, with the usual sieves as classes.
 fn measured(sizes: &[f64], volumes: &[f64]) -> Grading {
     let (low, high) = sizes.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &size| (low.min(size), high.max(size)));
-    let d_min_mm = ((low * DIGITS).floor() / DIGITS).max(1.0 / DIGITS);
-    let d_max_mm = ((high * DIGITS).ceil() / DIGITS).max(d_min_mm + 1.0 / DIGITS);
+    // At least three digits, so that grains of nanometres have a class.
+    let digits = DIGITS.max(10_f64.powi(2 - libm::log10(low).floor() as i32));
+    let d_min_mm = (low * digits).floor() / digits;
+    let d_max_mm = ((high * digits).ceil() / digits).max(d_min_mm + 1.0 / digits);
     let limits = Grading { d_min_mm, d_max_mm, size: SizeDefinition::Sieve, ..Grading::default() };
     let sieves = limits.usual_classes();
     let total: f64 = volumes.iter().sum();
@@ -436,7 +521,9 @@ mod tests {
         let flat = Volume::new([20, 20, 1], None, vec![1; 400]).unwrap();
         assert!(refused(&flat, usual()).contains("20 x 20 x 1 voxels"));
         let filled = volume(8, |_| 1);
-        assert!(refused(&filled, usual()).contains("100 % of the volume"));
+        assert!(
+            refused(&filled, usual()).contains("label 1 is 100 % of the volume in one part, which reaches all faces")
+        );
         assert!(refused(&volume(8, |_| 0), usual()).contains("no grain of 64 voxels"));
         assert!(refused(&volume(8, |p| -i64::from(p.x < 4.0)), usual()).contains("the label -1"));
         let mortar = |labels: &[i64]| Roles { mortar: labels.to_vec(), aggregate: Vec::new() };

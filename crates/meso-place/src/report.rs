@@ -89,10 +89,13 @@ pub struct LabelReport {
     pub farthest_mm: f64,
     /// Pairs of grains that share a face in the labels, and are apart in the model.
     pub separated_pairs: usize,
-    /// Grains dropped as too small.
+    /// Grains dropped as too small, or too thin for a surface.
     pub dropped: usize,
     /// Share of the voxels that they had.
     pub dropped_fraction: f64,
+    /// Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing.
+    #[serde(default)]
+    pub lost_fraction: f64,
     /// Grains with hollows, mortar that one grain encloses, which were filled.
     #[serde(default)]
     pub filled: usize,

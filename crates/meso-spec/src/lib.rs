@@ -42,6 +42,8 @@ struct Reading<'a> {
     watch: &'a dyn Watch,
     /// In place of the spec's.
     time_limit_s: Option<f64>,
+    /// Whether the spec describes grains that were found.
+    is_found: bool,
 }
 
 /// Everything that decides a model, with the paper's specimen as default.
@@ -133,7 +135,8 @@ impl Spec {
         watch: &dyn Watch,
         time_limit_s: Option<f64>,
     ) -> Result<Self, SpecError> {
-        Self::from_tree(tree::parse_toml(text)?, &mut Reading { files, watch, time_limit_s })
+        let reading = Reading { files, watch, time_limit_s, is_found: false };
+        Self::from_tree(tree::parse_toml(text)?, reading)
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -163,7 +166,16 @@ impl Spec {
         watch: &dyn Watch,
         time_limit_s: Option<f64>,
     ) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value), &mut Reading { files, watch, time_limit_s })
+        Self::from_tree(tree::from_json(value), Reading { files, watch, time_limit_s, is_found: false })
+    }
+
+    /// Reads the spec of a model whose grains were found, as [`validate_described`](Self::validate_described) accepts it.
+    ///
+    /// # Errors
+    /// Fails like [`Spec::from_value`].
+    pub fn from_described(value: &serde_json::Value, watch: &dyn Watch) -> Result<Self, SpecError> {
+        let reading = Reading { files: &mut NoFiles, watch, time_limit_s: None, is_found: true };
+        Self::from_tree(tree::from_json(value), reading)
     }
 
     /// Voids and fibres of the spec.
@@ -171,18 +183,22 @@ impl Spec {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }
 
-    fn from_tree(mut tree: tree::Node, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
+    fn from_tree(mut tree: tree::Node, mut reading: Reading<'_>) -> Result<Self, SpecError> {
         if let Some(fraction) = plain_fraction(&tree) {
             reading.watch.target(fraction);
         }
         let table = sieves::inline(&mut tree, reading.files)?;
-        library::inline(&mut tree, reading.files)?;
-        surface::inline(&mut tree, reading)?;
-        let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
+        library::inline(&mut tree, &mut reading)?;
+        surface::inline(&mut tree, &mut reading)?;
+        let is_given = |table: &str, key: &str| tree.child(table).is_some_and(|table| table.child(key).is_some());
+        let (vertices_given, size_given) = (is_given("shape", "vertices"), is_given("grading", "size"));
         let mix = mix_design::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;
         if spec.grading.classes_mm.is_empty() {
             spec.grading.classes_mm = spec.grading.usual_classes();
+        }
+        if !size_given {
+            spec.grading.size = spec.grading.curve.usual_size();
         }
         if !vertices_given {
             spec.shape.vertices = spec.shape.kind.usual_vertices();
@@ -192,7 +208,9 @@ impl Spec {
         }
         spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
         reading.watch.target(spec.fraction);
-        spec.validate_while(reading.watch).map_err(|error| error.at(&tree))?;
+        let valid =
+            if reading.is_found { spec.validate_described(reading.watch) } else { spec.validate_while(reading.watch) };
+        valid.map_err(|error| error.at(&tree))?;
         if let Some(table) = table {
             table.say(&spec.grading, reading.files);
         }

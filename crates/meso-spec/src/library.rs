@@ -1,9 +1,10 @@
 //! Grain libraries from surface and JSON files, put into the spec as if their vertices had been written there.
 
-use super::SpecError;
 use super::files::Files;
-use super::messages::found;
+use super::limits::TIME_LIMIT;
+use super::messages::{found, number};
 use super::tree::{Node, Value};
+use super::{Reading, SpecError};
 use crate::distinct;
 use meso_collision::geometry::{Polyhedron, TriangleMesh, Triangles, convex_hull};
 use meso_collision::math::{Aabb, Vec3};
@@ -12,6 +13,7 @@ use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
 use meso_concrete::import::polygon::Polygons;
 use meso_concrete::short;
+use meso_concrete::watch::Waiting;
 use serde::Deserialize;
 use std::fmt;
 
@@ -38,7 +40,15 @@ const ROUND: &str = "it is a ball or an ellipsoid, saved as the ends of its axes
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold. With `shape.hull` each is the
 /// convex hull of its body. With the kind `harmonics` the files hold coefficients.
-pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
+///
+/// # Errors
+/// Names the key, the file and the fault; an error [is late](SpecError::is_late) where the time limit was over before all
+/// grains were read.
+pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), SpecError> {
+    let (limit_s, limit_line) = match reading.time_limit_s {
+        Some(limit) => (Some(limit), None),
+        None => own_limit(tree),
+    };
     let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
     let hull = shape.take("hull").map(|(_, node)| node);
     let is_harmonic = shape.child("kind").is_some_and(|kind| kind.value == Value::Text(HARMONICS.to_owned()));
@@ -76,9 +86,17 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(key, message) });
     };
     let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
-    let grains = Reader { files, takes_hull, form, tolerance }
-        .grains(&name)
-        .map_err(|reason| SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) })?;
+    let deadline = limit_s.map_or(f64::INFINITY, |limit| reading.watch.began() + limit);
+    let waiting = Waiting { watch: reading.watch, deadline };
+    let mut reader = Reader { files: &mut *reading.files, takes_hull, form, tolerance, waiting, is_late: false };
+    let grains = reader.grains(&name).map_err(|reason| {
+        if reader.is_late {
+            let limit = number(limit_s.unwrap_or(f64::INFINITY));
+            let message = format!("is {limit}, which was over while {key} {name:?} was read: {reason}");
+            return SpecError { is_late: true, line: limit_line, ..SpecError::value(TIME_LIMIT, message) };
+        }
+        SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) }
+    })?;
     let kind = if is_harmonic { None } else { shape.take("kind") };
     shape.take("kind");
     if let Value::Table(entries) = &mut shape.value {
@@ -87,6 +105,17 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         entries.push(kind.unwrap_or_else(|| ("kind".to_owned(), node(Value::Text("library".to_owned()), line))));
     }
     Ok(())
+}
+
+/// The time limit of the spec itself, where it is a number, and its line.
+fn own_limit(tree: &Node) -> (Option<f64>, Option<usize>) {
+    let given = tree.child("placement").and_then(|placement| placement.child("time_limit_s"));
+    let limit = given.and_then(|given| match given.value {
+        Value::Integer(n) => Some(n as f64),
+        Value::Float(x) => Some(x),
+        _ => None,
+    });
+    (limit, given.and_then(|given| given.line))
 }
 
 /// Takes the distance that a surface may be reduced to, as a share of its length.
@@ -215,6 +244,9 @@ struct Reader<'a> {
     form: Form,
     /// Share of its length within which a surface is reduced; absent: scans alone.
     tolerance: Option<f64>,
+    waiting: Waiting<'a>,
+    /// Whether the time was over before the last grain.
+    is_late: bool,
 }
 
 impl Reader<'_> {
@@ -464,6 +496,10 @@ impl Reader<'_> {
 
     /// A closed surface, in fewer triangles where it has many; the hull of a convex one, or of any where hulls are taken.
     fn grain(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<Inlined, String> {
+        if self.waiting.watch.seconds() >= self.waiting.deadline {
+            self.is_late = true;
+            return Err("no time was left for it; raise the limit, or save reduced grains first".to_owned());
+        }
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if self.takes_hull {
             return self.hull(place, &hull, surface.triangles.len());

@@ -62,9 +62,7 @@ impl Remark {
         let [fine, coarse] = [grading.d_min_mm, grading.d_max_mm].map(|d| grading.curve.passing(d, grading.d_max_mm));
         let size = match grading.size {
             SizeDefinition::Sieve => "",
-            SizeDefinition::LongestAxis => {
-                "; grading.size = \"sieve\" takes the sizes as openings, now they are longest axes"
-            }
+            SizeDefinition::LongestAxis => "; grading.size takes its openings as longest axes",
         };
         let remark = format!(
             "{}; {} to {} mm is {} % of the curve, {} % is coarser and {} % finer{size}",

@@ -4,6 +4,13 @@
 //! differences, later ones Broyden's updates (1965), so a step costs one test of each packing. A wide prior about the start
 //! keeps a parameter in place that the curve hardly depends on. A step that makes things worse shrinks the next one.
 
+use meso_concrete::PhysicalRange;
+
+/// Peaks of concrete in a test of its strength.
+const PEAK: PhysicalRange = PhysicalRange { least: 1.0, most: 300.0, unit: "MPa", others: PhysicalRange::STRESSES };
+/// Strains at the peak, with the give of a machine.
+const PEAK_STRAIN: PhysicalRange = PhysicalRange { least: 1e-4, most: 0.03, unit: "", others: PhysicalRange::STRAINS };
+
 /// Figures of a curve that a fit compares, each with the relative error that counts as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
@@ -25,13 +32,17 @@ impl Target {
     /// The figures of a measured curve, strain and stress in MPa, of a specimen of this height.
     ///
     /// # Errors
-    /// A sentence where the curve has no rising part to a peak.
+    /// A sentence where the curve has no rising part to a peak, or its peak or the strain there is none of concrete.
     pub fn new(curve: &[[f64; 2]], height_mm: f64) -> Result<Self, String> {
         let peak = peak(curve);
         let falls = curve.windows(2).any(|pair| pair[1][0] < pair[0][0]);
         let is_sound = curve.iter().flatten().all(|value| value.is_finite());
         if !is_sound || falls || peak == 0 || curve[peak][1] <= 0.0 || curve[peak][0] <= 0.0 {
             return Err("it must rise from its first row to a peak, with strains that never fall".to_owned());
+        }
+        let at_peak = [("strain at its peak", curve[peak][0], PEAK_STRAIN), ("peak stress", curve[peak][1], PEAK)];
+        if let Some((name, value, range)) = at_peak.iter().find(|(_, value, range)| !range.has(*value)) {
+            return Err(format!("the {name} is {value}; {}", range.refusal(*value)));
         }
         let least = curve[peak..].iter().fold(f64::INFINITY, |least, point| least.min(point[1])) / curve[peak][1];
         let levels: Vec<f64> = LEVELS.into_iter().filter(|level| *level >= least).collect();
@@ -291,6 +302,15 @@ mod tests {
         assert!(target.residuals(&curve(36.0, 0.002, 0.4, 100.0)).iter().all(|r| r.abs() < 1e-12));
         let short = &curve(36.0, 0.002, 0.4, 100.0)[..115];
         assert_eq!(Target::new(short, 100.0).unwrap().names().len(), 2);
+        let refused = |strain: f64, stress: f64| {
+            Target::new(&curve(36.0 * stress, 0.002 * strain, 0.4, 100.0), 100.0).unwrap_err()
+        };
+        assert!(refused(1.0, 145.04).ends_with("5221.44 psi are 36.0006 MPa"), "{}", refused(1.0, 145.04));
+        assert!(refused(1.0, 1e-3).ends_with("0.036 GPa are 36 MPa"), "{}", refused(1.0, 1e-3));
+        assert!(refused(1.0, 1e6).ends_with("3.6e7 Pa are 36 MPa"), "{}", refused(1.0, 1e6));
+        assert!(refused(100.0, 1.0).contains("strain at its peak is 0.2; it must be 0.0001 to 0.03: 0.2 % are 0.002"));
+        assert!(refused(1000.0, 1.0).ends_with("2 % are 0.02, 2 per mille are 0.002"), "{}", refused(1000.0, 1.0));
+        assert!(refused(1e6, 1.0).ends_with("2000 microstrain are 0.002"), "{}", refused(1e6, 1.0));
         assert!(Target::new(&[], 100.0).is_err() && Target::new(&[[0.0, 1.0], [1.0, 0.5]], 100.0).is_err());
     }
 

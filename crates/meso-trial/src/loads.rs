@@ -97,6 +97,7 @@ impl Test {
     pub fn loads(&self, sample: &Sample) -> Result<Loads, TrialError> {
         self.validate()?;
         self.suits_amplitude()?;
+        self.expansion().map_or(Ok(()), |expansion| expansion.suits(sample.mesh))?;
         let geometry = sample.geometry();
         let rig = self.rig(&geometry)?;
         let sides = Sides::of(sample.mesh);

@@ -13,12 +13,12 @@ impl Columns {
     /// Reads a table.
     ///
     /// Cells end at semicolons, tabs or commas, whichever the first line has; between the former two a decimal comma is
-    /// read, too. Empty lines and lines that begin with # are left out.
+    /// read, too. Empty lines, lines that begin with # and Excel's mark of UTF-8 are left out.
     ///
     /// # Errors
     /// A row with more or fewer cells than the first one.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let text = text.replace("\r\n", "\n");
+        let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
         let is_row = |(line, _): &(&str, usize)| !line.trim().is_empty() && !line.starts_with('#');
         let mut lines = text.split(['\n', '\r']).zip(1..).filter(is_row).peekable();
         let Some(&(first, number)) = lines.peek() else { return Ok(Self::default()) };

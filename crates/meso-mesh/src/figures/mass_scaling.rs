@@ -37,6 +37,9 @@ pub struct PhaseScaling {
     pub mass_t: f64,
 }
 
+/// Halvings of the logarithm in the search for a step: 1 % in steps that are a thousand times too long.
+const BISECTIONS: usize = 10;
+
 impl MassScaling {
     /// Adds up the elements of `mesh` in steps of `time_step_s` seconds.
     pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
@@ -47,6 +50,20 @@ impl MassScaling {
         let phases: Vec<PhaseScaling> = solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
         let mass = |with: fn(&PhaseScaling) -> f64| phases.iter().map(|phase| phase.mass_t * with(phase)).sum::<f64>();
         Self { time_step_s, factor: mass(|phase| phase.factor) / mass(|_| 1.0), phases }
+    }
+
+    /// The longest step of two digits, s, in which `mesh` needs at most `factor` times its mass; no longer than this one.
+    pub fn step_for(&self, mesh: &Mesh, materials: &Materials, factor: f64) -> f64 {
+        let shortest = self.phases.iter().map(|phase| phase.shortest_step_s).fold(self.time_step_s, f64::min);
+        let (mut low, mut high) = (shortest, self.time_step_s);
+        for _ in 0..BISECTIONS {
+            let middle = (low * high).sqrt();
+            let fits = Self::of(mesh, materials, middle).factor <= factor;
+            *(if fits { &mut low } else { &mut high }) = middle;
+        }
+        let text = format!("{low:.1e}");
+        let rounded: f64 = text.parse().unwrap_or(low);
+        if rounded > low { format!("{:.1e}", 0.95 * low).parse().unwrap_or(low) } else { rounded }
     }
 
     /// The mass that is added, % of the mesh's own.

@@ -4,13 +4,32 @@
 
 use super::{Elastic, LawName, Materials, Strength};
 use crate::cells::Phase;
-use meso_concrete::{OutOfRange, Ranges};
+use meso_concrete::{OutOfRange, PhysicalRange, Ranges};
 
 /// Checks values by their names in `[materials]`.
 pub const MATERIALS: Ranges = Ranges("materials");
 
-/// Largest accepted density, tonne/mm3: a thousand times mass-scaled matter lies far below it, kg/m3 and g/cm3 far above.
-const HEAVIEST: f64 = 1e-3;
+/// From foam to ten times lead; kg/mm3, g/cm3 and kg/m3 of stone lie above.
+const DENSITY: PhysicalRange = PhysicalRange {
+    least: 1e-11,
+    most: 1e-7,
+    unit: "tonne/mm3",
+    others: &[("kg/m3", 1e-12), ("g/cm3", 1e-9), ("kg/mm3", 1e-3)],
+};
+/// From weak mortar to diamond; rubber has its own range below [`SOFTEST`].
+const MODULUS: PhysicalRange = PhysicalRange { least: 300.0, most: 2e6, unit: "MPa", others: PhysicalRange::STRESSES };
+/// Largest modulus of rubber and foam, MPa: GPa of mortar, stone and steel lie above.
+const SOFTEST: f64 = 10.0;
+const COMPRESSIVE: PhysicalRange =
+    PhysicalRange { least: 0.1, most: 1000.0, unit: "MPa", others: PhysicalRange::STRESSES };
+const TENSILE: PhysicalRange = PhysicalRange { least: 0.01, most: 100.0, unit: "MPa", others: PhysicalRange::STRESSES };
+/// Mortar with many fibres reaches 15 N/mm; N/m of plain mortar lie above.
+const FRACTURE: PhysicalRange = PhysicalRange { least: 1e-4, most: 15.0, unit: "N/mm", others: ENERGIES };
+const CRUSHING: PhysicalRange = PhysicalRange { least: 1e-3, most: 1000.0, unit: "N/mm", others: ENERGIES };
+const PEAK_STRAIN: PhysicalRange = PhysicalRange { least: 1e-5, most: 0.1, unit: "", others: PhysicalRange::STRAINS };
+/// Units of energy per area beside N/mm.
+const ENERGIES: &[(&str, f64)] = &[("N/m", 1e-3)];
+
 /// Least peak strain over the elastic strain of the strength: the curve rises from there.
 const PEAK_OVER_ELASTIC: f64 = 1.05;
 
@@ -29,14 +48,14 @@ impl Materials {
     /// Names the first value outside its range.
     pub fn validate_strength(&self, law: LawName) -> Result<(), OutOfRange> {
         let given = self.mortar_strength.of(law);
-        for (key, value) in [
-            ("compressive_mpa", given.compressive_mpa),
-            ("peak_strain", given.peak_strain),
-            ("tensile_mpa", given.tensile_mpa),
-            ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm),
-            ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm),
+        for (key, value, range) in [
+            ("compressive_mpa", given.compressive_mpa, COMPRESSIVE),
+            ("peak_strain", given.peak_strain, PEAK_STRAIN),
+            ("tensile_mpa", given.tensile_mpa, TENSILE),
+            ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, FRACTURE),
+            ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm, CRUSHING),
         ] {
-            MATERIALS.positive(format!("mortar_strength.{key}"), value)?;
+            accept(range, format!("mortar_strength.{key}"), value)?;
         }
         let ratio = self.itz_strength_ratio;
         let met = ratio > 0.0 && ratio <= 1.0;
@@ -119,11 +138,18 @@ impl Materials {
     }
 }
 
+fn accept(range: PhysicalRange, key: String, value: f64) -> Result<(), OutOfRange> {
+    MATERIALS.positive(&key, value)?;
+    MATERIALS.require(key, value, range.has(value), range.refusal(value))
+}
+
 fn elastic(phase: &str, values: &Elastic) -> Result<(), OutOfRange> {
-    let (density, ratio) = (values.density_t_per_mm3, values.poisson_ratio);
-    MATERIALS.positive(format!("{phase}.youngs_modulus_mpa"), values.youngs_modulus_mpa)?;
-    let accepted = "it must be a positive number below 1e-3, in tonne/mm3: 2400 kg/m3 are 2.4e-9";
-    MATERIALS.require(format!("{phase}.density_t_per_mm3"), density, density > 0.0 && density < HEAVIEST, accepted)?;
+    let (modulus, ratio) = (values.youngs_modulus_mpa, values.poisson_ratio);
+    let is_soft = modulus > 0.0 && modulus <= SOFTEST;
+    if !is_soft {
+        accept(MODULUS, format!("{phase}.youngs_modulus_mpa"), modulus)?;
+    }
+    accept(DENSITY, format!("{phase}.density_t_per_mm3"), values.density_t_per_mm3)?;
     let accepted = "it must lie between -1 and 0.5, where a material is stable";
     MATERIALS.require(format!("{phase}.poisson_ratio"), ratio, ratio > -1.0 && ratio < 0.5, accepted)
 }

@@ -130,7 +130,12 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
         return Err(ReadError::Damaged);
     }
     let file = file.map_err(|error| ReadError::NotAModel(error.to_string()))?;
-    let spec = Spec::from_value_while(&file.spec, &mut NoFiles, &reading, None)?;
+    let is_found = file.report.as_ref().is_some_and(|report| report.labels.is_some());
+    let spec = if is_found {
+        Spec::from_described(&file.spec, &reading)?
+    } else {
+        Spec::from_value_while(&file.spec, &mut NoFiles, &reading, None)?
+    };
     accept_repeats(&file, &spec)?;
     let classes = spec.grading.classes().len();
     let aggregates = file.aggregates.into_iter().enumerate();

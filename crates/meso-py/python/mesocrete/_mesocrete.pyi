@@ -1233,6 +1233,7 @@ def from_labels(
     mortar: Sequence[int] | None = None,
     aggregate: Sequence[int] = (),
     least_voxels: int = 64,
+    largest_grain: float = 0.2,
     itz_thickness: float = 0.0,
     tolerance: float = 0.2,
     smoothing: float = 1.0,
@@ -1258,6 +1259,8 @@ def from_labels(
         Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
     least_voxels : int
         Smaller grains are mortar.
+    largest_grain : float
+        Largest share of the volume that a grain may have; a larger one is asked about, since it may be mortar.
     itz_thickness : float
         Thickness of the ITZ of every grain, mm.
     tolerance : float

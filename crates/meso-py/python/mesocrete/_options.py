@@ -52,7 +52,10 @@ class TableChoices(TypedDict, total=False):
 
 
 class Grading:
-    """Gradings, for the key `grading` of a spec; `options` are its further keys: `classes_mm`, `size`, `size_law`, `form`."""
+    """Gradings, for the key `grading` of a spec; `options` are its further keys: `classes_mm`, `size`, `size_law`, `form`.
+
+    Sizes are square openings in tables and standards, longest axes in the formulas, unless `size` says otherwise.
+    """
 
     @staticmethod
     def fuller(d_min_mm: float, d_max_mm: float, exponent: float = 0.5, **options: Unpack[GradingOptions]) -> _types.Grading:
@@ -123,11 +126,10 @@ class Grading:
     ) -> _types.Grading:
         """Return the grading of a laboratory's sieve table between two sizes, mm: CSV, text or .xlsx (by openpyxl), with any heading.
 
-        How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`. Sizes are sieve openings, unless `size` says otherwise.
+        How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`.
         """
         curve = cast("_types.SievesFileCurve", {"kind": "sieves", "file": fspath(file), **(choices or {})})
-        grading: _types.Grading = {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, "size": "sieve"}
-        return cast("_types.Grading", {**grading, **options})
+        return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
     @staticmethod
     def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]) -> _types.Grading:

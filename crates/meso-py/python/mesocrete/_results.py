@@ -143,9 +143,11 @@ class LabelReport(TypedDict):
     separated_pairs: int
     """Pairs of grains that share a face in the labels, and are apart in the model."""
     dropped: int
-    """Grains dropped as too small."""
+    """Grains dropped as too small, or too thin for a surface."""
     dropped_fraction: float
     """Share of the voxels that they had."""
+    lost_fraction: float
+    """Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing."""
     filled: int
     """Grains with hollows, mortar that one grain encloses, which were filled."""
     filled_fraction: float

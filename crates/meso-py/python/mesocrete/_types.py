@@ -152,7 +152,7 @@ class Grading(TypedDict, total=False):
     form: Literal["normalised", "raw"]
     """How the part of the curve outside `d_min_mm` to `d_max_mm` is treated."""
     size: Literal["longest-axis", "sieve"]
-    """Which length of an aggregate is its size."""
+    """Which length of an aggregate is its size; left out, the longest axis for Fuller's and Bolomey's curves, else the sieve's."""
     size_law: Literal["uniform", "volume-uniform"]
     """How sizes are distributed within a class."""
 

@@ -152,8 +152,7 @@ pub(super) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
 /// The label volume that an array is.
 pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volume<N>> {
     let numpy = labels.py().import("numpy")?;
-    let mask = numpy.getattr("ma")?.call_method1("getmaskarray", (labels,));
-    if labels.hasattr("mask")? && mask?.call_method0("any")?.is_truthy()? {
+    if labels.hasattr("mask")? && numpy.call_method1("any", (labels.getattr("mask")?,))?.is_truthy()? {
         return Err(wrong_value(
             "labels is a masked array with masked voxels; give these a label, as in labels.filled(0)".to_owned(),
         ));

@@ -34,6 +34,8 @@ use std::sync::Arc;
 ///     Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
 /// least_voxels : int
 ///     Smaller grains are mortar.
+/// largest_grain : float
+///     Largest share of the volume that a grain may have; a larger one is asked about, since it may be mortar.
 /// itz_thickness : float
 ///     Thickness of the ITZ of every grain, mm.
 /// tolerance : float
@@ -58,10 +60,10 @@ use std::sync::Arc;
 /// OSError
 ///     Where the file cannot be read.
 #[pyfunction]
-#[pyo3(signature = (labels, voxel_size=None, *, array=None, mortar=None, aggregate=vec![], least_voxels=64, itz_thickness=0.0,
+#[pyo3(signature = (labels, voxel_size=None, *, array=None, mortar=None, aggregate=vec![], least_voxels=64, largest_grain=0.2, itz_thickness=0.0,
     tolerance=0.2, smoothing=1.0, step=2.0, progress=None))]
 #[pyo3(
-    text_signature = "(labels, voxel_size=None, *, array=None, mortar=None, aggregate=(), least_voxels=64, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
+    text_signature = "(labels, voxel_size=None, *, array=None, mortar=None, aggregate=(), least_voxels=64, largest_grain=0.2, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn from_labels(
@@ -72,6 +74,7 @@ pub(crate) fn from_labels(
     mortar: Option<Vec<i64>>,
     aggregate: Vec<i64>,
     least_voxels: usize,
+    largest_grain: f64,
     itz_thickness: f64,
     tolerance: f64,
     smoothing: f64,
@@ -83,6 +86,7 @@ pub(crate) fn from_labels(
             voxel_size_mm: voxel_size.map(|size| spacing(Some(size))).transpose()?,
             roles: Roles { mortar: mortar.unwrap_or_else(|| vec![0]), aggregate },
             least_voxels,
+            largest_grain,
             itz_thickness_mm: itz_thickness,
             surfaces: SmoothOptions { step, smoothing, tolerance },
         };
@@ -116,6 +120,14 @@ fn warn(py: Python<'_>, remarks: impl IntoIterator<Item = String>) -> PyResult<(
 fn raised(error: &LabelsError) -> PyErr {
     match error {
         LabelsError::Option(wrong) => wrong_value(Giver::Keywords.refusal(wrong)),
+        LabelsError::Negative { label } => wrong_value(format!("{error}, as in mortar=[{label}]")),
+        LabelsError::Mortar { roles, .. } => {
+            let (key, labels) = match &roles.aggregate[..] {
+                [] => ("mortar", &roles.mortar),
+                _ => ("aggregate", &roles.aggregate),
+            };
+            wrong_value(format!("{error}; {key}={labels:?} if so, or largest_grain if it is a grain"))
+        }
         _ => wrong_value(error.to_string()),
     }
 }

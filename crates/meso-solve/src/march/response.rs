@@ -370,9 +370,17 @@ impl Summary {
             return format!("mean {}", strains.collect::<Vec<_>>().join(", "));
         }
         let Figures { first_peak_mpa, peak_mpa, peak_strain, .. } = self.figures;
+        if !self.has_peak() {
+            return format!("no peak yet, {peak_mpa:.2} MPa at a strain of {peak_strain:.5}");
+        }
         let splits_early = self.test == TestKind::Splitting && first_peak_mpa < peak_mpa;
         let first = if splits_early { format!("first peak {first_peak_mpa:.2} MPa, ") } else { String::new() };
         format!("{first}peak {peak_mpa:.2} MPa at a strain of {peak_strain:.5}")
+    }
+
+    /// Whether the largest stress is a strength: the test came to its end, or its stress had fallen before.
+    pub fn has_peak(&self) -> bool {
+        self.ended == Ended::Completed || self.figures.softened
     }
 
     /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.

@@ -1,34 +1,39 @@
 //! Sizes, curves and classes that cannot be.
 
-use super::{Checked, length, within};
+use super::{Checked, MAX_LENGTH_MM, within};
 use crate::SpecError;
 use crate::messages::number;
 use meso_concrete::aggregate::{Curve, Grading};
 
-pub(super) fn grading(grading: &Grading) -> Checked {
-    length("grading.d_min_mm", grading.d_min_mm)?;
-    length("grading.d_max_mm", grading.d_max_mm)?;
+/// Checks a grading whose sizes are at least this long.
+pub(super) fn grading(grading: &Grading, least_mm: f64) -> Checked {
+    size("grading.d_min_mm", grading.d_min_mm, least_mm)?;
+    size("grading.d_max_mm", grading.d_max_mm, least_mm)?;
     let (low, high) = (number(grading.d_min_mm), number(grading.d_max_mm));
     if grading.d_min_mm >= grading.d_max_mm {
         let message = format!("is {low} but grading.d_max_mm is {high}; the smallest size must be below the largest");
         return Err(SpecError::value("grading.d_min_mm", message));
     }
-    curve(grading)?;
-    classes(&grading.classes_mm, [grading.d_min_mm, grading.d_max_mm])
+    curve(grading, least_mm)?;
+    classes(&grading.classes_mm, [grading.d_min_mm, grading.d_max_mm], least_mm)
 }
 
-fn curve(grading: &Grading) -> Checked {
+fn size(key: &str, mm: f64, least_mm: f64) -> Checked {
+    within(key, mm, least_mm, MAX_LENGTH_MM)
+}
+
+fn curve(grading: &Grading, least_mm: f64) -> Checked {
     match &grading.curve {
         Curve::Fuller { exponent } => return within("grading.curve.exponent", *exponent, 0.01, 10.0),
         Curve::Bolomey { a } => return within("grading.curve.a", *a, 0.0, 0.5),
-        Curve::Sieves { sieves_mm, passing } => sieve_table(sieves_mm, passing)?,
+        Curve::Sieves { sieves_mm, passing } => sieve_table(sieves_mm, passing, least_mm)?,
         Curve::Standard { .. } => {}
     }
     covered(grading, &grading.curve.sieves().unwrap_or_default())
 }
 
 /// Sieves ascend, shares do not fall, and there are as many of the ones as of the others.
-fn sieve_table(sieves: &[f64], passing: &[f64]) -> Checked {
+fn sieve_table(sieves: &[f64], passing: &[f64], least_mm: f64) -> Checked {
     const SIEVES: &str = "grading.curve.sieves_mm";
     const PASSING: &str = "grading.curve.passing";
     if sieves.len() < 2 || sieves.len() > 1000 {
@@ -38,7 +43,7 @@ fn sieve_table(sieves: &[f64], passing: &[f64]) -> Checked {
         let message = format!("has {} shares for {} sieves; give one for each", passing.len(), sieves.len());
         return Err(SpecError::value(PASSING, message));
     }
-    sieves.iter().try_for_each(|&sieve| length(SIEVES, sieve))?;
+    sieves.iter().try_for_each(|&sieve| size(SIEVES, sieve, least_mm))?;
     ascending(SIEVES, "sieves", sieves)?;
     if let Some(share) = passing.iter().find(|share| **share > 1.0) {
         let message = format!("has {}; shares are from 0 to 1: for 100 % write 1", number(*share));
@@ -73,12 +78,12 @@ fn covered(grading: &Grading, sieves: &[f64]) -> Checked {
 }
 
 /// The class limits ascend strictly from the smallest size to the largest.
-fn classes(limits: &[f64], range: [f64; 2]) -> Checked {
+fn classes(limits: &[f64], range: [f64; 2], least_mm: f64) -> Checked {
     const KEY: &str = "grading.classes_mm";
     if limits.len() < 2 || limits.len() > 1000 {
         return Err(SpecError::value(KEY, format!("has {} limits; it takes 2 to 1000", limits.len())));
     }
-    limits.iter().try_for_each(|&limit| length(KEY, limit))?;
+    limits.iter().try_for_each(|&limit| size(KEY, limit, least_mm))?;
     ascending(KEY, "limits", limits)?;
     let ends = [limits[0], limits[limits.len() - 1]];
     if ends != range {

@@ -17,12 +17,14 @@ use meso_place::Placement;
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
 pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;
+/// Smallest length of grains and of a box that were found in voxels of nanometres, mm.
+const MIN_FOUND_MM: f64 = 1e-5;
 /// Largest length a spec may name, mm (a kilometre).
 pub const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub(crate) const MAX_AGGREGATES: f64 = 1e7;
 
-const TIME_LIMIT: &str = "placement.time_limit_s";
+pub(crate) const TIME_LIMIT: &str = "placement.time_limit_s";
 /// Most corners of a specimen's surface.
 const MAX_VERTICES: usize = 1_000_000;
 
@@ -39,16 +41,31 @@ impl Spec {
 
     /// Validates like [`Spec::validate`]; the proof of a surface reports to `watch`, and ends at the time limit.
     pub fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
-        fraction(self.fraction)?;
-        placement(&self.placement)?;
-        let deadline = self.placement.deadline(watch.began());
-        specimen(&self.specimen, Waiting { watch, deadline }).map_err(|error| self.with_limit(error))?;
-        grading(&self.grading)?;
-        shape(&self.shape)?;
-        itz(&self.itz, &self.grading)?;
+        self.validate_values(watch, MIN_LENGTH_MM)?;
+        leaves_a_core(&self.itz, &self.grading)?;
         largest_fits(self)?;
         count(self)?;
         inclusions::check(self)
+    }
+
+    /// Validates the spec that describes grains which were found, in a label volume: their largest may be as thick as the
+    /// specimen or thicker than a slab, and all may be thinner than any that is packed.
+    ///
+    /// # Errors
+    /// See [`SpecError`].
+    pub fn validate_described(&self, watch: &dyn Watch) -> Result<(), SpecError> {
+        self.validate_values(watch, MIN_FOUND_MM)?;
+        inclusions::check(self)
+    }
+
+    fn validate_values(&self, watch: &dyn Watch, least_mm: f64) -> Result<(), SpecError> {
+        fraction(self.fraction)?;
+        placement(&self.placement)?;
+        let deadline = self.placement.deadline(watch.began());
+        specimen(&self.specimen, least_mm, Waiting { watch, deadline }).map_err(|error| self.with_limit(error))?;
+        grading(&self.grading, least_mm)?;
+        shape(&self.shape)?;
+        itz(&self.itz)
     }
 
     /// An error of the time limit says how long that is.
@@ -110,12 +127,13 @@ pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
     Err(SpecError::value(key, format!("is {}; {accepted}", number(value))))
 }
 
-fn specimen(specimen: &Specimen, waiting: Waiting<'_>) -> Checked {
+fn specimen(specimen: &Specimen, least_mm: f64, waiting: Waiting<'_>) -> Checked {
     let lengths =
         |named: &[(&str, f64)]| named.iter().try_for_each(|(key, mm)| length(&format!("specimen.{key}"), *mm));
+    let edge = |mm: f64| within("specimen.size_mm", mm, least_mm, MAX_LENGTH_MM);
     match specimen {
         Specimen::Cube { side_mm, .. } => lengths(&[("side_mm", *side_mm)]),
-        Specimen::Box { size_mm, .. } => size_mm.iter().try_for_each(|edge| length("specimen.size_mm", *edge)),
+        Specimen::Box { size_mm, .. } => size_mm.iter().try_for_each(|mm| edge(*mm)),
         &Specimen::Prism { length_mm, width_mm, depth_mm } => {
             lengths(&[("length_mm", length_mm), ("width_mm", width_mm), ("depth_mm", depth_mm)])
         }
@@ -281,26 +299,33 @@ fn mean(law: &AspectRatio) -> f64 {
     }
 }
 
-fn itz(itz: &Itz, grading: &Grading) -> Checked {
-    const KEY: &str = "itz.thickness_mm";
+const ITZ: &str = "itz.thickness_mm";
+
+fn itz(itz: &Itz) -> Checked {
     let [low, high] = itz.thickness_mm;
     for thickness in itz.thickness_mm {
-        within(KEY, thickness, 0.0, MAX_LENGTH_MM)?;
+        within(ITZ, thickness, 0.0, MAX_LENGTH_MM)?;
     }
     if low > high {
         let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
-        return Err(SpecError::value(KEY, message));
-    }
-    if high * 2.0 >= grading.d_min_mm {
-        let message = format!(
-            "reaches {} but the smallest aggregate is {} thick at most; a shell of half of it leaves no aggregate: stay below {}",
-            number(high),
-            number(grading.d_min_mm),
-            number(grading.d_min_mm / 2.0)
-        );
-        return Err(SpecError::value(KEY, message));
+        return Err(SpecError::value(ITZ, message));
     }
     Ok(())
+}
+
+/// Shells thinner than half of the smallest aggregate leave a core in it.
+fn leaves_a_core(itz: &Itz, grading: &Grading) -> Checked {
+    let [_, high] = itz.thickness_mm;
+    if high * 2.0 < grading.d_min_mm {
+        return Ok(());
+    }
+    let message = format!(
+        "reaches {} but the smallest aggregate is {} thick at most; a shell of half of it leaves no aggregate: stay below {}",
+        number(high),
+        number(grading.d_min_mm),
+        number(grading.d_min_mm / 2.0)
+    );
+    Err(SpecError::value(ITZ, message))
 }
 
 fn placement(placement: &Placement) -> Checked {

@@ -5,7 +5,8 @@ use crate::sample::Sample;
 use crate::trial::load::{Side, WIDEST_MM};
 use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhysicalRange};
+use meso_mesh::{Mesh, Phase};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
@@ -62,7 +63,7 @@ pub struct Below {
 )]
 pub enum Course {
     /// It grows smoothly to this value.
-    To(#[cfg_attr(feature = "schema", schemars(range(min = -0.02, max = 0.02)))] f64),
+    To(#[cfg_attr(feature = "schema", schemars(range(min = -0.005, max = 0.02)))] f64),
     /// It is 0 at the time 0, and passes these times, in any unit, and strains; the last time of all phases ends the growth.
     Through(Vec<[f64; 2]>),
     /// A CSV file with the rows: columns named time and strain. It lies beside the TEST.toml.
@@ -149,13 +150,16 @@ impl Course {
     }
 }
 
+/// Strains without stress: no phase of concrete shrinks by 0.5 %, and per cent of shrinkage lie below that.
+const FREE: PhysicalRange = PhysicalRange { least: -0.005, most: 0.02, unit: "", others: PhysicalRange::STRAINS };
+
 /// The reason why no phase has this strain.
-pub(super) fn unfit_strain(strain: f64) -> Option<&'static str> {
+pub(super) fn unfit_strain(strain: f64) -> Option<String> {
     let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
-    match (-0.02..=0.02).contains(&strain) {
-        false => Some("it must be -0.02 to 0.02"),
+    match FREE.has(strain) {
+        false => Some(FREE.refusal(strain)),
         true if is_seen => None,
-        true => Some("it must be 0, or 1e-12 at least: single precision carries no less"),
+        true => Some("it must be 0, or 1e-12 at least: single precision carries no less".to_owned()),
     }
 }
 
@@ -256,7 +260,25 @@ impl Expansion {
         TEST.require("expansion.layer_on", self.layer_on.len(), has_layer, why)?;
         let has_layer = self.layer_mm.is_some() || self.below.is_none();
         let why = "strains lie below a layer only with layer_mm, its depth; give that, too";
-        TEST.require("expansion.below", self.words(), has_layer, why)
+        TEST.require("expansion.below", self.words(), has_layer, why)?;
+        let why = "no phase has a strain; give one, as mortar = -3e-4, or leave the table out";
+        TEST.require("expansion", self.words(), self.most() > 0.0, why)
+    }
+
+    /// Refuses strains of an ITZ or of fibres that the mesh does not have.
+    ///
+    /// # Errors
+    /// Names the first of them.
+    pub fn suits(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        for zone in self.zones() {
+            for phase in [Phase::Itz, Phase::Fibre] {
+                let (number, has) = (phase as usize, mesh.phase.contains(&phase));
+                let strains = zone[number].and_then(Course::words).filter(|_| !has);
+                let (key, why) = (PHASE_KEYS[number], "the mesh has no element of that phase; leave it out");
+                strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
+            }
+        }
+        Ok(())
     }
 
     /// Its strains that are not 0, with their phases.
@@ -362,6 +384,9 @@ mod tests {
         let rows = |rows: &[[f64; 2]]| of(Course::Through(rows.to_vec()));
         for (expansion, text) in [
             (of(0.03.into()), "test.expansion.mortar is 0.03"),
+            (of((-0.02).into()), "test.expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -0.0002"),
+            (of((-300.0).into()), "-300 microstrain are -0.0003"),
+            (Expansion::default(), "test.expansion is 0; no phase has a strain"),
             (of(1e-15.into()), "or 1e-12 at least"),
             (rows(&[]), "at least one row"),
             (rows(&[[0.0, 1e-4]]), "above 0 and ascend"),

@@ -55,7 +55,7 @@ fn rows(text: &str) -> Result<Vec<[f64; 2]>, String> {
             continue;
         }
         let before = rows.last().map_or(0.0, |row| row[0]);
-        let of_time = unfit_time(before, time).map(|why| ("time", time, why));
+        let of_time = unfit_time(before, time).map(|why| ("time", time, why.to_owned()));
         if let Some((name, value, why)) = of_time.or_else(|| Some(("strain", strain, unfit_strain(strain)?))) {
             return Err(format!("its line {line} has {value} in the column {name}; {why}"));
         }

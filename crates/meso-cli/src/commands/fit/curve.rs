@@ -29,11 +29,12 @@ fn parse(text: &str, height_mm: f64) -> Result<Vec<[f64; 2]>, String> {
 
 /// Columns of strain and stress, and strain per unit of the first.
 fn named(table: &Columns, height_mm: f64) -> Result<(usize, usize, f64), String> {
-    let stress = table.place("stress_mpa")?.ok_or("it has no column stress_mpa")?;
+    let lacks = |columns: &str| format!("it has no column {columns}; it has {}", table.names.join(", "));
+    let stress = table.place("stress_mpa")?.ok_or_else(|| lacks("stress_mpa"))?;
     match (table.place("strain")?, table.place("displacement_mm")?) {
         (Some(strain), _) => Ok((strain, stress, 1.0)),
         (None, Some(way)) => Ok((way, stress, 1.0 / height_mm)),
-        (None, None) => Err("it has no column strain and none displacement_mm".to_owned()),
+        (None, None) => Err(lacks("strain and none displacement_mm")),
     }
 }
 
@@ -63,10 +64,13 @@ mod tests {
         assert!(parse("0,0\n0,001,30\n", 1.0).unwrap_err().contains("line 2 has 3 cells"));
         let twice = "it has the column strain twice; keep one of the two";
         assert_eq!(parse("strain,stress_mpa,Strain\n0,0,1\n", 1.0), Err(twice.to_owned()));
-        assert_eq!(parse("strain,force\n0,0\n", 1.0), Err("it has no column stress_mpa".to_owned()));
+        assert_eq!(
+            parse("strain,force\n0,0\n", 1.0),
+            Err("it has no column stress_mpa; it has strain, force".to_owned())
+        );
         assert_eq!(
             parse("e,stress_mpa\n0,0\n", 1.0),
-            Err("it has no column strain and none displacement_mm".to_owned())
+            Err("it has no column strain and none displacement_mm; it has e, stress_mpa".to_owned())
         );
         assert_eq!(parse("", 1.0), Ok(Vec::new()));
     }

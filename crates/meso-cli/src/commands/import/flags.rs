@@ -34,6 +34,12 @@ pub(crate) struct Args {
     /// Smaller grains are mortar
     #[arg(long, value_name = "N", default_value = "64", value_parser = values::whole_number)]
     pub(super) least_voxels: u32,
+    /// Largest share of the volume that a grain may have; a larger one is asked about, since it may be mortar
+    #[arg(long, value_name = "SHARE", default_value = "0.2", value_parser = values::number)]
+    pub(super) largest_grain: f64,
+    /// Exit with 3 if the aggregates have over 2 % less volume than the labels
+    #[arg(long)]
+    pub(super) strict: bool,
     /// Thickness of the ITZ of every grain, mm
     #[arg(long, value_name = "T", default_value = "0", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) itz_thickness_mm: f64,

@@ -5,10 +5,10 @@ use crate::failure::Failure;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
 use crate::{inputs, room, stderr};
-use meso_concrete::thousands;
+use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::formats::SurfaceOptions;
-use meso_core::labelled::{LabelOptions, of_labels};
+use meso_core::labelled::{LabelOptions, LabelsError, of_labels};
 use meso_core::packing::LabelReport;
 use meso_core::watch::Stage;
 
@@ -25,7 +25,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     room::accept_image("the grains of the volume", LabelOptions::bytes(volume.counts))?;
     let model = of_labels(&volume, &options, &watch);
     watch.finish();
-    let model = model.map_err(|error| Failure::Run(format!("{}: {error}", args.volume.display())))?;
+    let model = model.map_err(|error| {
+        Failure::Run(format!("{}: {error}{}", args.volume.display(), remedy(&error, options.least_voxels)))
+    })?;
     inputs::warn_of_choices(&volume, options.voxel_size_mm.is_some());
     drop(volume);
     let mut unit = Unit::default();
@@ -33,11 +35,54 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         unit.fill(target, args.writing.force, |out| format.write(&model, SurfaceOptions::default(), out))?;
     }
     unit.commit()?;
-    if let Some(labels) = model.report.labels.as_ref().filter(|_| !args.writing.quiet) {
+    let Some(labels) = &model.report.labels else { return Ok(0) };
+    if !args.writing.quiet {
         print(&model, labels);
         outputs::wrote(plan.iter().map(|(target, _)| target));
     }
-    Ok(0)
+    Ok(if is_short(labels) && args.strict { SHORT } else { 0 })
+}
+
+/// Exit code of a result that `--strict` refuses.
+const SHORT: u8 = 3;
+/// Share of the labels' volume whose loss is worth a warning.
+const LOSS: f64 = 0.02;
+
+/// Flags that mend what is wrong.
+fn remedy(error: &LabelsError, least: usize) -> String {
+    let list = |labels: &[i64]| labels.iter().map(i64::to_string).collect::<Vec<_>>().join(",");
+    match error {
+        LabelsError::Negative { label } => format!(", as in --mortar={label}"),
+        LabelsError::NoGrains { dropped, .. } if *dropped > 0 && least > 1 => {
+            "; --least-voxels takes smaller ones".to_owned()
+        }
+        LabelsError::Mortar { surrounds, is_open, percent, roles, .. } => {
+            let flag = match &roles.aggregate[..] {
+                [] => format!("--mortar={}", list(&roles.mortar)),
+                phase => format!("--aggregate {}", list(phase)),
+            };
+            let insists = *surrounds == 0 && !is_open;
+            let share = ((percent + 1.0).ceil() / 100.0).min(1.0);
+            let other = if insists { format!(", or --largest-grain {share} if it is a grain") } else { String::new() };
+            format!("; {flag} if so{other}")
+        }
+        _ => String::new(),
+    }
+}
+
+/// Warns where the aggregates have much less volume than the labels.
+fn is_short(labels: &LabelReport) -> bool {
+    let had = labels.fraction + labels.dropped_fraction;
+    let share = labels.lost_fraction / had;
+    let is_short = exceeds(share, LOSS);
+    if is_short {
+        let [share, dropped] = [share, labels.dropped_fraction / had].map(|share| 100.0 * share);
+        stderr::line(format!(
+            "warning: the aggregates have {share:.1} % less volume than the labels: {dropped:.1} % in small or thin \
+             grains, the rest by smoothing and at contacts; take smaller voxels, --least-voxels, --smoothing or --tolerance"
+        ));
+    }
+    is_short
 }
 
 fn print(model: &Model, labels: &LabelReport) {

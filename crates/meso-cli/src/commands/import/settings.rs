@@ -27,6 +27,7 @@ impl Args {
             voxel_size_mm,
             roles: Roles { mortar: self.mortar.clone(), aggregate: self.aggregate.clone() },
             least_voxels: self.least_voxels as usize,
+            largest_grain: self.largest_grain,
             itz_thickness_mm: self.itz_thickness_mm,
             surfaces: SmoothOptions { step: self.step, smoothing: self.smoothing, tolerance: self.tolerance },
         };

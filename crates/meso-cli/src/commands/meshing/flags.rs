@@ -127,9 +127,10 @@ impl DeckFlags {
         if let AnalysisText::File(path, _) = &self.analysis { Some(path) } else { None }
     }
 
-    /// Whether the deck computes something.
+    /// Whether the deck computes something, by its own step or by one that is added to it.
     pub(super) fn analyses(&self) -> bool {
-        self.analysis != AnalysisText::Named(Analysis::None) && !self.given.options.geometry_only
+        (self.analysis != AnalysisText::Named(Analysis::None) || self.given.options.with_damage)
+            && !self.given.options.geometry_only
     }
 
     /// The first option that only a deck has. An analysis also decides mesh and packing, a time increment the figures.

@@ -171,7 +171,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     flag(&response.result);
     kept?;
     match ended {
-        Ended::Completed => lost.map(|()| 0),
+        Ended::Completed => lost.map(|()| if response.result.errors.is_empty() { 0 } else { RUN }),
         Ended::Stopped => Ok(INTERRUPTED),
         Ended::Diverged(_) | Ended::Failed(_) => Ok(RUN),
     }
@@ -186,7 +186,8 @@ fn warn_before(sample: &Sample) {
 fn flag(result: &Summary) {
     if !result.flags.is_empty() {
         let (peak, flags) = (result.figures.peak_mpa, result.flags.join("; "));
-        let found = if result.is_free() { result.headline() } else { format!("peak {peak:.2} MPa") };
+        let is_plain = result.has_peak() && !result.is_free();
+        let found = if is_plain { format!("peak {peak:.2} MPa") } else { result.headline() };
         stderr::line(format!("warning: {found}, {flags}"));
     }
 }

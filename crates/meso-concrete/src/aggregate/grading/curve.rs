@@ -1,6 +1,6 @@
 //! Curves of the share that passes a sieve.
 
-use super::Standard;
+use super::{SizeDefinition, Standard};
 use serde::{Deserialize, Serialize};
 
 /// Share of the aggregate volume finer than a size, over all sizes; 1 at and above the largest.
@@ -62,6 +62,14 @@ impl Curve {
             Self::Fuller { .. } | Self::Bolomey { .. } => None,
             Self::Sieves { sieves_mm, .. } => Some(sieves_mm.clone()),
             Self::Standard { name } => Some(name.points().map(|point| point.0).collect()),
+        }
+    }
+
+    /// Which length is a size where nothing is said: tables and standards are of openings, the papers' formulas of longest axes.
+    pub fn usual_size(&self) -> SizeDefinition {
+        match self {
+            Self::Fuller { .. } | Self::Bolomey { .. } => SizeDefinition::LongestAxis,
+            Self::Sieves { .. } | Self::Standard { .. } => SizeDefinition::Sieve,
         }
     }
 

@@ -24,7 +24,7 @@ pub struct Grading {
     /// Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; left out: every 5 mm or usual sieves.
     #[serde(default)]
     pub classes_mm: Vec<f64>,
-    /// Which length of an aggregate is its size.
+    /// Which length of an aggregate is its size; left out, the longest axis for Fuller's and Bolomey's curves, else the sieve's.
     pub size: SizeDefinition,
     /// How sizes are distributed within a class.
     pub size_law: SizeLaw,

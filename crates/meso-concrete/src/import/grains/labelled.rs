@@ -62,8 +62,8 @@ impl LabelledGrains {
         parts
     }
 
-    /// The number of pairs of grains with voxels that share a face.
-    pub fn touching_pairs(&self) -> usize {
+    /// Pairs of grains with voxels that share a face, by their numbers from 1.
+    pub fn touching_pairs(&self) -> Vec<(u32, u32)> {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for (axis, step) in self.steps().into_iter().enumerate() {
             for (voxel, (&a, &b)) in self.of.iter().zip(&self.of[step..]).enumerate() {
@@ -75,7 +75,33 @@ impl LabelledGrains {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        pairs.len()
+        pairs
+    }
+
+    /// For every grain the number of others whose voxels have faces with it alone, and none with the mortar or a wall.
+    pub fn surrounded(&self) -> Vec<usize> {
+        // The only neighbour so far: none is 0, several or the mortar are NONE.
+        let mut around = vec![0_u32; self.grains.len() + 1];
+        let mut meet = |grain: u32, other: u32| {
+            let own = &mut around[grain as usize];
+            *own = if other != 0 && (*own == 0 || *own == other) { other } else { NONE };
+        };
+        for (axis, step) in self.steps().into_iter().enumerate() {
+            for (voxel, (&a, &b)) in self.of.iter().zip(&self.of[step..]).enumerate() {
+                if a != b && self.at(voxel)[axis] + 1 < self.counts[axis] {
+                    meet(a, b);
+                    meet(b, a);
+                }
+            }
+        }
+        let mut count = vec![0; self.grains.len()];
+        for (grain, other) in self.grains.iter().zip(&around[1..]) {
+            let is_at_a_wall = (0..3).any(|axis| grain.from[axis] == 0 || grain.to[axis] == self.counts[axis]);
+            if !is_at_a_wall && *other != NONE && *other > 0 {
+                count[*other as usize - 1] += 1;
+            }
+        }
+        count
     }
 
     /// Gives every grain its hollows, mortar that it encloses alone, in parts whose voxels share faces: the number of grains
@@ -223,7 +249,8 @@ mod tests {
         assert_eq!((grains.grains.len(), grains.dropped), (1, [2, 4]));
         assert_eq!((grains.grains[0].label, grains.grains[0].from, grains.grains[0].to), (7, [2, 0, 0], [4, 2, 1]));
         let all = cut(&[5, 0, 7, 7, 5, 0, 7, 0, 0, 0, 9, 0, 0, 0, 9, 0], 1);
-        assert_eq!((all.grains.len(), all.touching_pairs()), (3, 1));
+        assert_eq!((all.grains.len(), all.touching_pairs().len()), (3, 1));
+        assert_eq!(all.surrounded(), [0; 3]);
     }
 
     #[test]

@@ -55,9 +55,13 @@ pub(super) enum Sieve {
     Bare(f64),
     /// The pan; or all below an opening, mm.
     Pan(Option<f64>),
+    /// Fines that were washed out before the sieving, beside the pan.
+    Washed,
     /// The sum of the column.
     Total,
-    /// A figure of the curve, e.g. its fineness modulus.
+    /// The mass before washing and sieving.
+    Initial,
+    /// A figure of the curve or of the test, e.g. a fineness modulus or a loss.
     Figure,
 }
 
@@ -106,6 +110,14 @@ const TOTALS: [&str; 14] = [
     "итого",
     "合计",
 ];
+/// Beginnings of words for what washing takes.
+const WASHINGS: [&str; 9] =
+    ["wash", "abschlämm", "ausgewasch", "lavage", "lavado", "lavagem", "lavaggio", "spül", "отмы"];
+const INITIALS: [&str; 9] =
+    ["initial", "m1", "einwaage", "anfangsmasse", "initiale", "inicial", "iniziale", "before", "original"];
+/// Masses after a step of the test, which its rows have already.
+const FINALS: [&str; 7] = ["final", "finale", "m2", "after", "nach", "après", "después"];
+const LOSSES: [&str; 5] = ["loss", "lost", "verlust", "perte", "pérdida"];
 const FIGURES: [&str; 12] = [
     "fineness",
     "fm",
@@ -353,8 +365,20 @@ fn both(outside: Option<Sieve>, inside: Option<Sieve>, text: &str) -> Result<Opt
     }
 }
 
-/// Pans, sums and figures.
+/// Pans, sums, figures, and the masses of a test with washing (EN 933-1).
 fn word(text: &str, unit: Option<SieveUnit>, marks: Marks) -> Result<Option<Sieve>, String> {
+    let parts = text.split(|c: char| !c.is_alphanumeric());
+    let is_washing = parts.clone().any(|part| WASHINGS.iter().any(|word| part.starts_with(word)));
+    let is_one_of = |words: &[&str]| parts.clone().any(|part| words.contains(&part));
+    if is_one_of(&INITIALS) {
+        return Ok(Some(Sieve::Initial));
+    }
+    if is_one_of(&FINALS) || (is_one_of(&LOSSES) && !is_washing) {
+        return Ok(Some(Sieve::Figure));
+    }
+    if is_washing {
+        return Ok(Some(Sieve::Washed));
+    }
     let below = ["<", "≤", "passing ", "finer than ", "-"].iter().find_map(|sign| text.strip_prefix(sign));
     if let Some(rest) = below.map(str::trim) {
         return Ok(match sieve(rest, unit, marks)? {

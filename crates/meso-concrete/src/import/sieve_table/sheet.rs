@@ -14,6 +14,9 @@ pub(super) struct Values {
     /// Number of every sieve, from the coarsest; none in a blank cell, a reason for one that is no number.
     pub(super) numbers: Vec<Result<Option<Number>, String>>,
     pub(super) pan: Option<f64>,
+    /// Fines that were washed out, with their line.
+    pub(super) washed: Option<(usize, f64)>,
+    /// The initial mass, or the sum.
     pub(super) total: Option<f64>,
     /// Share in a blend, where a row of the table gives it.
     pub(super) share: Option<f64>,
@@ -204,7 +207,8 @@ impl Grid<'_> {
     }
 
     fn heads(&self, first: usize) -> Vec<&Row> {
-        let above = self.rows[..first].iter().rev().filter(|row| !self.is_share_row(row));
+        let above = self.rows[..first].iter().rev();
+        let above = above.filter(|row| !self.is_share_row(row) && !self.is_of_the_test(row, 0));
         let filled = |row: &&Row| row.cells.iter().filter(|cell| !cell.is_empty()).count();
         let above = above.skip_while(|row| row.cells.is_empty());
         let is_head = |(at, row): &(usize, &Row)| {
@@ -222,6 +226,12 @@ impl Grid<'_> {
         numbers > 1 && row.cells.first().is_some_and(|cell| words::is_share_row(cell))
     }
 
+    /// Whether a row has a mass or a figure of the test, as that before washing.
+    fn is_of_the_test(&self, row: &Row, column: usize) -> bool {
+        let cell = row.cells.get(column).map_or("", String::as_str);
+        matches!(cells::sieve(cell, None, self.marks), Ok(Some(Sieve::Initial | Sieve::Washed | Sieve::Figure)))
+    }
+
     fn sheet(&self, body: &Body) -> Result<Sheet, String> {
         let sieve_heading = self.heading(body.first, body.column);
         let width = self.rows[body.first..].iter().map(|row| row.cells.len()).max().unwrap_or(0);
@@ -235,18 +245,23 @@ impl Grid<'_> {
             ));
         }
         let mut found: Vec<(f64, bool, &Row)> = Vec::new();
-        let (mut pans, mut total) = (Vec::new(), None);
-        for row in self.rows[body.first..].iter().filter(|row| !row.cells.is_empty()) {
+        let (mut pans, mut washed, mut initial, mut total) = (Vec::new(), None, None, None);
+        // Masses of the test may stand between the heading and the first sieve.
+        let begin = if body.after > 0 { body.after } else { body.first };
+        for row in self.rows[begin..].iter().filter(|row| !row.cells.is_empty()) {
             let at = |reason: String| format!("line {}: {reason}", row.line);
             match self.sieve(row, body.column, body.said.sieve_unit).map_err(at)? {
                 Some(Sieve::Opening(size)) => found.push((size, false, row)),
                 Some(Sieve::Bare(size)) => found.push((size, true, row)),
                 Some(Sieve::Pan(size)) => pans.push((size, row)),
+                Some(Sieve::Washed) if washed.is_some() => {
+                    return Err(at("a second row of what was washed out".to_owned()));
+                }
+                Some(Sieve::Washed) => washed = Some(row),
+                Some(Sieve::Initial) => initial = Some(row),
                 Some(Sieve::Total) => total = Some(row),
                 Some(Sieve::Figure) => {}
                 None if self.is_share_row(row) => {}
-                // Nothing is finer than the pan.
-                None if !pans.is_empty() && !has_digits(row, body.column) => {}
                 None => self.is_remark(row, body.column).map_err(at)?,
             }
         }
@@ -265,7 +280,8 @@ impl Grid<'_> {
             let cell = row.cells.get(at).map_or("", String::as_str);
             if cells::is_blank(cell) { Ok(None) } else { cells::number(cell, marks).map(Some) }
         };
-        let weighed = found.iter().map(|row| row.2).chain(pan).chain(total);
+        let total = initial.or(total);
+        let weighed = found.iter().map(|row| row.2).chain(pan).chain(washed).chain(total);
         (0..width).try_for_each(|at| one_unit_of_mass(weighed.clone(), at))?;
         let one = |row: Option<&Row>, at: usize| Some(number(row?, at).ok()??.value);
         let columns = (0..width).filter(|&at| at != body.column).map(|at| {
@@ -276,6 +292,7 @@ impl Grid<'_> {
                 heading,
                 numbers: found.iter().map(|row| number(row.2, at)).collect(),
                 pan: one(pan, at),
+                washed: washed.and_then(|row| Some((row.line, one(washed, at)?))),
                 total: one(total, at),
                 share: one(shares, at),
             }
@@ -327,7 +344,7 @@ impl Grid<'_> {
     fn is_remark(&self, row: &Row, column: usize) -> Result<(), String> {
         let first = row.cells.get(column).map_or("", String::as_str);
         let has_number = |(at, cell): (usize, &String)| at != column && cells::is_number(cell);
-        if !row.cells.iter().enumerate().any(has_number) {
+        if self.is_of_the_test(row, column) || !row.cells.iter().enumerate().any(has_number) {
             return Ok(());
         }
         Err(format!("{first:?} names no sieve; write its opening in mm, in inches as 3/4 in, as No. 4, or Pan"))
@@ -377,10 +394,6 @@ fn one_unit_of_mass<'a>(rows: impl Iterator<Item = &'a Row>, column: usize) -> R
         }
         _ => Ok(()),
     }
-}
-
-fn has_digits(row: &Row, column: usize) -> bool {
-    row.cells.get(column).is_some_and(|cell| cell.contains(|c: char| c.is_ascii_digit()))
 }
 
 fn proved_millimetres(found: &[(f64, bool, &Row)], heading: &str) -> Result<(), String> {

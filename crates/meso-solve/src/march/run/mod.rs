@@ -146,7 +146,9 @@ impl<'a> Run<'a> {
         let rig = test.rig(&geometry)?;
         let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
-        let below = test.expansion().map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
+        let expansion = test.expansion();
+        expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
+        let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
         let parts = Parts { sample: &sample, common: &common, dt, smoothing, below: &below };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();

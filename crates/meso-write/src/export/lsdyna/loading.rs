@@ -7,7 +7,7 @@ use super::{FIELD, Field, LOWER, UPPER, block_parts, card, element, list, node, 
 use crate::export::abaqus::{Analysis, DECK, DeckOptions};
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, short};
 use meso_mesh::cells::{Mesh, Sides};
 use meso_trial::{Hold, LawName, Loads, RigidSupport, Rule, Test, TestKind};
 use std::io::{self, Write};
@@ -20,6 +20,10 @@ const STRIKER: f64 = 0.5;
 const HISTORY: f64 = 500.0;
 /// Points of a leg in the curve of the speed.
 const POINTS: u32 = 50;
+/// History variables of an element in a d3plot: those of `*MAT_CDPM` have its damage among the first.
+const HISTORIES: i64 = 20;
+/// Stiffness of hourglass modes over that of the element.
+const HOURGLASS: f64 = 0.03;
 /// Scale of the stable time step.
 const SCALE: f64 = 0.9;
 /// Numbers of the first node set and segment set behind those of the sides.
@@ -303,8 +307,8 @@ fn curve(cards: &mut Lines<impl Write>, number: u64) -> io::Result<()> {
 }
 
 fn point(cards: &mut Lines<impl Write>, x: f64, y: f64) -> io::Result<()> {
-    cards.real(20, x);
-    cards.real(20, y);
+    cards.real(20, short(x));
+    cards.real(20, short(y));
     cards.end()
 }
 
@@ -326,7 +330,18 @@ fn output(cards: &mut Lines<impl Write>, options: &DeckOptions, end_s: f64, forc
         card(cards, &[(end_s / HISTORY).into()])?;
     }
     cards.line("*DATABASE_BINARY_D3PLOT")?;
-    card(cards, &[(end_s / f64::from(options.field_frames())).into()])
+    card(cards, &[(end_s / f64::from(options.field_frames())).into()])?;
+    if options.reduced_integration {
+        // IHQ QH: bricks of one point resist their modes by a stiffness, as those of the engine do.
+        cards.line("*CONTROL_HOURGLASS")?;
+        card(cards, &[Field::Integer(4), HOURGLASS.into()])?;
+    }
+    if !options.has_curves() {
+        return Ok(());
+    }
+    // Damage is among the history variables of a law, which a d3plot has on request alone.
+    cards.line("*DATABASE_EXTENT_BINARY")?;
+    card(cards, &[Field::Integer(HISTORIES)])
 }
 
 /// Finds out whether the specimen has the faces that a striker and its plate press on: a spike has none.
