@@ -210,6 +210,35 @@ fn the_error_of_a_stiffness_of_labels_contains_that_of_finer_voxels() {
     }
 }
 
+/// Blocks of voxels in odd counts, periodic and between walls: the same geometry, and fewer displacements.
+#[test]
+fn blocks_of_a_label_volume_have_its_geometry() {
+    let of = |volume: LabelSpecimen, stiffer: f64| {
+        let given = serde_json::json!({ "stiffness": {
+            "0": { "youngs_modulus_mpa": 20000, "poisson_ratio": 0.2 },
+            "1": { "youngs_modulus_mpa": 20000.0 * stiffer, "poisson_ratio": 0.2 } } });
+        let given: LabelPhases = serde_json::from_value(given).unwrap();
+        let found = stiffness_of_labels(&volume, &given, &StiffnessOptions::new(1.0), &Silent).unwrap().0;
+        let error = found.error[0][0] / found.tensor[0][0];
+        (found.fine, found.coarse.unwrap(), error)
+    };
+    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-5;
+    for periodic in [false, true] {
+        let volume = |counts: [usize; 3], label: &dyn Fn([usize; 3]) -> i64| LabelSpecimen {
+            periodic: [periodic; 3],
+            spacing_mm: [1.0, 2.0, 0.5],
+            ..specimen(counts, label)
+        };
+        let (fine, coarse, error) = of(volume([7, 5, 3], &|_| 1), 3.0);
+        assert!(error < 1e-5 && (0..6).all(|i| alike(fine[i][i], coarse[i][i])), "{fine:?} {coarse:?}");
+        // Layers of two voxels are exact in blocks of two, along and across.
+        let (fine, coarse, _) = of(volume([4, 8, 6], &|[_, j, _]| j as i64 / 2 % 2), 20.0);
+        assert!((0..6).all(|i| !periodic || alike(fine[i][i], coarse[i][i])), "{fine:?} {coarse:?}");
+        let (fine, coarse, _) = of(volume([7, 6, 5], &|[i, j, k]| (i * j + k) as i64 % 3 / 2), 10.0);
+        assert!((0..6).all(|i| coarse[i][i] > fine[i][i]), "{fine:?} {coarse:?}");
+    }
+}
+
 #[test]
 fn a_closed_volume_conducts_nothing_and_an_island_does_not_matter() {
     let island = |[i, j, k]: [usize; 3]| i64::from(k == 5) * 2 + i64::from([i, j, k] == [2, 2, 2]);

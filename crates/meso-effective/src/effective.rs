@@ -13,11 +13,12 @@ use crate::shares;
 use crate::solver::{self, Energy};
 use crate::surfaces::Phase;
 use meso_collision::simd::widest;
-use meso_concrete::aggregate::Aggregate;
+use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, images, parallel};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// A tensor in the specimen's axes, row by row; a column is the mean flux for a unit gradient along its axis. Entries that were not
 /// asked for are `None`.
@@ -149,7 +150,8 @@ pub(crate) fn of_medium(
     let mut fine = task.columns(counts)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
     let resolution = Resolution::of_voxels(task.space.boundary("fixed"), counts, task.space.spacing(counts));
-    let sizes = Sizes(grid::ratios(counts), medium.caution());
+    let largest = task.space.spacing(counts).into_iter().fold(0.0, f64::max);
+    let sizes = Sizes { show: medium.shows_errors(largest), ..Sizes::new(grid::ratios(counts)) };
     Ok((Effective::new(options.what, &fine, (&coarser, sizes), medium.phases(), resolution), fields))
 }
 
@@ -165,9 +167,9 @@ pub(crate) trait Medium: Sync {
     fn has_bounds(&self) -> bool {
         false
     }
-    /// What errors by the changes from size to size are multiplied by.
-    fn caution(&self) -> f64 {
-        1.0
+    /// Whether the changes from one size of voxels to another show the errors of voxels of a size.
+    fn shows_errors(&self, _voxel_size_mm: f64) -> bool {
+        true
     }
     /// Bounds of the exact value along the gradient of `flow`, from a solution whose value is `found`.
     fn bounds(&self, _flow: &Flow, _last: usize, _found: f64) -> Option<[f64; 2]> {
@@ -197,16 +199,24 @@ impl Medium for Packing<'_> {
         self.values.shares(self.bodies, self.specimen)
     }
 
-    fn caution(&self) -> f64 {
+    /// Shells that are thinner than a voxel join the grains that share it. A shell of thickness t and value D makes a grain of radius a
+    /// one of value 2 t D / a.
+    fn shows_errors(&self, voxel_size_mm: f64) -> bool {
         let PhaseValues { mortar, aggregate, itz, .. } = *self.values;
-        if itz > CONDUCTIVE * mortar && itz > aggregate { SLOW } else { 1.0 }
+        let joins = |body: &Aggregate| {
+            let (radius, thickness) = (libm::cbrt(0.75 / PI * body.body.volume()), body.itz_thickness_mm);
+            body.kind == Kind::Aggregate
+                && thickness < voxel_size_mm
+                && 2.0 * thickness * itz > CONDUCTOR * radius * mortar
+        };
+        itz <= mortar || itz <= aggregate || !self.bodies.iter().any(joins)
     }
 }
 
-/// Shells of more than this many times the mortar's value join neighbouring grains in the voxels that they share.
-const CONDUCTIVE: f64 = 10.0;
-/// Errors with such shells: a cube of 14 mm with cores of 0.1 and an ITZ of 100 was off by 2.8 times the last change.
-const SLOW: f64 = 3.0;
+/// Grains of more than this many times the mortar's value are good conductors.
+const CONDUCTOR: f64 = 10.0;
+/// Remedy where voxels show no error.
+const JOINED: &str = "the ITZ is thinner than a voxel and joins grains; take the method lattice";
 
 impl PhaseValues {
     /// The phases with their exact volumes.
@@ -343,15 +353,17 @@ impl Effective {
         let each = |of: &dyn Fn(Estimate) -> f64| {
             let entry = |row: usize, column: usize| {
                 let estimate = found[row][column]?.solved(solver_error, fine[column][column]?);
-                // Voigt and Reuss bound the diagonal of every specimen.
-                let is_bounded = are_bounds && row == column;
-                Some(of(if is_bounded { estimate.within(bounds.reuss, bounds.voigt) } else { estimate }))
+                // Voigt and Reuss bound the diagonal of every specimen, and Voigt the other entries (Cauchy and Schwarz).
+                let (low, high) =
+                    if row == column { (bounds.reuss, bounds.voigt) } else { (-bounds.voigt, bounds.voigt) };
+                Some(of(if are_bounds { estimate.within(low, high) } else { estimate }))
             };
             [0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column)))
         };
         let (tensor, error) = (each(&|estimate| estimate.value), each(&|estimate| estimate.error));
         let coarse = coarser.first().copied().unwrap_or_default();
-        let warnings = warnings(what, &bounds, [&tensor, &error], resolution.remedy());
+        let remedy = if sizes.show { resolution.remedy() } else { JOINED };
+        let warnings = warnings(what, &bounds, [&tensor, &error], remedy);
         let resolution = Resolution { iterations, solver_error, ..resolution };
         Self { what, tensor, error, fine, coarse, bounds, phases, resolution, warnings }
     }

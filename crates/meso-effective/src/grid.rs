@@ -108,13 +108,13 @@ pub(crate) fn coarser(counts: [usize; 3]) -> Vec<[usize; 3]> {
     [twice, fourfold].into_iter().filter(|counts| counts.iter().all(|count| *count > 1)).collect()
 }
 
-/// Sizes of the voxels of [`coarser`] grids over the fine ones', mean of the axes.
+/// Sizes of the voxels of [`coarser`] grids over the fine ones', mean of the axes with several voxels.
 pub(crate) fn ratios(counts: [usize; 3]) -> [f64; 2] {
-    let of = |coarse: [usize; 3]| {
-        let ratio = |axis: usize| counts[axis] as f64 / coarse[axis] as f64;
-        (ratio(0) + ratio(1) + ratio(2)) / 3.0
-    };
     let twice = counts.map(|count| count.div_ceil(2));
+    let of = |coarse: [usize; 3]| {
+        let several = || (0..3).filter(|axis| counts[*axis] > 1);
+        several().map(|axis| counts[axis] as f64 / coarse[axis] as f64).sum::<f64>() / several().count() as f64
+    };
     [of(twice), of(twice.map(|count| count.div_ceil(2)))]
 }
 

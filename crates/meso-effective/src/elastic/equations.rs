@@ -3,28 +3,17 @@
 //! Displacements are the periodic part, three blocks of nodes, x fastest. The first node along an axis is the last one, too;
 //! at walls, both have no displacement, so the strain there is uniform.
 //!
-//! In a voxel the displacement is a sum of products of the coordinates -1 to 1: `u = sum over m of u_m x^m`, with one bit of
-//! `m` for each axis. Derivatives lower a bit, and the products are orthogonal. So strains have seven modes, the energy is a
-//! sum over them with the weights 1, 1/3 and 1/9, and the integration is exact.
-//!
 //! The preconditioner takes each component alone: a network of links with the stiffness of the component along each axis.
 
+use super::blocks::Block;
 use super::laminate::Material;
+use super::modes::{Modes, Nodes, ROW, spread, strain_of, stress_of};
 use super::voxels::Voxels;
 use crate::grid::{End, Grid};
 use crate::links::Links;
 use crate::solver::{Equations, Multigrid, dot};
 use meso_concrete::parallel;
 
-/// Strain or stress of a voxel by modes: components in the order xx, yy, zz, yz, zx, xy.
-type Modes = [[f64; 8]; 6];
-/// Displacements or forces of a voxel's nodes along x, y, z; a node's number has one bit for each axis.
-type Nodes = [[f64; 8]; 3];
-
-/// Rows of strain to which a derivative along `axis` of component `of` adds.
-const ROW: [[usize; 3]; 3] = [[0, 5, 4], [5, 1, 3], [4, 3, 2]];
-/// Share of a mode in the energy.
-pub(super) const WEIGHTS: [f64; 8] = [1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 9.0, 0.0];
 /// Layers of voxels whose forces are added up by one thread.
 const SLAB: usize = 4;
 /// Links between nodes without displacement, over the largest stiffness: they move together.
@@ -96,8 +85,7 @@ impl<'a> Elastic<'a> {
         let mut forces = vec![0.0; 3 * layers * layer];
         for k in first..last {
             for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
-                let stress = self.stress([i, j, k], u, mean);
-                let nodes = self.spread(&stress);
+                let nodes = self.forces_of([i, j, k], u, mean);
                 for (node, place) in corners([nx, ny], i, j).into_iter().enumerate() {
                     let start = (k - first + (node >> 2)) * layer + place;
                     (0..3).for_each(|component| forces[component * layers * layer + start] += nodes[component][node]);
@@ -107,63 +95,53 @@ impl<'a> Elastic<'a> {
         forces
     }
 
-    /// Stress of a voxel by modes.
-    pub(super) fn stress(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
-        let strain = self.strain(at, u, mean);
-        let material = self.material(at);
-        let mut stress = [[0.0; 8]; 6];
-        let mut entries = material.stiffness.iter().map(|c| f64::from(*c));
-        for i in 0..6 {
-            for j in i..6 {
-                let c = entries.next().unwrap_or_default();
-                (0..8).for_each(|mode| stress[i][mode] += c * strain[j][mode]);
-                if i != j {
-                    (0..8).for_each(|mode| stress[j][mode] += c * strain[i][mode]);
-                }
-            }
+    /// Forces of a voxel or block on its nodes.
+    fn forces_of(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Nodes {
+        match self.block(at) {
+            Some(block) => block.forces(&self.nodes_of(at, u), mean),
+            None => spread(&self.stress(at, u, mean), self.grid.spacing.into()),
         }
-        stress
     }
 
-    pub(super) fn material(&self, [i, j, k]: [usize; 3]) -> &Material {
+    /// The block at a place of a grid of blocks.
+    pub(super) fn block(&self, at: [usize; 3]) -> Option<&Block> {
+        self.voxels.blocks.get(self.number(at))
+    }
+
+    /// Stress of a voxel by modes.
+    pub(super) fn stress(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
+        stress_of(self.material(at), &self.strain(at, u, mean))
+    }
+
+    pub(super) fn material(&self, at: [usize; 3]) -> &Material {
+        &self.voxels.materials[self.number(at)]
+    }
+
+    /// Number of the material or block at a place.
+    fn number(&self, [i, j, k]: [usize; 3]) -> usize {
         let [nx, ny, _] = self.grid.counts;
-        &self.voxels.materials[self.voxels.of[(k * ny + j) * nx + i] as usize]
+        self.voxels.of[(k * ny + j) * nx + i] as usize
     }
 
     /// Strain of a voxel by modes.
-    pub(super) fn strain(&self, [i, j, k]: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
+    pub(super) fn strain(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
+        let mut strain = strain_of(&self.nodes_of(at, u), self.grid.spacing.into());
+        strain.iter_mut().zip(mean).for_each(|(row, mean)| row[0] += mean);
+        strain
+    }
+
+    /// Displacements at the nodes of a voxel or block.
+    pub(super) fn nodes_of(&self, [i, j, k]: [usize; 3], u: &[f64]) -> Nodes {
         let [nx, ny, nz] = self.grid.counts;
         let above = if k + 1 == nz { 0 } else { k + 1 };
-        let mut strain = [[0.0; 8]; 6];
         let corners = corners([nx, ny], i, j);
-        for component in 0..3 {
+        [0, 1, 2].map(|component| {
             let block = &u[component * self.nodes()..][..self.nodes()];
             let mut values = [0.0; 8];
             for (node, place) in corners.into_iter().enumerate() {
                 values[node] = block[if node < 4 { k } else { above } * nx * ny + place];
             }
-            let modes = products(values);
-            for axis in 0..3 {
-                let over = 0.25 / self.grid.spacing[axis];
-                let row = &mut strain[ROW[component][axis]];
-                lower(axis).for_each(|mode| row[mode] += over * modes[mode | 1 << axis]);
-            }
-        }
-        strain.iter_mut().zip(mean).for_each(|(row, mean)| row[0] += mean);
-        strain
-    }
-
-    /// Forces of the nodes of a voxel that stresses by modes leave: the transpose of [`Elastic::strain`], times the volume.
-    pub(super) fn spread(&self, stress: &Modes) -> Nodes {
-        let volume: f64 = (0..3).map(|axis| self.grid.spacing[axis]).product();
-        [0, 1, 2].map(|component| {
-            let mut modes = [0.0; 8];
-            for axis in 0..3 {
-                let over = 0.25 * volume / self.grid.spacing[axis];
-                let row = &stress[ROW[component][axis]];
-                lower(axis).for_each(|mode| modes[mode | 1 << axis] += over * WEIGHTS[mode] * row[mode]);
-            }
-            transposed_products(modes)
+            values
         })
     }
 }
@@ -202,37 +180,12 @@ impl Equations for Elastic<'_> {
     }
 }
 
-/// Modes without a bit for `axis`.
-fn lower(axis: usize) -> impl Iterator<Item = usize> {
-    (0..8).filter(move |mode| mode >> axis & 1 == 0)
-}
-
 /// Places in their layer of a voxel's nodes.
 fn corners([nx, ny]: [usize; 2], i: usize, j: usize) -> [usize; 8] {
     let next = |i: usize, n: usize| if i + 1 == n { 0 } else { i + 1 };
     let (right, back) = (next(i, nx), next(j, ny) * nx);
     let below = [j * nx + i, j * nx + right, back + i, back + right];
     [below[0], below[1], below[2], below[3], below[0], below[1], below[2], below[3]]
-}
-
-/// Sums over the nodes, with the sign that each product of coordinates has there.
-fn products(values: [f64; 8]) -> [f64; 8] {
-    pairs(values, |a, b| (a + b, b - a))
-}
-
-/// The transpose of [`products`].
-fn transposed_products(values: [f64; 8]) -> [f64; 8] {
-    pairs(values, |a, b| (a - b, a + b))
-}
-
-#[inline]
-fn pairs(mut values: [f64; 8], of: impl Fn(f64, f64) -> (f64, f64)) -> [f64; 8] {
-    for bit in [1, 2, 4] {
-        for low in (0..8).filter(|number| number & bit == 0) {
-            (values[low], values[low | bit]) = of(values[low], values[low | bit]);
-        }
-    }
-    values
 }
 
 /// Links between nodes with the stiffness of `component` along each axis.

@@ -1,8 +1,10 @@
 //! Linear elasticity of a packing: stiffness on voxels, and expansion by eigenstrains.
 
+mod blocks;
 mod equations;
 mod field;
 mod laminate;
+mod modes;
 mod task;
 mod voxels;
 

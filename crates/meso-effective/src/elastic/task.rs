@@ -1,7 +1,8 @@
 //! From a packing to its stiffness: three grids, six mean strains, error, bounds and expansion.
 
-use super::equations::{Elastic, WEIGHTS};
+use super::equations::Elastic;
 use super::field::StressField;
+use super::modes::WEIGHTS;
 use super::voxels::Voxels;
 use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
@@ -101,14 +102,13 @@ pub struct Isotropic {
 pub struct Stiffness {
     /// Property: `stiffness`.
     pub what: &'static str,
-    /// The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt;
-    /// of a label volume, lowered by the strains' variation within voxels.
+    /// The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt.
     pub tensor: StiffnessTensor,
-    /// Error of each entry, by the changes from size to size or the variation within voxels.
+    /// Error of each entry, by the changes from size to size.
     pub error: StiffnessTensor,
     /// The tensor on the voxels or tetrahedra.
     pub fine: StiffnessTensor,
-    /// The tensor on those of twice the size; none of a label volume.
+    /// The tensor on those of twice the size; of a label volume with displacements that are trilinear over blocks of 2 x 2 x 2 voxels.
     pub coarse: Option<StiffnessTensor>,
     /// Constants of the nearest isotropic material.
     pub isotropic: Isotropic,
@@ -155,17 +155,23 @@ pub(crate) fn of_medium(
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
     error::accept_tolerance(options.tolerance)?;
     let space = medium.space();
-    let on = |counts: [usize; 3], fields: bool, report: &dyn Fn(f64)| {
-        let grid = Grid::new(&space, counts, 2, false);
-        let voxels = medium.voxels(&grid);
-        Solved::of(&mut Elastic::new(&grid, &voxels), options.tolerance, fields, report)
+    let grid = |counts: [usize; 3]| Grid::new(&space, counts, 2, false);
+    let on = |grid: Grid, voxels: &Voxels, fields: bool, report: &dyn Fn(f64)| {
+        Solved::of(&mut Elastic::new(&grid, voxels), options.tolerance, fields, report)
     };
-    let grids = if medium.is_of_voxels() { Vec::new() } else { grid::coarser(counts) };
-    let coarser = grids.into_iter().map(|counts| on(counts, false, &|_| ())).collect::<Result<Vec<_>, _>>()?;
-    let mut fine = on(counts, options.fields, &|share| watch.stage(Stage::Solve, share))?;
+    let coarse = |(counts, voxels): ([usize; 3], Voxels)| on(grid(counts), &voxels, false, &|_| ());
+    let fine = medium.voxels(&grid(counts));
+    let coarser: Result<Vec<_>, _> = if medium.is_of_voxels() {
+        fine.coarser(counts, space.spacing(counts)).into_iter().map(coarse).collect()
+    } else {
+        let of = |counts: [usize; 3]| coarse((counts, medium.voxels(&grid(counts))));
+        grid::coarser(counts).into_iter().map(of).collect()
+    };
+    let coarser = coarser?;
+    let mut fine = on(grid(counts), &fine, options.fields, &|share| watch.stage(Stage::Solve, share))?;
     let fields = std::mem::take(&mut fine.fields);
     let resolution = Resolution::of_voxels(space.boundary("uniform-strain"), counts, space.spacing(counts));
-    let coarser = (&coarser[..], Sizes(grid::ratios(counts), 1.0));
+    let coarser = (&coarser[..], Sizes::new(grid::ratios(counts)));
     Ok((Stiffness::new(&fine, coarser, medium.phases(), resolution), fields))
 }
 
@@ -227,8 +233,6 @@ impl ElasticShare {
 /// Solutions on one division of a specimen.
 pub(crate) struct Solved<F> {
     tensor: StiffnessTensor,
-    /// Energy of the strains' variation within voxels, over the volume and twice, for each unit strain.
-    variation: [f64; 6],
     /// Mean stress of the specimen without strain.
     eigenstress: [f64; 6],
     iterations: Vec<usize>,
@@ -265,7 +269,6 @@ impl<F> Solved<F> {
     ) -> Result<Self, EffectiveError> {
         let mut solved = Self {
             tensor: [[0.0; 6]; 6],
-            variation: [0.0; 6],
             eigenstress: [0.0; 6],
             iterations: Vec::new(),
             error: 0.0,
@@ -301,7 +304,6 @@ impl<F> Solved<F> {
         let volume = strained.volume();
         (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);
         self.tensor[column][column] = sums.energy / volume;
-        self.variation[column] = sums.variation / volume;
         self.eigenstress[column] = sums.eigen / volume;
         if fields {
             self.fields.push(strained.field(&found.potential, &mean, column));
@@ -312,13 +314,6 @@ impl<F> Solved<F> {
     }
 }
 
-/// The exact stiffness of a label volume lies below that on its voxels by this many times the energy of the strains' variation within
-/// them, about.
-const VARIATION: f64 = 3.0;
-/// Parts of one voxel lock: the error rises with the square of that energy over what displacements take off Voigt's bound, from this
-/// share on.
-const LOCKED: f64 = 0.1;
-
 impl Stiffness {
     /// The result of the solutions on fine cells and on coarser ones, with their sizes.
     pub(crate) fn new<F>(
@@ -328,7 +323,7 @@ impl Stiffness {
         resolution: Resolution,
     ) -> Self {
         let bounds = ElasticBounds::of(&phases);
-        let found = if coarser.is_empty() { fine.by_variation(&phases) } else { fine.by_sizes(coarser, sizes) };
+        let found = fine.by_sizes(coarser, sizes);
         let solver_error = fine.error;
         let are_bounds = bounds::are_within(phases.iter().map(|(_, share)| share.volume_fraction));
         let within = |of: Estimate, low: f64, high: f64| if are_bounds { of.within(low, high) } else { of };
@@ -402,38 +397,6 @@ impl<F> Solved<F> {
         let moduli = [modulus(|is| is.bulk_modulus_mpa), modulus(|is| is.shear_modulus_mpa)];
         let [normal, shear] = [0, 3].map(|first| like(&|of| of.expansion()[first..first + 3].to_vec()));
         let expansion = std::array::from_fn(|i| if i < 3 { normal[i] } else { shear[i - 3] });
-        Estimates { entries, moduli, expansion }
-    }
-
-    /// Estimates from the variation of the strains within voxels: displacements that are exact on the voxels of a label volume would
-    /// have as much less energy.
-    fn by_variation(&self, phases: &[(Moduli, ElasticShare)]) -> Estimates {
-        let less = |i: usize| VARIATION * self.variation[i] / self.tensor[i][i];
-        let factor = |i: usize| libm::exp(-less(i) / 2.0);
-        let bounds = ElasticBounds::of(phases);
-        let worse = |i: usize| {
-            let taken = (bounds.of_entry(i)[1] - self.tensor[i][i]).max(self.variation[i]);
-            1.0 + if taken > 0.0 { (self.variation[i] / (LOCKED * taken)).powi(2) } else { 0.0 }
-        };
-        let entry = |i: usize, j: usize| {
-            let own = |i: usize| less(i) * worse(i) * self.tensor[i][i];
-            Estimate { value: factor(i) * factor(j) * self.tensor[i][j], error: (own(i) * own(j)).sqrt() }
-        };
-        let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| entry(i, j));
-        let entries = [row(0), row(1), row(2), row(3), row(4), row(5)];
-        let values = entries.map(|row| row.map(|entry| entry.value));
-        let [lowered, own] = [&values, &self.tensor].map(Isotropic::of);
-        let worst = (0..6).map(worse).fold(1.0, f64::max);
-        let modulus = |value: f64, on_voxels: f64| Estimate { value, error: worst * (on_voxels - value).abs() };
-        let moduli = [
-            modulus(lowered.bulk_modulus_mpa, own.bulk_modulus_mpa),
-            modulus(lowered.shear_modulus_mpa, own.shear_modulus_mpa),
-        ];
-        let present =
-            || phases.iter().filter(|(_, share)| share.volume_fraction > 0.0).map(|(phase, _)| phase.eigenstrain);
-        let range = present().fold(f64::NEG_INFINITY, f64::max) - present().fold(f64::INFINITY, f64::min);
-        let most = (0..6).map(|i| less(i) * worse(i)).fold(0.0, f64::max);
-        let expansion = self.expansion().map(|value| Estimate { value, error: most * range });
         Estimates { entries, moduli, expansion }
     }
 }
@@ -531,8 +494,6 @@ impl<F> Solved<F> {
 pub(crate) struct Sums {
     pub(crate) stress: [f64; 6],
     pub(crate) energy: f64,
-    /// The part of the energy that the strains' variation within cells has.
-    pub(crate) variation: f64,
     /// Eigenstress times strain: by reciprocity the mean eigenstress of the specimen (Levin, 1967).
     pub(crate) eigen: f64,
 }
@@ -560,22 +521,24 @@ impl Strained for Elastic<'_> {
         let [nx, ny, nz] = self.grid.counts;
         let volume = self.grid.volume() / (nx * ny * nz) as f64;
         let layers = parallel::map(nz, |k| {
-            let mut sums = [0.0; 9];
+            let mut sums = [0.0; 8];
             for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
                 let at = [i, j, k];
+                if let Some(block) = self.block(at) {
+                    let own = block.sums(&self.nodes_of(at, u), mean);
+                    sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / volume);
+                    continue;
+                }
                 let (strain, stress) = (self.strain(at, u, mean), self.stress(at, u, mean));
                 for row in 0..6 {
                     sums[row] += stress[row][0];
-                    let mode = |mode: usize| WEIGHTS[mode] * stress[row][mode] * strain[row][mode];
-                    let varied = (1..8).map(mode).sum::<f64>();
-                    sums[6] += mode(0) + varied;
-                    sums[8] += varied;
+                    sums[6] += (0..8).map(|mode| WEIGHTS[mode] * stress[row][mode] * strain[row][mode]).sum::<f64>();
                     sums[7] += f64::from(self.material(at).eigenstress[row]) * strain[row][0];
                 }
             }
             sums
         });
         let sum = |which: usize| layers.iter().map(|layer| layer[which]).sum::<f64>() * volume;
-        Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), variation: sum(8), eigen: sum(7) }
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), eigen: sum(7) }
     }
 }

@@ -3,6 +3,7 @@
 //! Volumes come from plane sections, by Gauss's rule over the body's height in a voxel. The areas of a body on a voxel's six faces
 //! give the integral of the normal over the interface inside (divergence theorem).
 
+use super::blocks::Block;
 use super::laminate::{Material, VOID};
 use crate::grid::Grid;
 use crate::moduli::{Moduli, Table};
@@ -10,6 +11,7 @@ use crate::sections::{Section, Squares, WITHIN};
 use crate::surfaces::{Phase, Surface};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Materials of a grid.
@@ -18,6 +20,8 @@ pub(crate) struct Voxels {
     pub(super) materials: Vec<Material>,
     /// Number of each voxel's material, x fastest.
     pub(super) of: Vec<u32>,
+    /// Blocks of voxels in place of voxels, each with a material for the preconditioner; none of voxels.
+    pub(super) blocks: Vec<Block>,
 }
 
 /// Points of Gauss's rule on 0 to 1, with their weights.
@@ -30,7 +34,7 @@ impl Voxels {
     /// Voxels of one phase each.
     pub(crate) fn of_phases(of: Vec<u32>, phases: &[Moduli]) -> Self {
         let largest = phases.iter().map(|phase| phase.youngs_modulus_mpa).fold(0.0, f64::max);
-        Self { materials: regular(phases, largest).iter().map(Material::pure).collect(), of }
+        Self { materials: regular(phases, largest).iter().map(Material::pure).collect(), of, blocks: Vec::new() }
     }
 
     pub(super) fn new(grid: &Grid, surfaces: &[Surface], table: &Table) -> Self {
@@ -42,6 +46,7 @@ impl Voxels {
         let mut voxels = Self {
             materials: table.iter().map(Material::pure).collect(),
             of: vec![Phase::Mortar as u32; grid.counts.iter().product()],
+            blocks: Vec::new(),
         };
         for (run, found) in runs.iter().zip(found) {
             let number = match found {
@@ -54,6 +59,51 @@ impl Voxels {
             voxels.of[run[0].voxel as usize] = number;
         }
         voxels
+    }
+}
+
+/// No part: beyond the end of an odd count.
+const NONE: u32 = u32::MAX;
+
+impl Voxels {
+    /// Blocks of two and of four voxels along each axis, with their counts, as far as there are several voxels.
+    pub(super) fn coarser(&self, counts: [usize; 3], spacing: [f64; 3]) -> Vec<([usize; 3], Self)> {
+        let whole: Vec<Block> = self.materials.iter().map(|material| Block::of(material, spacing)).collect();
+        let fine = Self { materials: Vec::new(), of: self.of.clone(), blocks: whole };
+        let mut found: Vec<([usize; 3], Self)> = Vec::new();
+        for _ in 0..2 {
+            let (counts, parts) = found.last().map_or((counts, &fine), |(counts, parts)| (*counts, parts));
+            if counts == [1; 3] {
+                break;
+            }
+            found.push(parts.joined(counts));
+        }
+        found
+    }
+
+    /// Blocks of two parts along each axis.
+    fn joined(&self, parts: [usize; 3]) -> ([usize; 3], Self) {
+        let counts = parts.map(|count| count.div_ceil(2));
+        let part = |at: [usize; 3]| {
+            let is_there = (0..3).all(|axis| at[axis] < parts[axis]);
+            if is_there { self.of[(at[2] * parts[1] + at[1]) * parts[0] + at[0]] } else { NONE }
+        };
+        let parts_of = |number: usize| -> [u32; 8] {
+            let at = [number % counts[0], number / counts[0] % counts[1], number / (counts[0] * counts[1])];
+            std::array::from_fn(|side| part([0, 1, 2].map(|axis| 2 * at[axis] + (side >> axis & 1))))
+        };
+        let mut numbers = HashMap::new();
+        let mut kinds = Vec::new();
+        let number = |parts: [u32; 8]| {
+            *numbers.entry(parts).or_insert_with(|| {
+                kinds.push(parts);
+                kinds.len() as u32 - 1
+            })
+        };
+        let of = (0..counts.iter().product()).map(parts_of).map(number).collect();
+        let part = |number: u32| self.blocks.get(number as usize);
+        let blocks = parallel::map(kinds.len(), |kind| Block::joined(kinds[kind].map(part)));
+        (counts, Self { materials: blocks.iter().map(|block| block.material).collect(), of, blocks })
     }
 }
 

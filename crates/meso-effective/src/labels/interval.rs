@@ -8,35 +8,47 @@
 //!   `(p^2 + p q + q^2) / 3`, so the bound is the links' value and the mean of `(p - q)^2 / 6` times the resistance.
 //! - A potential that is trilinear in each voxel is continuous. By Dirichlet's principle its energy bounds the value from above. The
 //!   potential at a corner is the mean of what the eight voxels around it extrapolate from the links' solution, weighted by their
-//!   values. A few steps of conjugate gradients lower its energy.
+//!   values. Steps of conjugate gradients lower its energy.
 //!
 //! Both principles are in Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125). The two bounds converge to each other.
 
 use super::Labelled;
 use crate::field::Flow;
 use crate::grid::{End, Grid};
-use crate::links::Links;
 use meso_collision::simd::{Wide, widest};
 use meso_concrete::parallel;
 use std::ops::Range;
 
-/// Steps of conjugate gradients: in random volumes three take off most of what ten would.
-const STEPS: usize = 3;
+/// Most steps of conjugate gradients.
+const STEPS: usize = 10;
+/// A step that takes off less than this share of the interval is the last. Most volumes take one, contrasts of 1,000 all.
+const SMALL: f64 = 0.1;
 /// Layers of voxels whose sums at nodes are added up by one thread.
 const SLAB: usize = 8;
+/// Voxels side by side in a row.
+const SIDE: usize = 8;
+
+/// Numbers of voxels side by side.
+type Lanes = [f64; SIDE];
+/// Sums at the corners of voxels.
+type Corners = [Lanes; 8];
 
 /// Bounds of the value along the gradient of `flow`, whose links have the value `found`.
 pub(super) fn bounds(labelled: &Labelled<f64>, flow: &Flow, last: usize, found: f64) -> [f64; 2] {
     let labels = labelled.turned(last);
-    // Pockets without links take no energy.
-    let has_links = |voxel: usize| (0..3).any(|axis| flow.links.across[axis][voxel] > 0.0) || flow.links.above(voxel);
-    let value = |(voxel, label): (usize, &u8)| if has_links(voxel) { labelled.of[usize::from(*label)] } else { 0.0 };
-    let values: Vec<f64> = labels.iter().enumerate().map(value).collect();
+    let mut values: Vec<f64> = labels.iter().map(|label| labelled.of[usize::from(*label)]).collect();
+    if labelled.of.contains(&0.0) {
+        // Pockets without links take no energy.
+        let has_links =
+            |voxel: usize| (0..3).any(|axis| flow.links.across[axis][voxel] > 0.0) || flow.links.above(voxel);
+        values.iter_mut().enumerate().filter(|(voxel, _)| !has_links(*voxel)).for_each(|(_, value)| *value = 0.0);
+    }
     let voxels = Trilinear::new(flow.grid, &values, flow.axis);
-    let (excess, nodes) = voxels.from_links(flow);
+    let (excess, nodes) = voxels.start(flow);
     let volume = flow.grid.volume();
-    let upper = voxels.lowered(nodes) / volume;
-    [found + excess / volume, upper.max(found)]
+    let lower = found + excess / volume;
+    let upper = voxels.lowered(nodes, lower * volume) / volume;
+    [lower, upper.max(found)]
 }
 
 /// Potentials at the corners of voxels, trilinear within each: deviations from a unit gradient along `axis`.
@@ -46,12 +58,9 @@ struct Trilinear<'a> {
     grid: &'a Grid,
     values: &'a [f64],
     axis: usize,
-    /// Energy of the squares of a voxel's modes, over its value; a mode has one bit for each axis.
+    /// Energy of the squares of a voxel's modes, eight times each, over its value; a mode has one bit for each axis.
     weights: [f64; 8],
 }
-
-/// Sums at the corners of a voxel.
-type Corners = [f64; 8];
 
 impl<'a> Trilinear<'a> {
     fn new(grid: &'a Grid, values: &'a [f64], axis: usize) -> Self {
@@ -59,7 +68,7 @@ impl<'a> Trilinear<'a> {
         // A mode's derivative along an axis has a bit less; its square has the mean 1/3 for every bit left.
         let weight = |mode: usize| {
             let along = |a: usize| 4.0 / (h[a] * h[a]) * 3.0_f64.powi(1 - mode.count_ones() as i32);
-            (0..3).filter(|a| mode >> a & 1 == 1).map(along).sum::<f64>() * h.x * h.y * h.z
+            (0..3).filter(|a| mode >> a & 1 == 1).map(along).sum::<f64>() * h.x * h.y * h.z / 64.0
         };
         Self { grid, values, axis, weights: std::array::from_fn(weight) }
     }
@@ -69,51 +78,22 @@ impl<'a> Trilinear<'a> {
     }
 
     /// The links' energy less that of linear fluxes, and the mean potentials at the nodes with the sums of their voxels' values.
-    fn from_links(&self, flow: &Flow) -> (f64, [Vec<f64>; 2]) {
-        let areas = [0, 1, 2].map(|a| self.grid.area(a));
+    fn start(&self, flow: &Flow) -> (f64, [Vec<f64>; 2]) {
         let h = self.grid.spacing;
-        let [nx, ny, _] = self.grid.counts;
-        let of = |at: [usize; 3], excess: &mut f64| {
-            let number = (at[2] * ny + at[1]) * nx + at[0];
-            let value = self.values[number];
-            if value <= 0.0 {
-                return [[0.0; 8]; 2];
-            }
-            let mut slopes = [[0.0; 2]; 3];
-            for axis in 0..3 {
-                let given = if axis == self.axis { h[axis] / 2.0 } else { 0.0 };
-                let fluxes = flow.at_faces(axis, at).map(|flux| flux / areas[axis]);
-                *excess += (fluxes[1] - fluxes[0]).powi(2) / (6.0 * value);
-                slopes[axis] = fluxes.map(|flux| flux / value * h[axis] / 2.0 - given);
-            }
-            let own = flow.potential[number];
-            let corner = |corner: usize| {
-                let side = |axis: usize| if corner >> axis & 1 == 1 { slopes[axis][1] } else { -slopes[axis][0] };
-                value * (own + side(0) + side(1) + side(2))
-            };
-            [std::array::from_fn(corner), [value; 8]]
-        };
-        let (excess, [mut sums, weights]) = self.at_nodes(of);
+        let to_corners = [0, 1, 2].map(|axis| h[axis] / 2.0 / self.grid.area(axis));
+        let to_excess = [0, 1, 2].map(|axis| h.x * h.y * h.z / (6.0 * self.grid.area(axis).powi(2)));
+        let (excess, [mut sums, weights]) = self.at_nodes(&FromLinks { voxels: self, flow, to_corners, to_excess });
         sums.iter_mut().zip(&weights).for_each(|(sum, weight)| *sum = if *weight > 0.0 { *sum / weight } else { 0.0 });
         self.hold(&mut sums);
-        (excess * h.x * h.y * h.z, [sums, weights])
+        (excess, [sums, weights])
     }
 
-    /// Adds up what voxels have for their corners, and a sum over all voxels.
-    fn at_nodes<const N: usize>(
-        &self,
-        of: impl Fn([usize; 3], &mut f64) -> [Corners; N] + Sync,
-    ) -> (f64, [Vec<f64>; N]) {
+    /// Adds up what rows of voxels have for their corners, and a sum over all voxels.
+    fn at_nodes<const N: usize>(&self, rows: &impl Rows<N>) -> (f64, [Vec<f64>; N]) {
         let [nx, ny, nz] = self.grid.counts;
-        let (row, layer) = (nx + 1, self.layer());
+        let layer = self.layer();
         let slab = |slab: usize| {
-            widest(Slab::<_, N> {
-                of: &of,
-                layers: slab * SLAB..nz.min((slab + 1) * SLAB),
-                counts: [nx, ny],
-                row,
-                layer,
-            })
+            widest(Slab::<_, N> { rows, layers: slab * SLAB..nz.min((slab + 1) * SLAB), counts: [nx, ny] })
         };
         let slabs = parallel::map(nz.div_ceil(SLAB), slab);
         let total = slabs.iter().map(|(total, _)| total).sum();
@@ -158,40 +138,13 @@ impl<'a> Trilinear<'a> {
 
     /// Half the derivatives of the energy by the nodes' potentials, and the energy, of a deviation from a `given` gradient.
     fn derivatives(&self, nodes: &[f64], given: f64) -> (f64, Vec<f64>) {
-        let [nx, ny, _] = self.grid.counts;
-        let (row, layer) = (nx + 1, self.layer());
-        let bit = 1 << self.axis;
-        let of = |[i, j, k]: [usize; 3], energy: &mut f64| {
-            let value = self.values[(k * ny + j) * nx + i];
-            if value <= 0.0 {
-                return [[0.0; 8]];
-            }
-            let start = k * layer + j * row + i;
-            let places = [start, start + row, start + layer, start + layer + row];
-            let mut modes = [0.0; 8];
-            for (pair, place) in places.into_iter().enumerate() {
-                (modes[2 * pair], modes[2 * pair + 1]) = (nodes[place], nodes[place + 1]);
-            }
-            transform(&mut modes);
-            modes.iter_mut().for_each(|mode| *mode /= 8.0);
-            modes[bit] += given;
-            let mut sum = 0.0;
-            for (mode, weight) in modes.iter_mut().zip(self.weights) {
-                let through = value * weight * *mode;
-                sum += through * *mode;
-                *mode = through / 8.0;
-            }
-            *energy += sum;
-            back(&mut modes);
-            [modes]
-        };
-        let (energy, [mut out]) = self.at_nodes(of);
+        let (energy, [mut out]) = self.at_nodes(&Derivatives { voxels: self, nodes, given: 8.0 * given });
         self.hold(&mut out);
         (energy, out)
     }
 
-    /// The energy of potentials at the nodes after some steps; their `weights` scale the steps.
-    fn lowered(&self, [nodes, weights]: [Vec<f64>; 2]) -> f64 {
+    /// The energy of potentials at the nodes after some steps towards one that is at least `least`; their `weights` scale the steps.
+    fn lowered(&self, [nodes, weights]: [Vec<f64>; 2], least: f64) -> f64 {
         let (mut energy, mut rest) = self.derivatives(&nodes, self.grid.spacing[self.axis] / 2.0);
         rest.iter_mut().for_each(|rest| *rest = -*rest);
         let scaled = |rest: &[f64]| -> Vec<f64> {
@@ -200,14 +153,15 @@ impl<'a> Trilinear<'a> {
         };
         let mut way = scaled(&rest);
         let mut product = self.product(&rest, &way);
-        for step in 1..=STEPS {
+        for _ in 0..STEPS {
             let (curvature, along) = self.derivatives(&way, 0.0);
             if !(curvature > 0.0 && product > 0.0) {
                 break;
             }
             let length = product / curvature;
             energy -= length * product;
-            if step == STEPS {
+            let is_large = length * product > SMALL * (energy - least);
+            if !is_large {
                 break;
             }
             rest.iter_mut().zip(&along).for_each(|(rest, along)| *rest -= length * along);
@@ -231,90 +185,204 @@ impl<'a> Trilinear<'a> {
     }
 }
 
-/// Layers of voxels whose sums at nodes are added up: what `of` has for the corners of each.
-struct Slab<'a, F, const N: usize> {
-    of: &'a F,
-    layers: Range<usize>,
-    counts: [usize; 2],
-    row: usize,
-    layer: usize,
+/// What rows of voxels add to the sums at their corners.
+trait Rows<const N: usize>: Sync {
+    /// Prepared for a row.
+    type Row;
+    fn row(&self, j: usize, k: usize) -> Self::Row;
+    /// The sums of the voxels from `i` on; a `total` over all voxels grows.
+    fn corners(&self, row: &Self::Row, i: usize, total: &mut Lanes, to: &mut [Corners; N]);
 }
 
-impl<F: Fn([usize; 3], &mut f64) -> [Corners; N], const N: usize> Wide for Slab<'_, F, N> {
+/// Layers of voxels whose sums at nodes are added up.
+struct Slab<'a, R, const N: usize> {
+    rows: &'a R,
+    layers: Range<usize>,
+    counts: [usize; 2],
+}
+
+impl<R: Rows<N>, const N: usize> Wide for Slab<'_, R, N> {
     type Output = (f64, [Vec<f64>; N]);
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Self { of, layers, counts: [nx, ny], row, layer } = self;
-        let (mut total, mut sums) = (0.0, [(); N].map(|()| vec![0.0; (layers.len() + 1) * layer]));
-        for k in layers.clone() {
-            for j in 0..ny {
-                for i in 0..nx {
-                    let start = (k - layers.start) * layer + j * row + i;
-                    for (sums, corners) in sums.iter_mut().zip(of([i, j, k], &mut total)) {
-                        let mut pair = |at: usize, low: f64, high: f64| {
-                            sums[at] += low;
-                            sums[at + 1] += high;
-                        };
-                        pair(start, corners[0], corners[1]);
-                        pair(start + row, corners[2], corners[3]);
-                        pair(start + layer, corners[4], corners[5]);
-                        pair(start + layer + row, corners[6], corners[7]);
+        let Self { rows, layers, counts: [nx, ny] } = self;
+        let (width, layer) = (nx + 1, (nx + 1) * (ny + 1));
+        let (mut total, mut sums) = ([0.0; SIDE], [(); N].map(|()| vec![0.0; (layers.len() + 1) * layer]));
+        let mut of = [[[0.0; SIDE]; 8]; N];
+        for (k, j) in layers.clone().flat_map(|k| (0..ny).map(move |j| (k, j))) {
+            let row = rows.row(j, k);
+            let start = (k - layers.start) * layer + j * width;
+            let starts = [start, start + width, start + layer, start + layer + width];
+            for i in (0..nx).step_by(SIDE) {
+                rows.corners(&row, i, &mut total, &mut of);
+                for (sums, corners) in sums.iter_mut().zip(&of) {
+                    for (corner, lanes) in corners.iter().enumerate() {
+                        let to = &mut sums[starts[corner / 2] + i + corner % 2..];
+                        match to.first_chunk_mut::<SIDE>() {
+                            Some(to) if i + SIDE <= nx => (0..SIDE).for_each(|lane| to[lane] += lanes[lane]),
+                            _ => to[..nx - i].iter_mut().zip(lanes).for_each(|(to, lane)| *to += lane),
+                        }
                     }
                 }
             }
         }
-        (total, sums)
+        (total.iter().sum(), sums)
+    }
+}
+
+/// Numbers from the beginning of a row, 0 beyond its end.
+#[inline(always)]
+fn lanes(row: &[f64]) -> Lanes {
+    if let Some(lanes) = row.first_chunk() {
+        return *lanes;
+    }
+    let mut lanes = [0.0; SIDE];
+    lanes.iter_mut().zip(row).for_each(|(lane, of)| *lane = *of);
+    lanes
+}
+
+/// Derivatives of the energy of potentials at the nodes.
+struct Derivatives<'a> {
+    voxels: &'a Trilinear<'a>,
+    nodes: &'a [f64],
+    /// Eight times the mode of the given gradient.
+    given: f64,
+}
+
+impl<'a> Rows<1> for Derivatives<'a> {
+    type Row = ([&'a [f64]; 4], &'a [f64]);
+
+    #[inline(always)]
+    fn row(&self, j: usize, k: usize) -> Self::Row {
+        let ([nx, ny, _], layer) = (self.voxels.grid.counts, self.voxels.layer());
+        let start = k * layer + j * (nx + 1);
+        let starts = [start, start + nx + 1, start + layer, start + layer + nx + 1];
+        (starts.map(|start| &self.nodes[start..][..nx + 1]), &self.voxels.values[(k * ny + j) * nx..][..nx])
+    }
+
+    #[inline(always)]
+    fn corners(&self, (nodes, values): &Self::Row, i: usize, total: &mut Lanes, [modes]: &mut [Corners; 1]) {
+        let Trilinear { weights, axis, .. } = self.voxels;
+        let value = lanes(&values[i..]);
+        for (corner, lanes_of) in modes.iter_mut().enumerate() {
+            *lanes_of = lanes(&nodes[corner / 2][i + corner % 2..]);
+        }
+        transform(modes);
+        modes[1 << axis].iter_mut().for_each(|mode| *mode += self.given);
+        for (mode, weight) in modes.iter_mut().zip(weights) {
+            for lane in 0..SIDE {
+                let through = value[lane] * weight * mode[lane];
+                total[lane] += through * mode[lane];
+                mode[lane] = through;
+            }
+        }
+        back(modes);
+    }
+}
+
+/// Potentials that the links' solution has at the corners of voxels, times their values, and the values.
+struct FromLinks<'a> {
+    voxels: &'a Trilinear<'a>,
+    flow: &'a Flow<'a>,
+    to_corners: [f64; 3],
+    to_excess: [f64; 3],
+}
+
+impl<'a> Rows<2> for FromLinks<'a> {
+    /// Fluxes through the faces below and above along each axis, potentials, and values.
+    type Row = ([[Vec<f64>; 2]; 3], &'a [f64], &'a [f64]);
+
+    #[inline(always)]
+    fn row(&self, j: usize, k: usize) -> Self::Row {
+        let [nx, ny, _] = self.flow.grid.counts;
+        let start = (k * ny + j) * nx;
+        let fluxes = [0, 1, 2].map(|axis| self.flow.at_faces(axis, j, k));
+        (fluxes, &self.flow.potential[start..][..nx], &self.voxels.values[start..][..nx])
+    }
+
+    #[inline(always)]
+    fn corners(&self, (fluxes, own, values): &Self::Row, i: usize, total: &mut Lanes, [sums, of]: &mut [Corners; 2]) {
+        let (own, value) = (lanes(&own[i..]), lanes(&values[i..]));
+        *of = [value; 8];
+        for sums in sums.iter_mut() {
+            (0..SIDE).for_each(|lane| sums[lane] = value[lane] * own[lane]);
+        }
+        for (axis, [low, high]) in fluxes.iter().enumerate() {
+            let given = if axis == self.voxels.axis { self.flow.grid.spacing[axis] / 2.0 } else { 0.0 };
+            let (low, high) = (lanes(&low[i..]), lanes(&high[i..]));
+            for lane in 0..SIDE {
+                let varied = (high[lane] - low[lane]).powi(2) * self.to_excess[axis];
+                total[lane] += if value[lane] > 0.0 { varied / value[lane] } else { 0.0 };
+            }
+            for (corner, sums) in sums.iter_mut().enumerate() {
+                let (sign, flux) = if corner >> axis & 1 == 1 { (1.0, high) } else { (-1.0, low) };
+                for lane in 0..SIDE {
+                    sums[lane] += sign * (flux[lane] * self.to_corners[axis] - value[lane] * given);
+                }
+            }
+        }
     }
 }
 
 /// Sums and differences of the corners' values along each axis: eight times the modes.
 #[inline(always)]
 fn transform(of: &mut Corners) {
-    for axis in 0..3 {
-        for low in (0..8).filter(|low| low >> axis & 1 == 0) {
-            let high = low | 1 << axis;
-            (of[low], of[high]) = (of[low] + of[high], of[high] - of[low]);
-        }
-    }
+    pairs(of, |low, high| (low + high, high - low));
 }
 
 /// The transposed sums: values of the modes at the corners.
 #[inline(always)]
 fn back(of: &mut Corners) {
+    pairs(of, |low, high| (low - high, low + high));
+}
+
+#[inline(always)]
+fn pairs(values: &mut Corners, of: impl Fn(f64, f64) -> (f64, f64)) {
     for axis in 0..3 {
         for low in (0..8).filter(|low| low >> axis & 1 == 0) {
             let high = low | 1 << axis;
-            (of[low], of[high]) = (of[low] - of[high], of[low] + of[high]);
+            let (mut a, mut b) = (values[low], values[high]);
+            for lane in 0..SIDE {
+                (a[lane], b[lane]) = of(a[lane], b[lane]);
+            }
+            (values[low], values[high]) = (a, b);
         }
     }
 }
 
 impl Flow<'_> {
-    /// Fluxes through the faces below and above a voxel along `axis`.
-    #[inline]
-    fn at_faces(&self, axis: usize, at: [usize; 3]) -> [f64; 2] {
-        let Links { counts, across, .. } = self.links;
-        let steps = [1, counts[0], counts[0] * counts[1]];
-        let number = at[0] + at[1] * steps[1] + at[2] * steps[2];
-        let (step, count, links) = (steps[axis], counts[axis], &across[axis]);
-        let is_open = self.grid.ends[axis] == End::Fixed;
-        let around = step * count;
-        let own = self.potential[number];
-        let below = match at[axis] {
-            0 if is_open => 0.0,
-            0 => self.potential[number + around - step],
-            _ => self.potential[number - step],
-        };
-        let (above, upper) = match at[axis] + 1 == count {
-            true if is_open => (0.0, number + step),
-            true => (self.potential[number + step - around], number + step - around),
-            false => (self.potential[number + step], number + step),
-        };
+    /// Fluxes through the faces below and above the voxels of a row along `axis`.
+    #[inline(always)]
+    fn at_faces(&self, axis: usize, j: usize, k: usize) -> [Vec<f64>; 2] {
+        let [nx, ny, nz] = self.links.counts;
+        let (next, before) = (|at: usize, n: usize| (at + 1) % n, |at: usize, n: usize| (at + n - 1) % n);
+        let outside = vec![0.0; nx];
+        let is_open = self.grid.ends[2] == End::Fixed;
+        let row = |j: usize, k: usize| &self.potential[(k * ny + j) * nx..][..nx];
+        let links = |j: usize, k: usize| &self.links.across[axis][(k * ny + j) * nx..][..nx];
+        let at = [0, j, k][axis];
         let given = |number: usize| if axis == self.axis { self.length(axis, number) } else { 0.0 };
-        // Links without a length are 0.
-        [
-            f64::from(links[number]) * (given(at[axis]) + own - below),
-            f64::from(links[upper]) * (given(at[axis] + 1) + above - own),
-        ]
+        let fluxes = |links: &[f32], own: &[f64], below: &[f64], given: f64| -> Vec<f64> {
+            let ends = own.iter().zip(below);
+            links.iter().zip(ends).map(|(link, (own, below))| f64::from(*link) * (given + own - below)).collect()
+        };
+        let own = row(j, k);
+        match axis {
+            0 => {
+                let mut below = fluxes(&links(j, k)[..1], &own[..1], &own[nx - 1..], given(0));
+                below.extend(fluxes(&links(j, k)[1..], &own[1..], own, given(1)));
+                let above = below[1..].iter().chain(&below[..1]).copied().collect();
+                [below, above]
+            }
+            1 => [
+                fluxes(links(j, k), own, row(before(j, ny), k), given(at)),
+                fluxes(links(next(j, ny), k), row(next(j, ny), k), own, given(at + 1)),
+            ],
+            _ => {
+                let below = if is_open && k == 0 { &outside } else { row(j, before(k, nz)) };
+                let above = if is_open && k + 1 == nz { &outside } else { row(j, next(k, nz)) };
+                [fluxes(links(j, k), own, below, given(at)), fluxes(links(j, k + 1), above, own, given(at + 1))]
+            }
+        }
     }
 }

@@ -146,18 +146,19 @@ impl<'a> Planes<'a> {
         let section_at = if number == self.grid.counts[self.axis] { at - WITHIN * h } else { at };
         let mut sums = vec![Sums::default(); self.squares.counts[0] * self.squares.counts[1]];
         let mut section = Section::default();
-        let mut shares = vec![0.0; sums.len()];
+        let (mut shares, mut covered) = (vec![0.0; sums.len()], Vec::new());
         for &layer in &self.by_plane[number] {
             let layer = &self.layers[layer as usize];
             section.shares(&layer.surface, self.axis, section_at, &self.squares, |square, share| {
                 sums[square].value += layer.change * share;
                 sums[square].blocked += layer.blocks * share;
                 shares[square] = share;
+                covered.push(square);
             });
             if self.conduct && layer.blocks == 0.0 {
                 self.add_lines(layer, at, [at + link.from, at + link.to], &shares, &mut sums);
             }
-            section.shares(&layer.surface, self.axis, section_at, &self.squares, |square, _| shares[square] = 0.0);
+            covered.drain(..).for_each(|square| shares[square] = 0.0);
         }
         let over = self.grid.area(self.axis) / (link.to - link.from);
         sums.iter().map(|sums| of(sums, over)).collect()

@@ -252,7 +252,7 @@ impl Strained for Solid<'_> {
             let volume = self.domain.cell(cell).volume;
             [stress[0], stress[1], stress[2], stress[3], stress[4], stress[5], energy, eigen].map(|sum| sum * volume)
         });
-        Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], variation: 0.0, eigen: sums[7] }
+        Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], eigen: sums[7] }
     }
 
     fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> CellValues {
