@@ -23,7 +23,8 @@ DOCS = Path(__file__).resolve().parent
 # Environments: programs that install beside each other.
 PINS = {
     "meshes": "meshio==5.3.5 scikit-fem==12.0.2 felupe==11.3.0 trimesh==5.2.0 pyvista==0.49.1 vtk==9.7.2 gmsh==4.15.2 "
-    "lsdyna-mesh-reader==0.2.1 mapdl-archive==0.4.2 ngsolve==6.2.2608 akantu==5.0.7.post1 h5py==3.16.0 numpy==2.4.6",
+    "lsdyna-mesh-reader==0.2.1 mapdl-archive==0.4.2 ngsolve==6.2.2608 akantu==5.0.7.post1 h5py==3.16.0 dynars==1.1.0 "
+    "numpy==2.4.6",
     "others": "SimpleITK==2.5.7 tifffile==2026.3.3 scikit-image==0.26.0 pymeshlab==2025.7.post1 manifold3d==3.5.4 "
     "numpy-stl==4.1.1 ansys-dyna-core==0.12.1 imageio==2.38.1",
 }
@@ -60,6 +61,7 @@ ROWS = [
     Row("NGSolve", "ngsolve", "mesh.msh", "import gmsh; gmsh.initialize(); gmsh.option.setNumber('General.Terminal', 0); gmsh.open(F); gmsh.option.setNumber('Mesh.MshFileVersion', 2.2); gmsh.write('v2.msh')\nfrom netgen.read_gmsh import ReadGmsh\nfailed = False\ntry: ReadGmsh(F)\nexcept UnicodeDecodeError: failed = True\nassert failed\nimport ngsolve; m = ngsolve.Mesh(ReadGmsh('v2.msh')); seen = f'{m.ne} cells, materials {sorted(set(m.GetMaterials()))}, boundaries {sorted(set(m.GetBoundaries()))} once mended'", "all: UnicodeDecodeError on binary 4.1", "gmsh mesh.msh -save -format msh22 -o v2.msh"),
     Row("akantu", "akantu", "mesh.msh", "import gmsh; gmsh.initialize(); gmsh.option.setNumber('General.Terminal', 0); gmsh.open(F); gmsh.option.setNumber('Mesh.Binary', 0); gmsh.write('ascii.msh')\nimport akantu; m = akantu.Mesh(3); m.read('ascii.msh'); n = [g.getName() if hasattr(g, 'getName') else str(g) for g in m.iterateElementGroups()] if hasattr(m, 'iterateElementGroups') else []\nc = m.getConnectivity(akantu._tetrahedron_4)\nseen = f'{len(c)} cells, groups {sorted(n)} once mended'", "all: it reads ASCII only", "gmsh mesh.msh -save -format msh41 -setnumber Mesh.Binary 0 -o ascii.msh"),
     Row("lsdyna-mesh-reader", "lsdyna-mesh-reader", "mesh.k", "import lsdyna_mesh_reader as r; g = r.Deck(F).to_grid(); seen = f'{g.n_points} points, {g.n_cells} cells'", "sets; names of parts; ten-node elements raise IndexError"),
+    Row("dynars", "dynars", "mesh.k", "import dynars; d = dynars.parse_deck(F); t = d.table('ELEMENT_SOLID'); assert len(set(t['EID'])) == len(t['EID']); seen = f'{len(d.table(\"NODE\")[\"nid\"])} points, {len(t[\"EID\"])} elements, parts {sorted(set(t[\"PID\"].tolist()))}'", "sets; a ten-node element, of two lines, becomes two"),
     Row("mapdl-archive", "mapdl-archive", "cohesive.cdb", "import mapdl_archive as r; a = r.Archive(F); seen = f'{len(a.nodes)} points, {len(a.elem)} elements, {a.grid.n_cells} of them in the grid, components {sorted(a.element_components)}'", "the cohesive elements (INTER205) in `grid`; `elem` has them"),
     Row("trimesh", "trimesh", "model.stl", "import trimesh; m = trimesh.load(F); b = m.split() if hasattr(m, 'split') else m.dump(); seen = f'{len(b)} bodies, watertight {all(x.is_watertight for x in b)}, volume {sum(x.volume for x in b):.2f}'", "ids"),
     Row("trimesh", "trimesh", "model.obj", "import trimesh; m = trimesh.load(F, force='mesh'); seen = f'{m.body_count} bodies, volume {m.volume:.2f}'", "names of bodies"),
@@ -67,6 +69,7 @@ ROWS = [
     Row("trimesh", "trimesh", "model.glb", "import trimesh; s = trimesh.load(F); v = s.to_mesh().volume * 1e9; assert abs(s.volume / v - 1) < 1e-6; seen = f'{len(s.geometry)} named bodies, volume {v:.2f} mm3 once mended'", "`Scene.volume` leaves out the scale from mm to m", "scene.to_mesh().volume"),
     Row("PyVista", "pyvista", "model.vtp", "import pyvista; g = pyvista.read(F); seen = f'{g.n_cells} polygons, volume {g.volume:.2f}, arrays {sorted(g.cell_data.keys())}'"),
     Row("PyVista", "pyvista", "labels.vti", "import pyvista, numpy as np; g = pyvista.read(F); d = g.dimensions; seen = f'points {d}, so voxels {tuple(x - 1 for x in d)}; array[z, y, x] is {list(g.cell_data.keys())} reshaped to the reverse'", "", "grid['phase'].reshape(voxels[::-1])"),
+    Row("PyVista", "pyvista", "labels.tif", "import pyvista, numpy as np; g = pyvista.read(F); a = g.active_scalars.reshape(g.dimensions[::-1]); stored = np.load('labels.npy'); assert np.array_equal(a[:, ::-1], stored) and not np.array_equal(a, stored); seen = f'points {g.dimensions}, values {np.unique(a).tolist()}, as stored once mended'", "each slice is upside down; labels stand on points", "array[:, ::-1]"),
     Row("NumPy", "numpy", "labels.npy", "import numpy as np; a = np.load(F); seen = f'{a.shape} {a.dtype}, values {np.unique(a).tolist()}'", "voxel size"),
     Row("tifffile", "tifffile", "labels.tif", "import tifffile; a = tifffile.imread(F); seen = f'{a.shape} {a.dtype}, values {sorted(set(a.ravel().tolist()))}'", "", env="others"),
     Row("scikit-image", "scikit-image", "labels.tif", "import skimage.io; a = skimage.io.imread(F); seen = f'{a.shape} {a.dtype}'", "voxel size", env="others"),
