@@ -119,7 +119,7 @@ fn a_test_on_a_device_has_every_file_that_the_processor_writes() {
     }
     let solve = |name: &str, more: &[&str]| {
         let flags =
-            "--element-size-mm 6 --accept-phase-error --strain 0.0004 --frames 2 --duration 1e-4 --min-gap-mm 0";
+            "--element-size-mm 6 --accept-phase-error --strain 0.0004 --frames 2 --duration 4e-4 --min-gap-mm 0";
         let args: Vec<&str> = flags.split(' ').chain(more.iter().copied()).collect();
         let run = folder.run(&[&["solve", "small.toml", "-o", name], &*args].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);

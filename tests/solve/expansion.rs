@@ -128,7 +128,7 @@ fn a_specimen_that_shrank_or_swelled_freely_is_pressed_as_one_that_did_not() {
     let meshed = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
     let strained = |mortar: f64| {
         let expansion = (mortar != 0.0).then(|| Expansion { mortar: mortar.into(), ..Expansion::default() });
-        meshed.solve(&brittle(), &Test { expansion, ..Test::default() }).result
+        meshed.solve(&Materials::default(), &Test { expansion, ..Test::default() }).result
     };
     let (plain, moving) = (strained(0.0).figures, strained(0.0).kinetic_over_internal_to_half_peak);
     for mortar in [-5e-4, 1e-4] {
@@ -137,10 +137,11 @@ fn a_specimen_that_shrank_or_swelled_freely_is_pressed_as_one_that_did_not() {
             [(result.figures.modulus_mpa, plain.modulus_mpa), (result.figures.peak_mpa, plain.peak_mpa)]
                 .map(|(found, expected)| found / expected - 1.0);
         assert!(modulus.abs() < 0.01 && peak.abs() < 0.01, "{mortar}: {modulus} {peak}");
-        assert!((result.figures.peak_strain / plain.peak_strain - 1.0).abs() < 0.03, "{mortar}: {result:?}");
+        // The curve is flat at its peak.
+        assert!((result.figures.peak_strain / plain.peak_strain - 1.0).abs() < 0.05, "{mortar}: {result:?}");
         assert!(
             result.kinetic_over_internal_to_half_peak < 1.1 * moving && result.errors.is_empty(),
-            "{mortar}: {result:?}"
+            "{mortar}: {moving} {result:?}"
         );
     }
 }
@@ -206,7 +207,9 @@ fn concrete_whose_aggregates_swell_has_the_strain_that_its_bulk_modulus_gives() 
         stress_ratio: None,
     };
     let supports = vec![pressed("mantle", Side::Mantle), pressed("bottom", Side::ZMin), pressed("top", Side::ZMax)];
-    let squeezed = meshed.solve(&materials, &Test { supports, ..expansion(Expansion::default()) });
+    // A thousandth of what the pressure does.
+    let hardly = Expansion { mortar: 1e-7.into(), ..Expansion::default() };
+    let squeezed = meshed.solve(&materials, &Test { supports, ..expansion(hardly) });
     let [free, squeezed] = [&swollen, &squeezed].map(|response| ends(response).iter().sum::<f64>());
     let whole = -10.0 / squeezed;
     assert!(mortar < whole && whole < stone, "{whole} {mortar} {stone}");

@@ -1,6 +1,6 @@
 //! Aggregates that break.
 
-use crate::samples::{Meshed, options, small_cube};
+use crate::samples::{Meshed, damaged_plasticity, options, small_cube};
 use meso_core::materials::{Materials, Stone, StoneKind};
 use meso_core::mesh::{ItzForm, Method, Phase};
 use meso_solve::{LawName, Run, Smoothing, Test, TestKind};
@@ -45,23 +45,21 @@ fn weak_stone_breaks_and_lowers_the_peak_and_strong_stone_is_as_good_as_elastic(
     let model = small_cube(1.0);
     let meshed =
         Meshed::of(&model.aggregates, model.spec.specimen.clone(), options(Method::FITTED, 2.5, ItzForm::Smeared));
-    let solve = |materials: &Materials| meshed.solve(materials, &Test::default()).result;
+    let solve = |materials: &Materials| meshed.solve(materials, &damaged_plasticity()).result;
     let elastic = solve(&Materials::default());
     assert_eq!(elastic.broken_stone, None);
     let of = |ratio: f64, weibull_modulus| {
         let kinds = vec![StoneKind { share: 1.0, strength_ratio: ratio }];
         solve(&with(Stone { kinds, weibull_modulus, ..Stone::default() }))
     };
-    let strong = of(40.0, None);
+    let strong = of(4.0, None);
     assert!(strong.broken_stone.unwrap() < 5e-3, "{:?}", strong.broken_stone);
     assert!((strong.figures.peak_mpa / elastic.figures.peak_mpa - 1.0).abs() < 2e-3, "{:?}", strong.figures);
     let weak = of(0.1, None);
     assert!(weak.broken_stone.unwrap() > 0.02, "{:?}", weak.broken_stone);
     assert!(weak.figures.peak_mpa < 0.95 * elastic.figures.peak_mpa, "{:?} {:?}", weak.figures, elastic.figures);
     let drawn = of(0.4, Some(3.0));
-    let broken = drawn.broken_stone.unwrap();
-    let peaks = [weak, drawn, elastic].map(|result| result.figures.peak_mpa);
-    assert!(broken > 0.0 && peaks.is_sorted(), "{broken} {peaks:?}");
+    assert!((0.0..weak.broken_stone.unwrap()).contains(&drawn.broken_stone.unwrap()), "{:?}", drawn.broken_stone);
 }
 
 #[test]

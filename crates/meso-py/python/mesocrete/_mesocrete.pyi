@@ -1500,7 +1500,12 @@ class Bodies:
 
 def _checked_test(test: _types.NamedTest) -> _types.NamedTest: ...
 def _concrete_materials(
-    *, fcm: float | str | None = ..., mortar: float | None = ..., rock: str | None = ..., fraction: float = ...
+    *,
+    fcm: float | str | None = ...,
+    mortar: float | None = ...,
+    rock: str | None = ...,
+    fraction: float = ...,
+    law: str = ...,
 ) -> _types.DeckMaterials: ...
 def recipes() -> dict[str, str]:
     """The specimens that `Spec.recipe` knows: a dict of names and titles."""

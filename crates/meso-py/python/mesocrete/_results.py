@@ -542,13 +542,13 @@ class Stiffness(Resolution):
     what: str
     """Property: `stiffness`."""
     tensor: list[list[float]]
-    """The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt; of a label volume, lowered by the strains' variation within voxels."""
+    """The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, its diagonal within Reuss and Voigt."""
     error: list[list[float]]
-    """Error of each entry, by the changes from size to size or the variation within voxels."""
+    """Error of each entry, by the changes from size to size."""
     fine: list[list[float]]
     """The tensor on the voxels or tetrahedra."""
     coarse: list[list[float]] | None
-    """The tensor on those of twice the size; none of a label volume."""
+    """The tensor on those of twice the size; of a label volume with displacements that are trilinear over blocks of 2 x 2 x 2 voxels."""
     isotropic: Isotropic
     """Constants of the nearest isotropic material."""
     isotropic_error: Isotropic

@@ -183,8 +183,8 @@ mod tests {
             }
             servo.pace
         };
-        assert_eq!([pace(-3.0), pace(0.5), pace(2.99)], [1.0; 3]);
-        for (fall, expected) in [(6.0, 0.5), (10.0, 0.3), (40.0, SNAPPING)] {
+        assert_eq!([pace(-3.0), pace(0.5), pace(1.99)], [1.0; 3]);
+        for (fall, expected) in [(4.0, 0.5), (8.0, 0.25), (40.0, SNAPPING)] {
             assert!((pace(fall) - expected).abs() < 1e-3, "{fall}: {}", pace(fall));
         }
     }

@@ -164,7 +164,7 @@ mod tests {
             ("time,strain\n28,1e-4\n7,2e-4\n", "its line 3 has 7 in the column time; times must be finite"),
             ("time,strain\ninf,1e-4\n", "its line 2 has inf in the column time"),
             ("time,strain\n0,1e-4\n", "its line 2 has 0 in the column time"),
-            ("time,strain\n\n28,-300\n", "its line 3 has -300 in the column strain; it must be -0.02 to 0.02"),
+            ("time,strain\n\n28,-300\n", "its line 3 has -300 in the column strain; it must be -0.005 to 0.02"),
             ("time,strain\n28,nan\n", "its line 2 has NaN in the column strain"),
             ("time,strain\n28\n", "line 2 has 1 cells and line 1 has 2"),
         ] {
