@@ -126,23 +126,24 @@ fn a_sphere_that_swells_in_a_shell_has_the_pressure_of_lame() {
 #[test]
 fn a_specimen_that_shrank_or_swelled_freely_is_pressed_as_one_that_did_not() {
     let meshed = Meshed::mortar([12.0, 12.0, 18.0], Method::FITTED, 3.0);
-    let strained = |mortar: f64| {
-        let expansion = (mortar != 0.0).then(|| Expansion { mortar: mortar.into(), ..Expansion::default() });
-        meshed.solve(&Materials::default(), &Test { expansion, ..Test::default() }).result
-    };
-    let (plain, moving) = (strained(0.0).figures, strained(0.0).kinetic_over_internal_to_half_peak);
-    for mortar in [-5e-4, 1e-4] {
-        let result = strained(mortar);
-        let [modulus, peak] =
-            [(result.figures.modulus_mpa, plain.modulus_mpa), (result.figures.peak_mpa, plain.peak_mpa)]
+    // A brittle specimen collapses at its peak, and no collapse is as fast as another; an elastic one shows the plates' own.
+    for law in [LawName::Cdp, LawName::Elastic] {
+        let strained = |mortar: f64| {
+            let expansion = (mortar != 0.0).then(|| Expansion { mortar: mortar.into(), ..Expansion::default() });
+            meshed.solve(&brittle(), &Test { expansion, law, ..Test::default() }).result
+        };
+        let plain = strained(0.0);
+        for mortar in [-5e-4, 1e-4] {
+            let result = strained(mortar);
+            let (own, usual) = (result.figures, plain.figures);
+            let [modulus, peak] = [(own.modulus_mpa, usual.modulus_mpa), (own.peak_mpa, usual.peak_mpa)]
                 .map(|(found, expected)| found / expected - 1.0);
-        assert!(modulus.abs() < 0.01 && peak.abs() < 0.01, "{mortar}: {modulus} {peak}");
-        // The curve is flat at its peak.
-        assert!((result.figures.peak_strain / plain.peak_strain - 1.0).abs() < 0.05, "{mortar}: {result:?}");
-        assert!(
-            result.kinetic_over_internal_to_half_peak < 1.1 * moving && result.errors.is_empty(),
-            "{mortar}: {moving} {result:?}"
-        );
+            assert!(modulus.abs() < 0.01 && peak.abs() < 0.01, "{law:?} {mortar}: {modulus} {peak}");
+            assert!((own.peak_strain / usual.peak_strain - 1.0).abs() < 0.03, "{law:?} {mortar}: {result:?}");
+            let moving = [&result, &plain].map(|result| result.kinetic_over_internal_to_half_peak);
+            let is_slow = law != LawName::Elastic || moving[0] < 1.1 * moving[1];
+            assert!(is_slow && result.errors.is_empty(), "{law:?} {mortar}: {moving:?} {result:?}");
+        }
     }
 }
 

@@ -251,7 +251,7 @@ mod tests {
             assert_eq!(error, HarmonicsError::Contradiction { line, n, m });
         }
         assert_eq!(read("0 0 7 1\n"), Err(HarmonicsError::Contradiction { line: 1, n: 0, m: 0 }));
-        assert!(["", "1 0 1 0\n", "heading"].map(|text| read(text)) == [const { Err(HarmonicsError::Missing) }; 3]);
+        assert!(["", "1 0 1 0\n", "heading"].map(read) == [const { Err(HarmonicsError::Missing) }; 3]);
     }
 
     #[test]

@@ -104,6 +104,12 @@ impl Servo {
         self.most += self.supply.min(0.0);
     }
 
+    /// Takes the energy `stored` after a step that it does not follow, mJ: phases that grow work against the plates, so that the
+    /// path begins below nothing.
+    pub(crate) fn rest(&mut self, stored: f64) {
+        (self.stored, self.most) = (stored, self.most.max(stored.abs()));
+    }
+
     /// What devices need to follow a test of `steps`: [`COLLAPSE`], [`SLOWEST`], the shares within [`LAG`] and [`MEAN`],
     /// [`SNAP`], [`SNAPPING`] and the way of a mean.
     pub(crate) fn rule(steps: f64) -> [f64; 7] {

@@ -256,6 +256,7 @@ impl<'a> Run<'a> {
         state.progress += pace;
         state.added += 1.0 - pace;
         if !is_followed {
+            state.servo.rest(state.external - state.friction - state.spent);
             return Ok(());
         }
         state.spent += spent;
