@@ -206,7 +206,7 @@ fn strips_of_triangles_are_read() {
             let format = if is_big { "binary_big_endian" } else { "binary_little_endian" };
             let mut bytes = head(format, "element tristrips 1\n").into_bytes();
             let mut put = |little: [u8; 4]| {
-                bytes.extend(if is_big { [little[3], little[2], little[1], little[0]] } else { little })
+                bytes.extend(if is_big { [little[3], little[2], little[1], little[0]] } else { little });
             };
             corners.iter().for_each(|x| put(x.to_le_bytes()));
             put((strip.len() as i32).to_le_bytes());

@@ -122,7 +122,7 @@ fn a_model_that_no_reader_takes_is_not_written() {
     assert!(refused(|model| model.aggregates[1].id = 7).contains("its id is 7"));
     assert!(refused(|model| model.aggregates[1].class = 900).contains("its class is 900"));
     let far = |model: &mut Model| {
-        model.aggregates[0].body = model.aggregates[0].body.translated(&Vec3::x_axis().scale(f64::NAN))
+        model.aggregates[0].body = model.aggregates[0].body.translated(&Vec3::x_axis().scale(f64::NAN));
     };
     assert!(refused(far).contains("vertex 0 is farther"));
     assert!(refused(|model| model.report.fraction = f64::NAN).contains("a figure of the report is no number"));

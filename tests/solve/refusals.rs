@@ -279,7 +279,7 @@ fn keys_of_a_support_without_effect_and_paths_that_strain_nothing_are_refused() 
             "test.supports.a.moves is 1; all supports along its axis move alike",
         ),
     ] {
-        let error = supports(&line).validate().err().expect(&line).to_string();
+        let error = supports(&line).validate().expect_err(&line).to_string();
         assert!(error.contains(text), "{error}");
     }
 }

@@ -154,7 +154,7 @@ pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volu
     let numpy = labels.py().import("numpy")?;
     if labels.hasattr("mask")? && numpy.call_method1("any", (labels.getattr("mask")?,))?.is_truthy()? {
         return Err(wrong_value(
-            "labels is a masked array with masked voxels; give these a label, as in labels.filled(0)".to_owned(),
+            "labels is a masked array with masked voxels; give these a label, as in labels.filled(0)",
         ));
     }
     let array = numpy.call_method1("asarray", (labels,))?;

@@ -94,7 +94,7 @@ pub(crate) fn from_labels(
         let volume = match labels.extract::<PathBuf>() {
             Ok(path) => files::volume(&path, array)?,
             Err(_) if array.is_some() => {
-                return Err(wrong_value("array is for a .vti; leave it out with an array of numpy".to_owned()));
+                return Err(wrong_value("array is for a .vti; leave it out with an array of numpy"));
             }
             Err(_) => volume(labels)?,
         };
