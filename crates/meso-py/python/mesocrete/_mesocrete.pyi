@@ -72,10 +72,7 @@ class _Axes(TypedDict, total=False):
 class Spec:
     """Everything that determines a model; omitted options keep their defaults, the paper's specimen."""
 
-    @overload
-    def __new__(cls, table: SpecOptions | dict[str, Any], /) -> Spec: ...
-    @overload
-    def __new__(cls, **options: Unpack[SpecOptions]) -> Spec: ...
+    def __new__(cls, table: SpecOptions | None = None, /, **options: Unpack[SpecOptions]) -> Spec: ...
     @staticmethod
     def from_toml(text: str) -> Spec:
         """Reads the text of a SPEC.toml."""
