@@ -16,8 +16,7 @@ use collision::table::{count, save};
 use collision::{Measured, machine};
 use meso_collision::gjk::{self, Algorithm};
 use meso_collision::math::Vec3;
-use nalgebra::Isometry3;
-use parry3d_f64::math::Point;
+use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query;
 use parry3d_f64::shape::ConvexPolyhedron;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -45,7 +44,7 @@ impl Case {
         let distance = gjk::distance(&a, &b).expect("in range");
         let size = a.iter().chain(&b).map(|p| (p - a[0]).norm()).fold(0.0, f64::max);
         let shape =
-            |s: &[Vec3]| ConvexPolyhedron::from_convex_hull(&s.iter().map(|p| Point::from(*p)).collect::<Vec<_>>());
+            |s: &[Vec3]| ConvexPolyhedron::from_convex_hull(&s.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect::<Vec<_>>());
         let shapes = catch_unwind(AssertUnwindSafe(|| Some([shape(&a)?, shape(&b)?]))).ok().flatten();
         let centres = [&a, &b].map(|s| s.iter().sum::<Vec3>() / s.len() as f64);
         Self { a, b, centres, shapes, overlap, distance, size }
@@ -73,7 +72,7 @@ fn contestants(ccd: Option<&Ccd>) -> Vec<(&'static str, Ask<'_>)> {
             "parry",
             Box::new(|c| {
                 let [a, b] = c.shapes.as_ref()?;
-                query::intersection_test(&Isometry3::identity(), a, &Isometry3::identity(), b).ok()
+                query::intersection_test(&Pose::IDENTITY, a, &Pose::IDENTITY, b).ok().map(|answer| answer.intersecting)
             }),
         ),
     ];
@@ -236,7 +235,7 @@ fn timed<T>(cases: &[Case], ask: impl Fn(&Case) -> T) -> (Vec<T>, f64) {
 fn distance_errors(value: f64, cases: &[Case], table: &mut Measured) {
     let parry = |c: &Case| {
         let [a, b] = c.shapes.as_ref()?;
-        query::distance(&Isometry3::identity(), a, &Isometry3::identity(), b).ok()
+        query::distance(&Pose::IDENTITY, a, &Pose::IDENTITY, b).ok().map(|answer| answer.distance)
     };
     let (found, time) = timed(cases, parry);
     let apart = cases.iter().zip(found).filter(|(c, _)| !c.overlap);

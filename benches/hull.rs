@@ -15,6 +15,7 @@ use meso_concrete::aggregate::random::{Draw, Stream};
 use meso_core::geometry::HullBuilder;
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
+use parry3d_f64::math::Vector;
 use std::hint::black_box;
 use table::Table;
 
@@ -63,7 +64,7 @@ fn each<'a, T, R>(items: &'a [T], mut task: impl FnMut(&T) -> R + 'a) -> Box<dyn
 fn main() {
     let grains = grains();
     let bodies: Vec<Polyhedron> = grains.iter().map(|points| convex_hull(points).expect("solid")).collect();
-    let parry: Vec<Vec<_>> = grains.iter().map(|points| points.iter().map(|p| (*p).into()).collect()).collect();
+    let parry: Vec<Vec<_>> = grains.iter().map(|points| points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect()).collect();
     let mut builder = HullBuilder::default();
     let mut contestants: Vec<Contestant> = vec![
         ("hull (builder kept)", each(&grains, move |points| builder.build(points))),

@@ -3,7 +3,7 @@
 use meso_collision::geometry::{Polyhedron, convex_hull};
 use meso_collision::gjk::Body;
 use meso_collision::math::{Mat3, Rotation, Vec3};
-use parry3d_f64::math::Point;
+use parry3d_f64::math::Vector;
 use parry3d_f64::shape::ConvexPolyhedron;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -80,7 +80,7 @@ impl Grain {
     fn new(points: Vec<Vec3>, semi_axes: &Vec3, turn: &Mat3) -> Self {
         let hull: Polyhedron = convex_hull(&points).expect("a solid");
         let body = Body::on_ellipsoid(&points, semi_axes, turn).with_inside_of(&hull);
-        let corners: Vec<Point<f64>> = points.iter().map(|p| Point::new(p.x, p.y, p.z)).collect();
+        let corners: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
         let parry = ConvexPolyhedron::from_convex_hull(&corners).expect("a solid");
         let radius = points.iter().map(Vec3::norm).fold(0.0, f64::max);
         Self { points, body, parry, radius, volume: hull.volume() }

@@ -6,7 +6,7 @@ use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
 use meso_collision::gjk::{Algorithm, PairQuery};
-use nalgebra::Isometry3;
+use parry3d_f64::math::Pose;
 use parry3d_f64::query;
 
 /// How one pair is asked.
@@ -22,8 +22,8 @@ fn method<'a>(method: Algorithm) -> AskOne<'a> {
 
 fn parry<'a>() -> AskOne<'a> {
     Box::new(|q, a, b| {
-        let at = Isometry3::translation(q.x.x, q.x.y, q.x.z);
-        query::intersection_test(&Isometry3::identity(), &a.parry, &at, &b.parry).expect("supported")
+        let at = Pose::translation(q.x.x, q.x.y, q.x.z);
+        query::intersection_test(&Pose::IDENTITY, &a.parry, &at, &b.parry).expect("supported").intersecting
     })
 }
 

@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use meso_collision::gjk;
 use meso_collision::math::Vec3;
-use nalgebra::{Isometry3, Point3};
+use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query;
 use parry3d_f64::shape::ConvexPolyhedron;
 
@@ -17,7 +17,7 @@ fn parry_agrees_on_ten_thousand_pairs_outside_its_tolerance() {
         let [a, b] = [0, 1].map(|i| dice.body(sizes[i], radii[i]));
         let x = dice.direction() * (16.0 * dice.unit());
         let shapes = [&a, &b].map(|s| ConvexPolyhedron::from_convex_hull(&points(s)).expect("a solid"));
-        let at = Isometry3::translation(x.x, x.y, x.z);
+        let at = Pose::translation(x.x, x.y, x.z);
         let placed: Vec<Vec3> = b.iter().map(|p| p + x).collect();
         let answer = gjk::intersects(&a, &placed).unwrap();
         // Its band: the answer must not hang on a millionth of the size either way.
@@ -26,10 +26,10 @@ fn parry_agrees_on_ten_thousand_pairs_outside_its_tolerance() {
         if closer != farther {
             continue;
         }
-        let theirs = query::intersection_test(&Isometry3::identity(), &shapes[0], &at, &shapes[1]).unwrap();
+        let theirs = query::intersection_test(&Pose::IDENTITY, &shapes[0], &at, &shapes[1]).unwrap().intersecting;
         assert_eq!(answer, theirs, "a = {a:?}\nb = {placed:?}");
         if !answer && asked % 10 == 0 {
-            let theirs = query::distance(&Isometry3::identity(), &shapes[0], &at, &shapes[1]).unwrap();
+            let theirs = query::distance(&Pose::IDENTITY, &shapes[0], &at, &shapes[1]).unwrap().distance;
             let distance = gjk::distance(&a, &placed).unwrap();
             assert!((distance - theirs).abs() < 1e-6, "{distance} against {theirs}");
         }
@@ -39,6 +39,6 @@ fn parry_agrees_on_ten_thousand_pairs_outside_its_tolerance() {
     assert!((3_000..7_000).contains(&hits), "{hits} of 10000 overlap: the sample is lopsided");
 }
 
-fn points(body: &[Vec3]) -> Vec<Point3<f64>> {
-    body.iter().map(|p| Point3::from(*p)).collect()
+fn points(body: &[Vec3]) -> Vec<Vector> {
+    body.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect()
 }

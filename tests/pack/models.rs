@@ -6,6 +6,7 @@ use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
 use meso_core::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use meso_core::spec::Spec;
+use parry3d_f64::math::Vector;
 use parry3d_f64::shape::ConvexPolyhedron;
 
 /// The faces of a box whose corner i has the coordinates' upper limits where i's bits are set.
@@ -35,7 +36,7 @@ pub(crate) fn two_boxes() -> Model {
 /// The aggregates as parry sees them.
 pub(crate) fn parry_shapes(model: &Model) -> Vec<ConvexPolyhedron> {
     let points = |aggregate: &Aggregate| -> Vec<_> {
-        aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect()
+        aggregate.body.vertices().iter().map(|v| Vector::new(v.x, v.y, v.z)).collect()
     };
     let shape = |points: Vec<_>| ConvexPolyhedron::from_convex_hull(&points).expect("an aggregate is solid");
     model.aggregates.iter().map(|aggregate| shape(points(aggregate))).collect()

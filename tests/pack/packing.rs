@@ -88,7 +88,7 @@ fn grains_that_jam_when_they_cool_quickly_fit_when_they_cool_slowly() {
 fn parry_finds_no_overlap_deeper_than_its_tolerance() {
     let model = packed(&small(0.5));
     let shapes = parry_shapes(&model);
-    let here = nalgebra::Isometry3::identity();
+    let here = parry3d_f64::math::Pose::IDENTITY;
     for (a, b) in near_pairs(&model.aggregates) {
         let (p, q) = (&shapes[a.id as usize], &shapes[b.id as usize]);
         let contact = parry3d_f64::query::contact(&here, p, &here, q, 0.0).unwrap();

@@ -42,10 +42,10 @@ fn around(specimen: &Specimen) -> Vec<Vec3> {
 /// Every pair, each with the second one's images, by the exact verdict and by parry; the number of pairs across a face.
 fn assert_apart_with_images(model: &Model) -> usize {
     let shapes = parry_shapes(model);
-    let here = nalgebra::Isometry3::identity();
+    let here = parry3d_f64::math::Pose::IDENTITY;
     let mut across = 0;
     for shift in around(&model.spec.specimen) {
-        let there = nalgebra::Isometry3::translation(shift.x, shift.y, shift.z);
+        let there = parry3d_f64::math::Pose::translation(shift.x, shift.y, shift.z);
         let moved: Vec<Polyhedron> = model.aggregates.iter().map(|a| a.body.translated(&shift)).collect();
         for (i, a) in model.aggregates.iter().enumerate() {
             for (j, b) in moved.iter().enumerate().filter(|(j, _)| *j < i || (*j == i && shift != Vec3::zeros())) {
