@@ -43,8 +43,9 @@ impl Case {
         let overlap = Algorithm::Exact.intersects(&a, &b).expect("in range");
         let distance = gjk::distance(&a, &b).expect("in range");
         let size = a.iter().chain(&b).map(|p| (p - a[0]).norm()).fold(0.0, f64::max);
-        let shape =
-            |s: &[Vec3]| ConvexPolyhedron::from_convex_hull(&s.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect::<Vec<_>>());
+        let shape = |s: &[Vec3]| {
+            ConvexPolyhedron::from_convex_hull(&s.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect::<Vec<_>>())
+        };
         let shapes = catch_unwind(AssertUnwindSafe(|| Some([shape(&a)?, shape(&b)?]))).ok().flatten();
         let centres = [&a, &b].map(|s| s.iter().sum::<Vec3>() / s.len() as f64);
         Self { a, b, centres, shapes, overlap, distance, size }

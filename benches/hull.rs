@@ -64,7 +64,8 @@ fn each<'a, T, R>(items: &'a [T], mut task: impl FnMut(&T) -> R + 'a) -> Box<dyn
 fn main() {
     let grains = grains();
     let bodies: Vec<Polyhedron> = grains.iter().map(|points| convex_hull(points).expect("solid")).collect();
-    let parry: Vec<Vec<_>> = grains.iter().map(|points| points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect()).collect();
+    let parry: Vec<Vec<_>> =
+        grains.iter().map(|points| points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect()).collect();
     let mut builder = HullBuilder::default();
     let mut contestants: Vec<Contestant> = vec![
         ("hull (builder kept)", each(&grains, move |points| builder.build(points))),
