@@ -107,7 +107,8 @@ fn returned<L: Law<f64>>(law: &L) -> f64 {
 #[test]
 fn crushed_mortar_pumps_no_energy_in_coarse_steps() {
     let fallen = returned(&meso::<f64>());
-    // Trapezoids of coarse steps err by 0.034 of what is spent; the step itself returns nothing, see below.
+    // Trapezoids of coarse steps err by 0.034 of what is spent, of steps an eighth as long by 0.008; the step itself returns
+    // nothing, see below.
     assert!(fallen < 0.05, "{fallen}");
 }
 

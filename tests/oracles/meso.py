@@ -20,8 +20,8 @@ BULK, SHEAR = E / (3 * (1 - 2 * NU)), E / (2 * (1 + NU))
 ALPHA = (FB - 1) / (2 * FB - 1)
 GAMMA = 3 * (1 - KC) / (2 * KC - 1)
 PEAK = PEAK_STRAIN - FC / E
-# Steps from one row of a file to the next.
-EVERY = 50
+# Steps from one row of a file to the next, and of paths whose sides bend as a crack begins.
+EVERY, CLOSE = 50, 5
 
 
 def main() -> None:
@@ -229,22 +229,24 @@ def eigen(a: list[list[float]]) -> tuple[list[float], list[list[float]]]:
 def free_paths() -> dict[str, list[list[float]]]:
     """Paths along x with a held stress at the sides."""
     return {
-        "tension": held(0.0, [0.003], step=2e-6),
+        "tension": held(0.0, [0.003], step=2e-6, every=CLOSE),
         "compression": held(0.0, [-0.012]),
         "confined_5": held(-5.0, [-0.03]),
         "confined_10": held(-10.0, [-0.04]),
         "crushed_unloaded_crushed": held(0.0, [-0.004, -0.0025, -0.008]),
-        "cracked_crushed_cracked": held(0.0, [0.001, -0.004, 0.002]),
+        "cracked_crushed_cracked": held(0.0, [0.001, -0.004, 0.002], every=CLOSE),
         "biaxial": held(0.0, [-0.01], third=True),
     }
 
 
-def held(side: float, corners: list[float], *, third: bool = False, step: float = 1e-5) -> list[list[float]]:
+def held(
+    side: float, corners: list[float], *, third: bool = False, step: float = 1e-5, every: int = EVERY
+) -> list[list[float]]:
     """Follow `corners` along x while the sides, or z alone, keep their stress."""
     point, rows, free, start, count = Point(), [], 0.0, 0.0, 0
     whole = abs(corners[0])
     for corner in corners:
-        steps = EVERY * max(round(abs(corner - start) / step / EVERY), 1)
+        steps = every * max(round(abs(corner - start) / step / every), 1)
         for k in range(1, steps + 1):
             x = start + (corner - start) * k / steps
             # The held stress is raised in the first twentieth of the path.
@@ -253,7 +255,7 @@ def held(side: float, corners: list[float], *, third: bool = False, step: float 
             free = root(lambda e: point.copy().stress(at(e))[2] - goal, free - 2e-4, free + 2e-4)  # noqa: B023
             stress = point.stress(at(free))
             count += 1
-            if count % EVERY == 0:
+            if count % every == 0:
                 rows.append(at(free) + stress)
         start = corner
     return rows

@@ -189,7 +189,7 @@ impl PySpec {
     #[pyo3(signature = (table=None, /, **options))]
     fn new(table: Option<&Bound<'_, PyDict>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         guard(|| match (table, options.filter(|options| !options.is_empty())) {
-            (Some(_), Some(_)) => Err(wrong_type("Spec takes a dict or keywords; give one of the two".to_owned())),
+            (Some(_), Some(_)) => Err(wrong_type("Spec takes a dict or keywords; give one of the two")),
             (table, options) => from_any(table.or(options).map(|dict| dict.as_any())).map(Self),
         })
     }
