@@ -540,6 +540,8 @@ mod tests {
             r if r < 13.0 => 1,
             _ => 0,
         });
-        assert!(refused(&shell, usual()).contains("encloses"));
+        assert!(refused(&shell, usual()).starts_with("label 1 is 23 % of the volume in one part: is it mortar?"));
+        let insisting = LabelOptions { largest_grain: 1.0, ..usual() };
+        assert!(refused(&shell, insisting).contains("encloses"));
     }
 }
