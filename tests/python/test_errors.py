@@ -124,6 +124,14 @@ def test_a_gap_without_room_is_named():
     assert mc.pack(spec, fraction=0.02).fraction < 0.03
 
 
+def test_a_spec_takes_a_dict_and_a_slip_of_the_keys_is_named():
+    assert mc.Spec({"fraction": 0.3, "seed": 5}) == mc.Spec(fraction=0.3, seed=5) and mc.Spec({}) == mc.Spec()
+    with pytest.raises(TypeError, match="Spec takes a dict or keywords; give one of the two"):
+        mc.Spec({"seed": 5}, fraction=0.3)  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"pack\(\) has no argument fracton; did you mean fraction\?"):
+        mc.pack(fracton=0.3)  # type: ignore[call-arg]
+
+
 def test_sections_that_are_given_to_pack_get_the_way_out():
     with pytest.raises(TypeError, match=r"pack\(\) has no argument specimen; what to pack is one argument, as mc\.pack\(mc\.Spec\("):
         mc.pack(specimen=mc.Specimen.cube(50))

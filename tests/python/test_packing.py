@@ -29,6 +29,12 @@ def test_fraction_is_the_polyhedra_over_the_specimen(packing):
     assert total / packing.report()["specimen"]["volume_mm3"] == pytest.approx(packing.fraction, rel=1e-12)
 
 
+def test_a_citation_has_the_dimensions_and_the_figures_of_the_packing(packing):
+    text = " ".join(packing.cite().split())
+    assert "The specimen is a cube of 60 mm (216,000 mm3)." in text and f"a volume fraction of {packing.fraction:.4f}" in text
+    assert "[1] The mesocrete developers" in text
+
+
 def test_report_has_the_keys_of_the_summary(packing):
     report = packing.report()
     assert REPORT_KEYS <= report.keys()

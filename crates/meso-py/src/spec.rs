@@ -186,9 +186,12 @@ impl PySpec {
 #[pymethods]
 impl PySpec {
     #[new]
-    #[pyo3(signature = (**options))]
-    fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        guard(|| from_any(options.map(|dict| dict.as_any())).map(Self))
+    #[pyo3(signature = (table=None, /, **options))]
+    fn new(table: Option<&Bound<'_, PyDict>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        guard(|| match (table, options.filter(|options| !options.is_empty())) {
+            (Some(_), Some(_)) => Err(wrong_type("Spec takes a dict or keywords; give one of the two".to_owned())),
+            (table, options) => from_any(table.or(options).map(|dict| dict.as_any())).map(Self),
+        })
     }
 
     /// Reads the text of a SPEC.toml.

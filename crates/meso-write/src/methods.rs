@@ -1,7 +1,8 @@
 //! A paragraph for the methods section of a paper, with the figures of one packing and the sources to cite.
 
 use meso_concrete::aggregate::{ShapeKind, SizeDefinition};
-use meso_concrete::thousands;
+use meso_concrete::specimen::Specimen;
+use meso_concrete::{short, thousands};
 use meso_pack::Spec;
 use meso_pack::model::Model;
 use meso_pack::packing::{LabelReport, PhaseReport, Report, StopReason};
@@ -21,8 +22,8 @@ pub fn paragraph(model: &Model) -> String {
             report.version
         ),
         format!(
-            "The specimen is a {} of {} mm3.",
-            report.specimen.kind.replace('-', " "),
+            "The specimen is a {} ({} mm3).",
+            specimen(&spec.specimen, &report.specimen.kind),
             thousands(report.specimen.volume_mm3.round() as usize)
         ),
         origin(report).unwrap_or_else(|| shapes(spec)),
@@ -39,6 +40,23 @@ pub fn paragraph(model: &Model) -> String {
     ];
     let text: Vec<String> = sentences.into_iter().filter(|sentence| !sentence.is_empty()).collect();
     format!("{}\n\n{}", wrapped(&text.join(" ")), SOURCES.replace("{version}", &report.version))
+}
+
+/// A specimen with its dimensions.
+fn specimen(specimen: &Specimen, kind: &str) -> String {
+    let size = |size: [f64; 3]| size.map(|mm| short(mm).to_string()).join(" x ");
+    match *specimen {
+        Specimen::Cube { side_mm, .. } => format!("cube of {side_mm} mm"),
+        Specimen::Cylinder { diameter_mm, height_mm } => {
+            format!("cylinder of {diameter_mm} mm in diameter and {height_mm} mm in height")
+        }
+        Specimen::Sphere { diameter_mm } => format!("sphere of {diameter_mm} mm in diameter"),
+        Specimen::NotchedPrism { notch_depth_mm, notch_width_mm, .. } => {
+            let within = size(specimen.aabb().size().into());
+            format!("prism of {within} mm with a notch of {notch_width_mm} x {notch_depth_mm} mm")
+        }
+        _ => format!("{} of {} mm", kind.replace('-', " "), size(specimen.aabb().size().into())),
+    }
 }
 
 /// Where grains that were not packed come from.

@@ -72,6 +72,9 @@ class _Axes(TypedDict, total=False):
 class Spec:
     """Everything that determines a model; omitted options keep their defaults, the paper's specimen."""
 
+    @overload
+    def __new__(cls, table: SpecOptions | dict[str, Any], /) -> Spec: ...
+    @overload
     def __new__(cls, **options: Unpack[SpecOptions]) -> Spec: ...
     @staticmethod
     def from_toml(text: str) -> Spec:
@@ -340,6 +343,9 @@ class Packing:
 
     def report(self) -> _results.Report:
         """The result: a dict with the keys of `--summary-json` but `seconds`, so that equal runs compare equal."""
+
+    def cite(self) -> str:
+        """A paragraph for the methods section of a paper, with the figures of this packing and what to cite, as `report --cite`."""
 
     @property
     def work(self) -> _results.WorkDone:

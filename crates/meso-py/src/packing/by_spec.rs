@@ -132,10 +132,21 @@ fn leave_room(py: Python<'_>, mut spec: Spec, wanted: Wanted, purpose: Purpose) 
     Ok(spec)
 }
 
-/// The error of an unknown keyword: a spec is one argument.
+/// Keywords of `pack`.
+const KEYWORDS: [&str; 9] =
+    ["spec", "seed", "fraction", "threads", "time_limit", "for_test", "method", "element_size", "progress"];
+
+/// The error of an unknown keyword: a slip of the keys, or an option of the spec, which is one argument.
 fn unknown(name: &Bound<'_, PyAny>) -> PyErr {
-    let way_out = "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))";
-    wrong_type(format!("pack() has no argument {name}; {way_out}"))
+    let near = |name: &Bound<'_, PyAny>| -> PyResult<String> {
+        let found = name.py().import("difflib")?.call_method1("get_close_matches", (name, KEYWORDS, 1, 0.8))?;
+        found.get_item(0)?.extract()
+    };
+    let remedy = match near(name) {
+        Ok(near) => format!("did you mean {near}?"),
+        Err(_) => "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))".to_owned(),
+    };
+    wrong_type(format!("pack() has no argument {name}; {remedy}"))
 }
 
 /// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.

@@ -29,7 +29,7 @@ use meso_core::images::Images;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
-use meso_core::{Model, Watch as _};
+use meso_core::{Model, Watch as _, methods};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -135,6 +135,11 @@ impl PyPacking {
         let report = plain(py, &self.0.report)?;
         report.cast::<PyDict>()?.del_item("seconds")?;
         Ok(report)
+    }
+
+    /// A paragraph for the methods section of a paper, with the figures of this packing and what to cite, as `report --cite`.
+    fn cite(&self) -> String {
+        methods::paragraph(&self.0)
     }
 
     /// Cost of the result: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
