@@ -209,3 +209,36 @@ fn losses_of_an_import_are_counted_with_a_warning() {
     // Grains of nanometres pass the check.
     assert_eq!(folder.run(&["check", "m.json"]).code, 0);
 }
+
+/// The mask of a drilled core was lost: its strength was that of a cube with corners of mortar.
+#[test]
+fn a_drilled_core_is_a_cylinder_of_its_diameter() {
+    let folder = Folder::new();
+    // Two grains, of which the side of the core cuts one, and a pore with the label of the air.
+    let inside = [([20.0, 20.0, 10.0], 5.0), ([34.0, 20.0, 20.0], 6.0), ([14.0, 26.0, 27.0], 4.0)];
+    labelled(&folder, "scan.npy", 40, &inside, &[2, 3, 9]);
+    let mut bytes = folder.read("scan.npy");
+    for (voxel, label) in bytes[128..].iter_mut().enumerate() {
+        let [x, y] = [voxel % 40, voxel / 40 % 40].map(|at| at as f64 - 19.5);
+        let is_core = (x * x + y * y).sqrt() < 18.0;
+        *label = if is_core && *label != 9 { (*label).max(1) } else { 0 };
+    }
+    let voxels = bytes[128..].iter().filter(|label| **label > 1).count() as f64;
+    folder.write("scan.npy", bytes);
+    let import = ["import", "scan.npy", "--voxel-size-mm", "0.5", "-fo", "m.json", "--outside", "0", "--mortar", "1"];
+    let run = folder.run(&import);
+    assert!(run.code == 0 && run.stderr.contains("the core is a cylinder of 18."), "{}", run.stderr);
+    let model: serde_json::Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+    let of = |key: &str| model["specimen"][key].as_f64().unwrap();
+    let (diameter, height) = (of("diameter_mm"), of("height_mm"));
+    assert!((18.0..18.7).contains(&diameter) && height == 20.0, "{diameter} {height}");
+    let fraction = voxels * 0.125 / (std::f64::consts::FRAC_PI_4 * diameter * diameter * height);
+    let found = model["report"]["fraction"].as_f64().unwrap();
+    assert!((found / fraction - 1.0).abs() < 0.01, "{found} {fraction}");
+    assert_eq!(folder.run(&["check", "m.json"]).code, 0);
+    let run = folder.run(&["mesh", "m.json", "-o", "m.vtu", "--method", "lattice", "--element-size-mm", "1"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    balls(&folder, "scan.npy", 24, &THREE);
+    let run = folder.run(&["import", "scan.npy", "--outside", "0", "-fo", "m.json"]);
+    assert!(run.code == 1 && run.stderr.contains("is no cylinder along z"), "{}", run.stderr);
+}

@@ -75,6 +75,17 @@ impl ReducedGrain {
     }
 }
 
+/// A drilled core in a label volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoreReport {
+    /// Labels outside of it.
+    pub outside: Vec<i64>,
+    /// Diameter of its cylinder, which holds all its grains, mm.
+    pub diameter_mm: f64,
+    /// Share of its voxels that lie beyond the cylinder that fits it, or are missing within.
+    pub off_fraction: f64,
+}
+
 /// A label volume whose grains the aggregates are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -93,9 +104,12 @@ pub struct LabelReport {
     pub dropped: usize,
     /// Share of the voxels that they had.
     pub dropped_fraction: f64,
-    /// Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing.
+    /// Share of the voxels' volume that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing.
     #[serde(default)]
     pub lost_fraction: f64,
+    /// The drilled core that the specimen is; absent where it is the whole volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub core: Option<CoreReport>,
     /// Grains with hollows, mortar that one grain encloses, which were filled.
     #[serde(default)]
     pub filled: usize,

@@ -76,6 +76,14 @@ fn alone(labels: &LabelReport, aggregates: usize) -> Vec<String> {
     );
     let diagonal =
         (0..3).map(|axis| labels.voxels[axis] as f64 * labels.voxel_size_mm[axis]).map(|x| x * x).sum::<f64>();
+    if let Some(core) = &labels.core {
+        let widest = (0..2).map(|axis| labels.voxels[axis] as f64 * labels.voxel_size_mm[axis]).fold(0.0, f64::max);
+        let is_core = core.diameter_mm > 0.0 && core.diameter_mm <= widest && (0.0..=1.0).contains(&core.off_fraction);
+        say(
+            is_core && !core.outside.is_empty(),
+            format!("labels.core is a cylinder of {} mm in a volume {widest} mm wide", core.diameter_mm),
+        );
+    }
     let is_distance = (0.0..=diagonal.sqrt()).contains(&farthest_mm);
     say(is_distance, format!("labels.farthest_mm is {farthest_mm}, which is no distance in the volume"));
     reasons
@@ -117,9 +125,10 @@ fn filled(model: &Model, labels: &LabelReport) -> Option<String> {
     };
     let own: f64 = model.aggregates.iter().map(|aggregate| aggregate.body.volume()).sum();
     let most: f64 = model.aggregates.iter().map(between).sum();
-    let said = labels.fraction * model.spec.specimen.volume();
+    let volume: f64 = (0..3).map(|axis| labels.voxels[axis] as f64 * labels.voxel_size_mm[axis]).product();
+    let said = labels.fraction * volume;
     // Bodies have their voxels' volume, hollows filled, and lose some where they touch; they never gain as much.
-    let filled = labels.filled_fraction * model.spec.specimen.volume();
+    let filled = labels.filled_fraction * volume;
     let is_near = (said - own).abs() <= most && own <= GAIN * said + filled;
     (!is_near).then(|| {
         format!("labels.fraction gives {said:.6} mm3 of grains, and the bodies have {own:.6}; their surfaces are within {far} mm")

@@ -1238,6 +1238,7 @@ def from_labels(
     array: str | None = None,
     mortar: Sequence[int] | None = None,
     aggregate: Sequence[int] = (),
+    outside: Sequence[int] = (),
     least_voxels: int = 64,
     largest_grain: float = 0.2,
     itz_thickness: float = 0.0,
@@ -1263,6 +1264,8 @@ def from_labels(
         Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
     aggregate : sequence of int
         Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
+    outside : sequence of int
+        Labels outside a drilled core, which stands along z: its cylinder is the specimen, not the whole box.
     least_voxels : int
         Smaller grains are mortar.
     largest_grain : float

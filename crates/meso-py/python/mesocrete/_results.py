@@ -129,6 +129,17 @@ class ReducedGrain(Reduction):
     """Position in the library, from 0."""
 
 
+class CoreReport(TypedDict):
+    """A drilled core in a label volume."""
+
+    outside: list[int]
+    """Labels outside of it."""
+    diameter_mm: float
+    """Diameter of its cylinder, which holds all its grains, mm."""
+    off_fraction: float
+    """Share of its voxels that lie beyond the cylinder that fits it, or are missing within."""
+
+
 class LabelReport(TypedDict):
     """A label volume whose grains the aggregates are."""
 
@@ -147,13 +158,15 @@ class LabelReport(TypedDict):
     dropped_fraction: float
     """Share of the voxels that they had."""
     lost_fraction: float
-    """Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing."""
+    """Share of the voxels' volume that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing."""
     filled: int
     """Grains with hollows, mortar that one grain encloses, which were filled."""
     filled_fraction: float
     """Share of the voxels that the hollows had."""
     labels: list[int]
     """Label of every aggregate, by id."""
+    core: NotRequired[CoreReport]
+    """The drilled core that the specimen is; absent where it is the whole volume."""
 
 
 class Report(TypedDict):

@@ -31,6 +31,9 @@ pub(crate) struct Args {
         conflicts_with = "mortar"
     )]
     pub(super) aggregate: Vec<i64>,
+    /// Labels outside a drilled core, which stands along z: its cylinder is the specimen, not the whole box
+    #[arg(long, value_name = "LABELS", value_delimiter = ',', allow_negative_numbers = true)]
+    pub(super) outside: Vec<i64>,
     /// Smaller grains are mortar
     #[arg(long, value_name = "N", default_value = "64", value_parser = values::whole_number)]
     pub(super) least_voxels: u32,

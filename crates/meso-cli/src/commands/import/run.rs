@@ -96,6 +96,10 @@ fn print(model: &Model, labels: &LabelReport) {
         labels.fraction,
         labels.farthest_mm
     ));
+    if let Some(core) = &labels.core {
+        let (diameter, off) = (core.diameter_mm, percent(core.off_fraction));
+        stderr::line(format!("the core is a cylinder of {diameter:.3} mm, which {off} of its voxels are off"));
+    }
     if labels.separated_pairs > 0 {
         stderr::line(format!(
             "{} pairs of grains that touch in the labels are apart",
