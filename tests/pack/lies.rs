@@ -2,7 +2,7 @@
 
 use meso_core::check::{Finding, check};
 use meso_core::spec::Spec;
-use meso_core::{Silent, pack, saved};
+use meso_core::{Model, Silent, pack, saved};
 use serde_json::{Value, json};
 
 const SPEC: &str = r#"
@@ -19,15 +19,19 @@ const SPEC: &str = r#"
     length_mm = 8
 "#;
 
-fn honest() -> Value {
-    let model = pack(&Spec::from_toml(SPEC).unwrap(), &Silent).unwrap();
+/// A model as its file has it.
+pub(super) fn as_saved(model: &Model) -> Value {
     let mut bytes = Vec::new();
-    saved::write(&model, &mut bytes).unwrap();
+    saved::write(model, &mut bytes).unwrap();
     serde_json::from_slice(&bytes).unwrap()
 }
 
+fn honest() -> Value {
+    as_saved(&pack(&Spec::from_toml(SPEC).unwrap(), &Silent).unwrap())
+}
+
 /// Why the file is not believed; `None` where it is.
-fn objection(file: &Value) -> Option<String> {
+pub(super) fn objection(file: &Value) -> Option<String> {
     let model = match saved::read(file.to_string().as_bytes()) {
         Ok(model) => model,
         Err(error) => return Some(error.to_string()),
@@ -35,7 +39,7 @@ fn objection(file: &Value) -> Option<String> {
     check(&model).findings.first().map(ToString::to_string)
 }
 
-fn scale(value: &mut Value, factor: f64) {
+pub(super) fn scale(value: &mut Value, factor: f64) {
     *value = json!(value.as_f64().unwrap() * factor);
 }
 

@@ -1,9 +1,9 @@
 //! Lies in the model of a label volume, and in a packing that pretends to be one: each is refused or found.
 
-use meso_core::check::check;
+use super::lies::{as_saved, objection, scale};
 use meso_core::import::volume::Volume;
 use meso_core::labelled::{LabelOptions, of_labels};
-use meso_core::{Silent, Spec, pack, saved};
+use meso_core::{Silent, Spec, pack};
 use serde_json::{Value, json};
 
 /// Balls by middle and radius, voxels of 0.5 mm in 24 x 24 x 24; one with a hollow, a speck, and two that touch.
@@ -21,12 +21,6 @@ fn label(at: [f64; 3]) -> i64 {
     number.filter(|_| from(BALLS[1].0) > 1.2).map_or(0, |number| 3 * number as i64 + 1)
 }
 
-fn saved_again(model: &meso_core::Model) -> Value {
-    let mut bytes = Vec::new();
-    saved::write(model, &mut bytes).unwrap();
-    serde_json::from_slice(&bytes).unwrap()
-}
-
 fn imported() -> Value {
     let at = |i: usize| [i % 24, i / 24 % 24, i / 576].map(|x| x as f64 + 0.5);
     let volume = Volume::new([24; 3], None, (0..24 * 24 * 24).map(|i| label(at(i))).collect::<Vec<_>>()).unwrap();
@@ -36,26 +30,13 @@ fn imported() -> Value {
         least_voxels: 30,
         ..LabelOptions::default()
     };
-    saved_again(&of_labels(&volume, &options, &Silent).unwrap())
+    as_saved(&of_labels(&volume, &options, &Silent).unwrap())
 }
 
 fn packed() -> Value {
     let text = "seed = 2\nfraction = 0.3\nspecimen = { kind = 'cube', side_mm = 12 }\ngrading = { d_min_mm = 3, d_max_mm = 5 }\n\
                 itz = { thickness_mm = [0.2, 0.3] }";
-    saved_again(&pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap())
-}
-
-/// Why the file is not believed; `None` where it is.
-fn objection(file: &Value) -> Option<String> {
-    let model = match saved::read(file.to_string().as_bytes()) {
-        Ok(model) => model,
-        Err(error) => return Some(error.to_string()),
-    };
-    check(&model).findings.first().map(ToString::to_string)
-}
-
-fn scale(value: &mut Value, factor: f64) {
-    *value = json!(value.as_f64().unwrap() * factor);
+    as_saved(&pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap())
 }
 
 fn labels(file: &mut Value) -> &mut Value {
