@@ -21,5 +21,5 @@ pub use axes::Axes;
 pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, PhasesGiven, Subject, What};
 pub use given::{Given, Options};
 pub use giver::Giver;
-pub use options::deck_refusal;
+pub use options::{FRAMES, deck_refusal};
 pub use over::Over;

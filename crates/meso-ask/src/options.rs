@@ -8,6 +8,9 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::mesh::MeshTable;
 use meso_core::trial::{Test, TrialError};
 
+/// Frames that the command keeps of a test that asks for none.
+pub const FRAMES: u32 = 5;
+
 impl Options for MeshTable {
     const FLAGS: &'static [Flag] = &[
         Flag::common("method", ""),
@@ -49,7 +52,7 @@ impl Options for Test {
         Flag::common("law", ""),
         Flag::rare("smoothing", "OVER"),
         Flag::rare("control", "HOW"),
-        Flag::common("frames", "N").usually("5"),
+        Flag::common("frames", "N").usually(FRAMES),
         Flag::rare("duration_s", "S"),
         Flag::rare("time_step_s", "S"),
     ];

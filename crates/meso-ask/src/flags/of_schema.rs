@@ -17,7 +17,7 @@ pub struct Flag {
     /// Whether only `--help` lists it.
     is_rare: bool,
     /// Default of the command, where it is another than the option's own.
-    usual: &'static str,
+    usual: Option<u32>,
     /// Further names, such as other programs have.
     aliases: &'static [&'static str],
 }
@@ -25,7 +25,7 @@ pub struct Flag {
 impl Flag {
     /// A flag that every user needs.
     pub const fn common(key: &'static str, value: &'static str) -> Self {
-        Self { key, value, is_rare: false, usual: "", aliases: &[] }
+        Self { key, value, is_rare: false, usual: None, aliases: &[] }
     }
 
     /// A flag that few users need.
@@ -34,8 +34,8 @@ impl Flag {
     }
 
     /// The flag with another default in the command.
-    pub const fn usually(self, usual: &'static str) -> Self {
-        Self { usual, ..self }
+    pub const fn usually(self, usual: u32) -> Self {
+        Self { usual: Some(usual), ..self }
     }
 
     /// The flag with further names.
@@ -67,7 +67,8 @@ impl Flag {
         if forms.is_switch {
             return arg.action(ArgAction::SetTrue);
         }
-        let own = if self.usual.is_empty() { option["default"].as_str() } else { Some(self.usual) };
+        let own = self.usual.map(|usual| usual.to_string());
+        let own = own.or_else(|| option["default"].as_str().map(str::to_owned));
         let usual = own.map(|usual| format!(" [default: {usual}]"));
         let help = arg.get_help().map(ToString::to_string).unwrap_or_default() + &usual.unwrap_or_default();
         let name = if self.value.is_empty() { self.key.to_uppercase() } else { self.value.to_owned() };

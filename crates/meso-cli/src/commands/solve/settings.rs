@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::gpu::{self, Choice, Device};
 use crate::progress::Watch;
 use crate::{inputs, room};
-use meso_ask::{Given, Giver};
+use meso_ask::{FRAMES, Given, Giver};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
 use meso_core::spec::options_from_value;
@@ -19,8 +19,6 @@ use meso_study::{NameError, Names};
 use serde_json::Value;
 use std::path::Path;
 
-/// Frames of a test that asks for none.
-const FRAMES: u32 = 5;
 /// Friction of brushes and teflon (van Mier et al. 1997).
 const BRUSH: f64 = 0.005;
 
