@@ -32,6 +32,7 @@ fn faceted() -> [Specimen; 4] {
             notch_depth_mm: 7.7,
             notch_width_mm: 3.3,
             upper_notch_depth_mm: 0.0,
+            notch_at_mm: 0.0,
         },
         Specimen::Dogbone {
             length_mm: 60.0,

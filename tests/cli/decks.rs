@@ -4,7 +4,7 @@ use crate::command::Folder;
 use std::time::Instant;
 
 /// Every named test that a deck can have, and the specimen that it needs. Named cycles turn at a stress: see below.
-const TESTS: [(&str, &str); 8] = [
+const TESTS: [(&str, &str); 9] = [
     ("compression", CUBE),
     ("tension", CUBE),
     ("splitting", CUBE),
@@ -12,6 +12,7 @@ const TESTS: [(&str, &str); 8] = [
     ("biaxial", CUBE),
     ("expansion", CUBE),
     ("bending", PRISM),
+    ("four-point", PRISM),
     ("shear", PRISM),
 ];
 const CUBE: &str = "kind = 'cube'\nside_mm = 16\n";

@@ -149,6 +149,7 @@ fn notched() -> Specimen {
         notch_depth_mm: 12.0,
         notch_width_mm: 4.0,
         upper_notch_depth_mm: 0.0,
+        notch_at_mm: 0.0,
     }
 }
 

@@ -31,6 +31,7 @@ fn beam() -> Cube {
         depth_mm: 16.0,
         notch_depth_mm: 4.0,
         upper_notch_depth_mm: 0.0,
+        notch_at_mm: 0.0,
         notch_width_mm: 4.0,
     };
     let options =

@@ -40,6 +40,7 @@ pub(crate) fn every_kind() -> Vec<Specimen> {
             notch_depth_mm: 10.7,
             notch_width_mm: 5.3,
             upper_notch_depth_mm: 0.0,
+            notch_at_mm: 0.0,
         },
         Specimen::Dogbone {
             length_mm: 120.0,

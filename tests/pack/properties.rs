@@ -102,6 +102,7 @@ fn specimen() -> impl Strategy<Value = Specimen> {
                 notch_depth_mm,
                 notch_width_mm,
                 upper_notch_depth_mm: 0.0,
+                notch_at_mm: 0.0,
             }
         }),
         vec(uniform3(length()), 4..8).prop_map(|vertices_mm| Specimen::Polyhedron { vertices_mm }),

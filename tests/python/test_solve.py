@@ -224,7 +224,7 @@ def test_strains_of_tetrahedra_are_smoothed_which_takes_strength_that_the_elemen
         ({"friction": -1.0}, "friction is -1; it must be 0 to 10"),
         ({"strain": 0.0}, "strain is 0; it must be 1e-12 to 0.1"),
         ({"test": "pulling"}, "test is .pulling.; .*compression"),
-        ({"test": "bending"}, "the specimen has no notch"),
+        ({"test": "bending"}, "a beam must be longer than 10/9 of its depth"),
         ({"law": "steel"}, "law is .steel.; .*elastic"),
         ({"smoothing": "nodes"}, "smoothing is .nodes.; .*edges"),
         ({"frictoin": 0.1}, "frictoin is not a known key; did you mean friction"),
@@ -383,10 +383,11 @@ def test_named_tests_are_keywords_of_solve(mesh):
         mc.Test.cyclic([(0.001, "strain"), (0.0005, "strain")]),
         mc.Test.splitting(),
         mc.Test.bending(),
+        mc.Test.four_point(),
         mc.Test.shear(),
         mc.Test.expansion(mortar=-1e-4),
     ]
-    names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"]
+    names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"]
     assert [test["test"] for test in made] == names
     pressed = mesh.solve(**mc.Test.triaxial(5.0, strain=0.001))
     assert pressed.result["test"] == "triaxial" and pressed.result["peak_mpa"] > 5.0
@@ -443,16 +444,17 @@ def test_a_test_that_is_not_quasi_static_warns_and_has_a_flag(mesh):
     assert "not quasi-static (" in repr(fast)
 
 
-KINDS = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear", "expansion"]
+KINDS = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"]
 
 
 @pytest.fixture(scope="module")
 def bodies():
-    """Return coarse meshes: a cube, a beam, and a prism with two notches."""
+    """Return coarse meshes: a cube, beams, and a prism with two notches."""
     prism = {"kind": "notched-prism", "width_mm": 9.0, "notch_depth_mm": 3.0, "notch_width_mm": 3.0}
     specimens = {
         "cube": {"kind": "cube", "side_mm": 15.0},
         "bending": prism | {"length_mm": 36.0, "depth_mm": 12.0},
+        "four-point": {"kind": "prism", "width_mm": 9.0, "length_mm": 36.0, "depth_mm": 12.0},
         "shear": prism | {"length_mm": 24.0, "depth_mm": 24.0, "upper_notch_depth_mm": 3.0},
     }
     options = {"method": "lattice", "element_size": 3.0, "itz": "none", "joined": "mortar", "accept_phase_error": True}

@@ -48,6 +48,7 @@ impl Model {
             element_size_mm: 2.0,
             band_factor: band_factor(&self.mesh),
             notches_mm: [0.0; 2],
+            notch_at_mm: 0.0,
             notches_mm3: 0.0,
             container: Specimen::cuboid(aabb.size().into()).container(),
             exact: None,

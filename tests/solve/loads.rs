@@ -345,8 +345,15 @@ fn notched_by(
     [notch_depth_mm, upper_notch_depth_mm, notch_width_mm]: [f64; 3],
     element_size_mm: f64,
 ) -> Meshed {
-    let specimen =
-        Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm, upper_notch_depth_mm };
+    let specimen = Specimen::NotchedPrism {
+        length_mm,
+        width_mm,
+        depth_mm,
+        notch_depth_mm,
+        notch_width_mm,
+        upper_notch_depth_mm,
+        notch_at_mm: 0.0,
+    };
     Meshed::of(&[], specimen, options(method, element_size_mm, ItzForm::None))
 }
 
@@ -412,7 +419,7 @@ fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
     ] {
         let led = meshed.solve(&brittle(), &Test { kind, control, ..Test::default() });
         let gauges = if kind == TestKind::Bending {
-            vec![Gauge::CrackMouth { name: name.to_owned() }]
+            vec![Gauge::CrackMouth { name: name.to_owned(), over_mm: None }]
         } else {
             vec![Gauge::LateralStrain { name: name.to_owned() }]
         };
@@ -428,6 +435,55 @@ fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
         assert!((led_peak / peak - 1.0).abs() < 0.03, "{kind:?} {led_peak} {peak}");
         assert!(led.result.energy_balance_error < 1e-3 && led.result.ended == meso_solve::Ended::Completed);
     }
+}
+
+/// Between the upper rollers the moment is constant, and the lower fibre has the strain of a slender beam.
+#[test]
+fn an_elastic_beam_between_four_rollers_has_the_stress_and_the_strain_of_its_lower_fibre() {
+    let meshed = Meshed::mortar([156.0, 8.0, 16.0], Method::FITTED, 2.0);
+    let gauges = vec![Gauge::CrackMouth { name: "fibre_mm".to_owned(), over_mm: Some(16.0) }];
+    let plain = Test { kind: TestKind::FourPoint, law: LawName::Elastic, strain: Some(1e-4), ..Test::default() };
+    let test = Test { gauges, span_mm: Some(144.0), ..plain };
+    let response = meshed.solve(&brittle(), &test);
+    let (last, fibre) = (response.curve.last().unwrap(), column(&response, "fibre_mm"));
+    let strain = fibre.last().unwrap() / 16.0;
+    let modulus = brittle().mortar.youngs_modulus_mpa;
+    assert!(
+        (last.stress_mpa / (modulus * strain) - 1.0).abs() < 0.02,
+        "{} {strain} {modulus} {}",
+        last.stress_mpa,
+        last.strain
+    );
+    // Shear bends a beam of three depths by a tenth more.
+    assert!((0.8..1.0).contains(&(strain / last.strain)), "{strain} {}", last.strain);
+    let forces =
+        ["left_n", "right_n", "load_left_n", "load_right_n"].map(|name| *column(&response, name).last().unwrap());
+    assert!(forces.iter().all(|force| (force / forces[0] - 1.0).abs() < 0.01), "{forces:?}");
+}
+
+#[test]
+fn a_notch_off_the_middle_of_a_beam_opens_at_its_place_and_less() {
+    let opening = |notch_at_mm: f64| {
+        let specimen = Specimen::NotchedPrism {
+            length_mm: 96.0,
+            width_mm: 6.0,
+            depth_mm: 24.0,
+            notch_depth_mm: 6.0,
+            notch_width_mm: 4.0,
+            upper_notch_depth_mm: 0.0,
+            notch_at_mm,
+        };
+        let meshed = Meshed::of(&[], specimen, options(Method::FITTED, 2.0, ItzForm::None));
+        let test = Test { kind: TestKind::Bending, law: LawName::Elastic, strain: Some(1e-4), ..Test::default() };
+        let response = meshed.solve(&brittle(), &test);
+        let force: f64 = response.curve.iter().map(|row| row.stress_mpa).sum();
+        column(&response, "crack_mouth_mm").iter().sum::<f64>() / force
+    };
+    let [middle, left, right] = [0.0, -20.0, 20.0].map(opening);
+    // The lattice has no mirror: 2.4 % apart.
+    assert!((left / right - 1.0).abs() < 0.04, "{left} {right}");
+    // The moment there is (l / 2 - 20 mm) / (l / 2) = 0.5 of the one in the middle; l is 80 mm.
+    assert!((0.4..0.6).contains(&(left / middle)), "{left} {middle}");
 }
 
 #[test]
@@ -510,6 +566,7 @@ pub(crate) fn all_kinds() -> Vec<(Meshed, Test)> {
     all.push((Meshed::mortar([12.0; 3], Method::FITTED, 3.0), of(TestKind::Biaxial)));
     all.push((beam(16.0, 4.0), of(TestKind::Bending)));
     all.push((notched([24.0, 6.0, 24.0], [6.0, 6.0, 3.0], 3.0), of(TestKind::Shear)));
+    all.push((Meshed::mortar([48.0, 6.0, 12.0], Method::FITTED, 3.0), of(TestKind::FourPoint)));
     all
 }
 
@@ -535,7 +592,7 @@ fn a_test_of_every_kind_has_the_same_curve_on_1_and_3_threads() {
         pool.install(|| meshed.solve(&brittle(), test))
     };
     let kinds = all_kinds();
-    assert_eq!(kinds.len(), 9);
+    assert_eq!(kinds.len(), 10);
     for (meshed, test) in kinds {
         let [one, three] = [1, 3].map(|threads| on(threads, &meshed, &test));
         assert!(one.curve == three.curve && one.extra == three.extra, "{:?}", test.kind);
@@ -560,6 +617,7 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         notch_depth_mm: 5.0,
         notch_width_mm: 4.0,
         upper_notch_depth_mm: 0.0,
+        notch_at_mm: 0.0,
     };
     let strip = Some(Strip { axis: Along::X, at_mm: 40.0, width_mm: 4.0 });
     let beside = SupportSpec {
@@ -573,8 +631,9 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         stress_ratio: None,
     };
     for (test, specimen, text) in [
-        (of(TestKind::Bending), &cube, "the specimen has no notch"),
-        (Test { span_mm: Some(60.0), ..of(TestKind::Bending) }, &cube, "the rollers must stand on the beam"),
+        (of(TestKind::Bending), &cube, "a beam must be longer than 10/9 of its depth"),
+        (of(TestKind::FourPoint), &cylinder, "no plane sides for its plates"),
+        (Test { span_mm: Some(90.0), ..of(TestKind::Bending) }, &beam, "the rollers must stand on the beam"),
         (of(TestKind::Biaxial), &cylinder, "no plane sides for its plates"),
         (of(TestKind::Shear), &cylinder, "no plane sides for its plates"),
         (of(TestKind::Shear), &cube, "no two notches"),
@@ -590,10 +649,10 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         (Test { strip_mm: Some(30.0), ..of(TestKind::Splitting) }, &cube, "a strip must leave half of the side free"),
         (of(TestKind::Splitting), &beam, "the specimen has a notch where it splits"),
         (Test { span_mm: Some(2.0), ..of(TestKind::Bending) }, &beam, "its depth of 20 mm apart"),
-        (Test { strip_mm: Some(40.0), ..of(TestKind::Bending) }, &beam, "narrower than half of the span"),
+        (Test { strip_mm: Some(40.0), ..of(TestKind::Bending) }, &beam, "narrower than the 33.333"),
         (Test { gauges: vec![lvdt(1.0, 60.0)], ..Test::default() }, &cube, "the specimen is 50 mm long there"),
         (Test { supports: vec![beside], ..Test::default() }, &cube, "the strip lies beside the specimen"),
-        (turning(0.1, TurnOf::Opening), &cube, "test.turns.of is opening; the specimen has no notch"),
+        (turning(0.1, TurnOf::Opening), &cube, "test.turns.of is opening; no gauge measures an opening"),
         (turning(-0.01, TurnOf::Strain), &cube, "plates that press cannot pull"),
         (turning(-5.0, TurnOf::Stress), &cube, "plates that press cannot pull"),
         (

@@ -283,7 +283,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// test : str or dict
-    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional

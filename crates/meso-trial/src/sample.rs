@@ -19,10 +19,12 @@ pub struct Geometry {
     pub size_mm: [f64; 3],
     /// Gross section across z, mm2.
     pub section_mm2: f64,
-    /// Depth of the notch in the middle of the lower side, mm; 0 without a notch.
+    /// Depth of the notch in the lower side, mm; 0 without a notch.
     pub notch_mm: f64,
-    /// Depth of the notch in the middle of the upper side, mm; 0 without a notch.
+    /// Depth of the notch in the upper side, mm; 0 without a notch.
     pub upper_notch_mm: f64,
+    /// Place of both notches along x, mm from the middle.
+    pub notch_at_mm: f64,
 }
 
 impl Geometry {
@@ -30,7 +32,7 @@ impl Geometry {
     pub fn of(specimen: &Specimen) -> Self {
         let (size_mm, section_mm2) = (specimen.aabb().size().into(), gross_section_mm2(specimen));
         let [notch_mm, upper_notch_mm] = notches_mm(specimen);
-        Self { size_mm, section_mm2, notch_mm, upper_notch_mm }
+        Self { size_mm, section_mm2, notch_mm, upper_notch_mm, notch_at_mm: notch_at_mm(specimen) }
     }
 }
 
@@ -47,8 +49,10 @@ pub struct Sample<'a> {
     pub element_size_mm: f64,
     /// Width of a crack band over the edge of a box, or of the regular tetrahedron of a cell's volume: [`band_factor`].
     pub band_factor: f64,
-    /// Depths of the notches in the middle of the lower and of the upper side, mm; 0 without a notch.
+    /// Depths of the notches in the lower and in the upper side, mm; 0 without a notch.
     pub notches_mm: [f64; 2],
+    /// Place of the notches along x, mm from the middle.
+    pub notch_at_mm: f64,
     /// Volume of both notches, mm3.
     pub notches_mm3: f64,
     /// Shape of the specimen, for depths below its surface.
@@ -67,6 +71,7 @@ impl<'a> Sample<'a> {
             element_size_mm: options.element_size_mm,
             band_factor: band_factor(mesh),
             notches_mm: notches_mm(specimen),
+            notch_at_mm: notch_at_mm(specimen),
             notches_mm3: notches_mm3(specimen),
             container: specimen.container(),
             exact: None,
@@ -77,7 +82,8 @@ impl<'a> Sample<'a> {
     pub fn geometry(&self) -> Geometry {
         let size_mm = Aabb::around(&self.mesh.points).size().into();
         let [notch_mm, upper_notch_mm] = self.notches_mm;
-        Geometry { size_mm, section_mm2: self.section_mm2, notch_mm, upper_notch_mm }
+        let notch_at_mm = self.notch_at_mm;
+        Geometry { size_mm, section_mm2: self.section_mm2, notch_mm, upper_notch_mm, notch_at_mm }
     }
 
     /// Refuses a mesh without cells or of second order, and measures that are no positive numbers.
@@ -141,6 +147,11 @@ fn notches_mm3(specimen: &Specimen) -> f64 {
         }
         _ => 0.0,
     }
+}
+
+/// Place of a specimen's notches along x, mm from its middle.
+fn notch_at_mm(specimen: &Specimen) -> f64 {
+    if let Specimen::NotchedPrism { notch_at_mm, .. } = specimen { *notch_at_mm } else { 0.0 }
 }
 
 /// Depths of a specimen's lower and upper notch, mm; 0 without one.

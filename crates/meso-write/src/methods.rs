@@ -51,9 +51,10 @@ fn specimen(specimen: &Specimen, kind: &str) -> String {
             format!("cylinder of {diameter_mm} mm in diameter and {height_mm} mm in height")
         }
         Specimen::Sphere { diameter_mm } => format!("sphere of {diameter_mm} mm in diameter"),
-        Specimen::NotchedPrism { notch_depth_mm, notch_width_mm, .. } => {
+        Specimen::NotchedPrism { notch_depth_mm, notch_width_mm, notch_at_mm, .. } => {
             let within = size(specimen.aabb().size().into());
-            format!("prism of {within} mm with a notch of {notch_width_mm} x {notch_depth_mm} mm")
+            let place = if notch_at_mm == 0.0 { String::new() } else { format!(", {notch_at_mm} mm from its middle") };
+            format!("prism of {within} mm with a notch of {notch_width_mm} x {notch_depth_mm} mm{place}")
         }
         _ => format!("{} of {} mm", kind.replace('-', " "), size(specimen.aabb().size().into())),
     }

@@ -76,7 +76,7 @@ pub enum Specimen {
         /// Diameter, mm.
         diameter_mm: f64,
     },
-    /// A prism with a notch sawn into the middle of its lower side, across its width, and perhaps one into its upper side.
+    /// A prism with a notch sawn into its lower side, across its width, and perhaps one into its upper side.
     NotchedPrism {
         /// Along x, mm.
         length_mm: f64,
@@ -91,6 +91,9 @@ pub enum Specimen {
         /// Depth of a second notch above it, from the upper side downwards, mm; 0 for none.
         #[serde(default, skip_serializing_if = "is_zero")]
         upper_notch_depth_mm: f64,
+        /// Place of both notches along x, mm from the middle of the length.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        notch_at_mm: f64,
     },
     /// A plate that narrows in round arcs to a neck in the middle of its length.
     Dogbone {
@@ -265,9 +268,11 @@ impl Specimen {
                 notch_depth_mm,
                 notch_width_mm,
                 upper_notch_depth_mm,
+                notch_at_mm,
             } => {
                 let depths = [notch_depth_mm, upper_notch_depth_mm];
-                Box::new(notched::container([length_mm, width_mm, depth_mm], depths, notch_width_mm)?)
+                let middle = 0.5 * length_mm + notch_at_mm;
+                Box::new(notched::container([length_mm, width_mm, depth_mm], depths, notch_width_mm, middle)?)
             }
             Self::Dogbone { .. } => Box::new(self.dogbone().container()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),

@@ -1,17 +1,19 @@
-//! Prisms with a notch sawn into the middle of their lower side, for bending tests, and perhaps one above it, for shear.
+//! Prisms with a notch sawn into their lower side, for bending tests, and perhaps one above it, for shear.
 
 use super::box_minus_convex::BoxMinusConvex;
 use super::profile::{self, Station};
 use meso_collision::geometry::HullError;
 use meso_collision::math::Vec3;
 
-/// Length along x, width along y, depth along z, the depths of the lower and of the upper notch, and their width, mm.
+/// Length along x, width along y, depth along z, the depths of the lower and of the upper notch, their width, and the
+/// place of their middle along x, mm.
 pub(super) fn container(
     [length, width, depth]: [f64; 3],
     [lower, upper]: [f64; 2],
     notch_width: f64,
+    middle: f64,
 ) -> Result<BoxMinusConvex, HullError> {
-    let (left, right) = ((length - notch_width) / 2.0, (length + notch_width) / 2.0);
+    let (left, right) = (middle - notch_width / 2.0, middle + notch_width / 2.0);
     let station = |(x, is_notched): (f64, bool)| {
         let [below, above] = if is_notched { [lower, upper] } else { [0.0; 2] };
         Station { x, low: below, high: depth - above }

@@ -180,12 +180,16 @@ class Specimen:
         notch_width_mm: float,
         notch_depth_mm: float,
         upper_notch_depth_mm: float = 0.0,
+        notch_at_mm: float = 0.0,
     ) -> _types.NotchedPrismSpecimen:
-        """Return a beam with a notch sawn into the middle of its lower side, across its width, and perhaps one above it."""
+        """Return a beam with a notch sawn into its lower side, across its width, and perhaps one above it.
+
+        `notch_at_mm` is the place of both along x, from the middle."""
         notch = {
             "notch_width_mm": notch_width_mm,
             "notch_depth_mm": notch_depth_mm,
             "upper_notch_depth_mm": upper_notch_depth_mm,
+            "notch_at_mm": notch_at_mm,
         }
         beam = {"kind": "notched-prism", "length_mm": length_mm, "width_mm": width_mm, "depth_mm": depth_mm, **notch}
         return cast("_types.NotchedPrismSpecimen", beam)
@@ -302,8 +306,13 @@ class Test:
 
     @staticmethod
     def bending(span_mm: float | None = None, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
-        """Return a notched beam on two rollers, `span_mm` apart, that a third one presses."""
+        """Return a beam on two rollers, `span_mm` apart, that a third one presses."""
         return _checked_test({"test": "bending", "span_mm": span_mm, **options})
+
+    @staticmethod
+    def four_point(span_mm: float | None = None, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
+        """Return a beam on two rollers, `span_mm` apart, that two more press at its third points (ASTM C78, EN 12390-5)."""
+        return _checked_test({"test": "four-point", "span_mm": span_mm, **options})
 
     @staticmethod
     def shear(**options: Unpack[_types.SolveOptions]) -> _types.NamedTest:

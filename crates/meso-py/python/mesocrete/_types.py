@@ -291,7 +291,7 @@ class SphereSpecimen(TypedDict, total=False):
 
 
 class NotchedPrismSpecimen(TypedDict, total=False):
-    """A prism with a notch sawn into the middle of its lower side, across its width, and perhaps one into its upper side."""
+    """A prism with a notch sawn into its lower side, across its width, and perhaps one into its upper side."""
 
     depth_mm: float
     """Along z, the notch's included, mm."""
@@ -299,6 +299,8 @@ class NotchedPrismSpecimen(TypedDict, total=False):
     """Name of this form: 'notched-prism'."""
     length_mm: float
     """Along x, mm."""
+    notch_at_mm: float
+    """Place of both notches along x, mm from the middle of the length."""
     notch_depth_mm: float
     """Depth of the notch, from z = 0 upwards, mm."""
     notch_width_mm: float
@@ -563,7 +565,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
     """Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]"""
@@ -664,12 +666,14 @@ class LateralStrainSolveGauge(TypedDict, total=False):
 
 
 class CrackMouthSolveGauge(TypedDict, total=False):
-    """Opening of the crack mouth at the lower side of a notched beam, mm."""
+    """Opening of the crack mouth at the lower side of a beam, mm."""
 
     kind: Literal["crack-mouth"]
     """Name of this form: 'crack-mouth'."""
     name: str
     """Name of the column."""
+    over_mm: float | None
+    """Gauge length along the lower side, mm; absent, it is the notch's, or the depth of a beam without one."""
 
 
 SolveGauge = LvdtSolveGauge | SidesSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
@@ -790,5 +794,5 @@ class StatisticsOptions(TypedDict, total=False):
 class NamedTest(SolveOptions, total=False):
     """A test and its name, as `Test` returns it."""
 
-    test: Literal["compression", "tension", "splitting", "bending", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+    test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
     """The named test."""

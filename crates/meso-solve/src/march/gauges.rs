@@ -73,7 +73,7 @@ impl Setter<'_> {
             Gauge::Lvdt { axis, from_mm, to_mm, .. } => self.lvdt(name, axis as usize, [from_mm, to_mm]),
             Gauge::Sides { axis, .. } => self.sides(name, axis as usize),
             Gauge::LateralStrain { .. } => self.lateral(name),
-            Gauge::CrackMouth { .. } => self.mouth(name),
+            Gauge::CrackMouth { over_mm, .. } => self.mouth(name, over_mm),
         };
         reader.map(|mut reader| {
             reader.weights.iter_mut().for_each(|(node, _)| *node = self.number[*node as usize]);
@@ -167,24 +167,38 @@ impl Setter<'_> {
         Ok(reader)
     }
 
-    /// The nodes of the lower side that are nearest to its middle, right against left.
-    fn mouth(&self, name: &str) -> Result<Reader, SolveError> {
-        if self.sample.notches_mm[0] <= 0.0 {
-            let why = "the specimen has no notch; take a notched-prism";
-            return Err(TEST.error(format!("gauges.{name}"), "crack-mouth", why).into());
-        }
-        let points = &self.mesh().points;
-        let middle = 0.5 * (Aabb::around(points).min + Aabb::around(points).max).x;
+    /// The nodes of the lower side at the notch's lips, or at both ends of a gauge length around it, right against left.
+    fn mouth(&self, name: &str, over_mm: Option<f64>) -> Result<Reader, SolveError> {
+        let (points, aabb) = (&self.mesh().points, Aabb::around(&self.mesh().points));
+        let middle = 0.5 * (aabb.min + aabb.max).x + self.sample.notch_at_mm;
+        let at_lips = if self.sample.notches_mm[0] > 0.0 { 0.0 } else { aabb.size().z };
+        let half = 0.5 * over_mm.unwrap_or(at_lips);
         let sides = Sides::of(self.mesh());
-        let of = |sense: f64| -> Vec<u32> {
-            let off = |node: u32| sense * (points[node as usize].x - middle);
-            let lower = || sides.members(4).filter(|&node| off(node) > 0.0);
-            let least = lower().map(off).fold(f64::INFINITY, f64::min);
-            lower().filter(|&node| off(node) <= least + 0.25 * self.sample.element_size_mm).collect()
-        };
         let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: true };
-        reader.add(&of(1.0), 0, 1.0);
-        reader.add(&of(-1.0), 0, -1.0);
+        for sense in [1.0, -1.0] {
+            let along = |node: u32| sense * (points[node as usize].x - middle);
+            // The row of nodes nearest to the gauge's end among those on one side of it, and its mean place.
+            let row = |is_beyond: bool| -> Option<(Vec<u32>, f64)> {
+                let own = || sides.members(4).filter(|&node| along(node) > 0.0 && (along(node) >= half) == is_beyond);
+                let nearest = own().map(along).min_by(|a, b| (a - half).abs().total_cmp(&(b - half).abs()))?;
+                let nodes: Vec<u32> =
+                    own().filter(|&node| (along(node) - nearest).abs() <= 0.25 * self.sample.element_size_mm).collect();
+                let mean = nodes.iter().map(|&node| along(node)).sum::<f64>() / nodes.len() as f64;
+                Some((nodes, mean))
+            };
+            match (row(false), row(true)) {
+                (Some((inner, low)), Some((outer, high))) => {
+                    let share = ((half - low) / (high - low)).clamp(0.0, 1.0);
+                    reader.add(&inner, 0, sense * (1.0 - share));
+                    reader.add(&outer, 0, sense * share);
+                }
+                (Some((only, _)), None) | (None, Some((only, _))) => reader.add(&only, 0, sense),
+                (None, None) => {
+                    let why = "it finds no nodes on the lower side; take smaller elements";
+                    return Err(TEST.error(format!("gauges.{name}"), "crack-mouth", why).into());
+                }
+            }
+        }
         Ok(reader)
     }
 }

@@ -355,7 +355,7 @@ impl Summary {
 
     /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal.
     pub fn has_modulus(&self) -> bool {
-        !matches!(self.test, TestKind::Splitting | TestKind::Bending | TestKind::Shear | TestKind::Expansion)
+        !self.test.is_beam() && !matches!(self.test, TestKind::Splitting | TestKind::Shear | TestKind::Expansion)
     }
 
     /// Whether no support moves: an expansion has strains and no strength.

@@ -148,6 +148,7 @@ fn specimen(specimen: &Specimen, least_mm: f64, waiting: Waiting<'_>) -> Checked
             notch_depth_mm,
             notch_width_mm,
             upper_notch_depth_mm,
+            notch_at_mm,
         } => {
             lengths(&[("length_mm", length_mm), ("width_mm", width_mm), ("depth_mm", depth_mm)])?;
             lengths(&[("notch_depth_mm", notch_depth_mm), ("notch_width_mm", notch_width_mm)])?;
@@ -157,7 +158,15 @@ fn specimen(specimen: &Specimen, least_mm: f64, waiting: Waiting<'_>) -> Checked
                 let (key, left) = ("specimen.upper_notch_depth_mm", depth_mm - notch_depth_mm);
                 below(key, upper_notch_depth_mm, "the prism above its lower notch is only", left, "deep")?;
             }
-            below("specimen.notch_width_mm", notch_width_mm, "the prism is only", length_mm, "long")
+            below("specimen.notch_width_mm", notch_width_mm, "the prism is only", length_mm, "long")?;
+            let left = 0.5 * (length_mm - notch_width_mm);
+            below(
+                "specimen.notch_at_mm",
+                notch_at_mm.abs(),
+                "from the middle to the end the notch has only",
+                left,
+                "mm",
+            )
         }
         Specimen::Dogbone { .. } => dogbone(specimen),
         Specimen::Polyhedron { vertices_mm } | Specimen::Mesh { vertices_mm, .. } => {

@@ -227,14 +227,23 @@ pub enum Gauge {
         /// Name of the column.
         name: String,
     },
-    /// Opening of the crack mouth at the lower side of a notched beam, mm.
+    /// Opening of the crack mouth at the lower side of a beam, mm.
     CrackMouth {
         /// Name of the column.
         name: String,
+        /// Gauge length along the lower side, mm; absent, it is the notch's, or the depth of a beam without one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
+        over_mm: Option<f64>,
     },
 }
 
 impl Gauge {
+    /// The crack mouth of a beam, in the column `crack_mouth_mm`.
+    pub(super) fn mouth() -> Self {
+        Self::CrackMouth { name: "crack_mouth_mm".to_owned(), over_mm: None }
+    }
+
     /// Whether another gauge is of its kind.
     pub fn is_like(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
@@ -249,6 +258,10 @@ impl Gauge {
 
     /// Finds out whether a specimen of this size has its planes.
     pub fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
+        if let Self::CrackMouth { name, over_mm: Some(over) } = self {
+            let why = format!("the specimen is {} mm long; take a gauge that lies on it", size_mm[0]);
+            return TEST.require(format!("gauges.{name}.over_mm"), *over, *over > 0.0 && *over < size_mm[0], why);
+        }
         let Self::Lvdt { name, axis, from_mm, to_mm } = self else { return Ok(()) };
         let size = size_mm[*axis as usize];
         if 0.0 <= *from_mm && from_mm < to_mm && *to_mm <= size {
@@ -264,7 +277,7 @@ impl Gauge {
         let (Self::Lvdt { name, .. }
         | Self::Sides { name, .. }
         | Self::LateralStrain { name }
-        | Self::CrackMouth { name }) = self;
+        | Self::CrackMouth { name, .. }) = self;
         name
     }
 }

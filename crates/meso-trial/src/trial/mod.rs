@@ -102,6 +102,8 @@ pub enum TestKind {
     Splitting,
     /// A beam on two rollers, pressed by a third.
     Bending,
+    /// A beam on two rollers, pressed by two more at its third points.
+    FourPoint,
     /// Pressure on all sides, then plates.
     Triaxial,
     /// Two pairs of plates in a ratio of stresses.
@@ -222,7 +224,7 @@ impl Test {
             TestKind::Triaxial => 0.01,
             TestKind::Tension => 0.0005,
             TestKind::Splitting => 0.0015,
-            TestKind::Bending => 0.006,
+            TestKind::Bending | TestKind::FourPoint => 0.006,
             TestKind::Shear => 0.002,
         })
     }
@@ -235,7 +237,9 @@ impl Test {
             TestKind::Tension => paced(TENSION_PACE, height_mm),
             TestKind::Splitting => paced(SPLITTING_PACE, length_mm),
             TestKind::Shear => paced(SPLITTING_PACE, height_mm),
-            TestKind::Bending => BENDING_PERIODS * self.period_s(geometry) * (self.strain() / 0.002).max(0.25),
+            TestKind::Bending | TestKind::FourPoint => {
+                BENDING_PERIODS * self.period_s(geometry) * (self.strain() / 0.002).max(0.25)
+            }
             TestKind::Expansion => LEAST_PACE * height_mm,
             _ => paced(COMPRESSION_PACE, height_mm),
         })
@@ -291,7 +295,7 @@ impl Test {
     /// Whether plates of the named test rub, so that its friction has an effect.
     pub fn rubs(&self) -> bool {
         let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion);
-        !is_glued && self.kind != TestKind::Bending && self.supports.is_empty()
+        !is_glued && !self.kind.is_beam() && self.supports.is_empty()
     }
 
     /// Strains of the phases that have no stress, if the test has any.
@@ -375,8 +379,8 @@ impl Test {
 impl Test {
     /// Refuses values that the named test does not have.
     fn validate_kind(&self) -> Result<(), OutOfRange> {
-        let [pressed, bent, split] =
-            [TestKind::Triaxial, TestKind::Bending, TestKind::Splitting].map(|kind| kind == self.kind);
+        let [pressed, split] = [TestKind::Triaxial, TestKind::Splitting].map(|kind| kind == self.kind);
+        let bent = self.kind.is_beam();
         for (key, value, has, of) in [
             ("pressure_mpa", self.pressure_mpa, pressed, "triaxial"),
             ("stress_ratio", self.stress_ratio, self.kind == TestKind::Biaxial, "biaxial"),
@@ -437,12 +441,19 @@ impl Test {
     }
 }
 
+impl TestKind {
+    /// Whether it bends a beam.
+    pub fn is_beam(self) -> bool {
+        matches!(self, Self::Bending | Self::FourPoint)
+    }
+}
+
 impl Control {
     /// The gauge that controls the path.
     fn gauge(self) -> Option<Gauge> {
         match self {
             Self::Steady | Self::Servo => None,
-            Self::CrackMouth => Some(Gauge::CrackMouth { name: "crack_mouth_mm".to_owned() }),
+            Self::CrackMouth => Some(Gauge::mouth()),
             Self::LateralStrain => Some(Gauge::LateralStrain { name: "lateral_strain".to_owned() }),
         }
     }

@@ -4,6 +4,7 @@ use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
 use crate::trial::conflict;
 use crate::trial::load::{Along, Gauge, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+use crate::trial::setup::word;
 use crate::trial::{Control, Test, TestKind};
 use meso_concrete::OutOfRange;
 use meso_concrete::specimen::Specimen;
@@ -48,8 +49,10 @@ const STICKING: f64 = 0.5;
 pub(super) const SWELLING: f64 = 1e-4;
 /// Width of a roller over the beam's depth.
 const ROLLER: f64 = 0.05;
-/// Span over depth of a beam, at most (EN 14651: 500 mm over 150 mm).
+/// Span over depth of a beam that one roller presses, at most (EN 14651: 500 mm over 150 mm).
 const SPAN: f64 = 10.0 / 3.0;
+/// The same of a beam that two rollers press (ASTM C78 and EN 12390-5: three depths).
+const THIRD_POINT_SPAN: f64 = 3.0;
 
 impl Test {
     /// The rig of the test on a specimen of this `geometry`.
@@ -75,7 +78,7 @@ impl Test {
             TestKind::Triaxial => along_z(self.confined()),
             TestKind::Biaxial => along_z(self.pressed_twice()),
             TestKind::Splitting => self.split(geometry)?,
-            TestKind::Bending => self.bent(geometry)?,
+            TestKind::Bending | TestKind::FourPoint => self.bent(geometry)?,
             TestKind::Expansion => along_z(Vec::new()),
             TestKind::Shear => self.sheared(geometry),
         })
@@ -91,17 +94,18 @@ impl Test {
             let why = "the specimen has a notch where it splits; take a cylinder, cube or box";
             return Err(TEST.error("kind", "splitting", why).into());
         }
+        let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
+        let is_flat = matches!(self.kind, TestKind::Biaxial | TestKind::Shear) || self.kind.is_beam();
+        if is_flat && is_round && self.supports.is_empty() {
+            let name = word(&self.kind);
+            let why = "the specimen has no plane sides for its plates; take a cube, box or prism";
+            return Err(TEST.error("kind", name, why).into());
+        }
         let rig = self.rig(&geometry)?;
         self.suits_notch(&geometry)?;
         self.gauges().iter().try_for_each(|gauge| gauge.suits(&geometry.size_mm))?;
         rig.supports.iter().try_for_each(|support| support.suits(&geometry.size_mm))?;
         conflict::suits(&rig.supports, specimen)?;
-        let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
-        let flat = [(TestKind::Biaxial, "biaxial"), (TestKind::Shear, "shear")];
-        if let Some((_, name)) = flat.into_iter().find(|(kind, _)| *kind == self.kind && is_round) {
-            let why = "the specimen has no plane sides for its plates; take a cube, box or prism";
-            return Err(TEST.error("kind", name, why).into());
-        }
         let has_own_shape = matches!(specimen, Specimen::Mesh { .. });
         let is_notched = has_own_shape || geometry.notch_mm > 0.0 && geometry.upper_notch_mm > 0.0;
         if self.kind == TestKind::Shear && self.supports.is_empty() && !is_notched {
@@ -112,22 +116,22 @@ impl Test {
         Ok(())
     }
 
-    /// Finds out whether the specimen has the notch that a gauge or a turn measures.
+    /// Finds out whether a gauge measures the openings of turns, and whether the specimen has the notch that it spans.
     fn suits_notch(&self, geometry: &Geometry) -> Result<(), TrialError> {
-        if geometry.notch_mm > 0.0 {
+        let gauges = self.gauges();
+        let over = |gauge: &Gauge| if let Gauge::CrackMouth { over_mm, .. } = gauge { Some(*over_mm) } else { None };
+        let mouths: Vec<Option<f64>> = gauges.iter().filter_map(over).collect();
+        if mouths.is_empty() && self.turns().iter().any(|turn| turn.of == TurnOf::Opening) {
+            let why = "no gauge measures an opening; add one of kind crack-mouth, or take turns at strains";
+            return Err(TEST.error("turns.of", "opening", why).into());
+        }
+        if geometry.notch_mm > 0.0 || self.kind.is_beam() || mouths.iter().all(Option::is_some) {
             return Ok(());
         }
-        let has_mouth = self.gauges().iter().any(|gauge| matches!(gauge, Gauge::CrackMouth { .. }));
-        let turns = self.turns().iter().any(|turn| turn.of == TurnOf::Opening);
-        let (key, value) = match self.kind {
-            _ if turns => ("turns.of", "opening"),
-            _ if !has_mouth => return Ok(()),
-            _ if self.control == Control::CrackMouth => ("control", "crack-mouth"),
-            _ if self.gauges.is_empty() => ("kind", "bending"),
-            _ => ("gauges.kind", "crack-mouth"),
-        };
-        let why = "the specimen has no notch, whose mouth opens; take a notched-prism, or gauges and turns of your own";
-        Err(TEST.error(key, value, why).into())
+        let key = if self.control == Control::CrackMouth { "control" } else { "gauges.kind" };
+        let why =
+            "the specimen has no notch, whose mouth opens; take a notched-prism, a gauge with over_mm, or bending";
+        Err(TEST.error(key, "crack-mouth", why).into())
     }
 
     /// The axis of the sides whose supports follow the path.
@@ -198,50 +202,56 @@ impl Test {
         })
     }
 
-    /// Plates glued to the upper side left of the middle and to the lower side right of it, as on the double-notched specimens
+    /// Plates glued to the upper side left of the notches and to the lower side right of them, as on the double-notched specimens
     /// of Reinhardt and Xu (2000): force over the plane between the notches is the stress, and way over the height the strain.
     fn sheared(&self, geometry: &Geometry) -> Rig {
-        let [x, y, z] = geometry.size_mm;
-        let half = |name, on, at: f64, moves| SupportSpec {
-            strip: Some(Strip { axis: Along::X, at_mm: at * x, width_mm: 0.5 * x }),
+        let ([x, y, z], notch) = (geometry.size_mm, geometry.notch_at_mm);
+        let half = |name, on, end: f64, moves| SupportSpec {
+            strip: Some(Strip { axis: Along::X, at_mm: 0.5 * (notch + end), width_mm: (end - notch).abs() }),
             rule: Rule::Glued,
             moves,
             ..SupportSpec::new(name, on)
         };
-        let supports = vec![half("bottom", Side::ZMin, 0.25, 0.5), half("top", Side::ZMax, -0.25, -0.5)];
+        let supports = vec![half("bottom", Side::ZMin, 0.5 * x, 0.5), half("top", Side::ZMax, -0.5 * x, -0.5)];
         let section_mm2 = y * (z - geometry.notch_mm - geometry.upper_notch_mm);
         Rig { supports, axis: 2, length_mm: z, section_mm2, breaking_mm2: section_mm2 }
     }
 
-    /// A beam on two rollers, pressed by a third one: 3 F l / (2 b h^2) is the stress, and 6 h w / l^2 the strain, h being
-    /// the depth above the notch.
+    /// A beam on two rollers, pressed by a third one, or by two at its third points. With a from a roller below to the next
+    /// one above, and h as the depth above the notch, 3 F a / (b h^2) is the stress and 3 h w / (a (3 l - 4 a)) the strain:
+    /// 3 F l / (2 b h^2) and 6 h w / l^2 by one roller, F l / (b h^2) and 27 h w / (5 l^2) by two.
     fn bent(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [x, y, z] = geometry.size_mm;
         let span = self.span_mm(geometry);
-        let fits = span < x && self.span_mm.is_none_or(|span| span >= z);
+        let why = format!("a beam must be longer than 10/9 of its depth, {z} mm; take a longer prism");
+        TEST.require("kind", word(&self.kind), 0.9 * x > z, why)?;
         let accepted = format!(
             "the rollers must stand on the beam, {x} mm long, and its depth of {z} mm apart; take {:.3}",
             0.9 * x
         );
-        TEST.require("span_mm", span, fits, accepted)?;
+        TEST.require("span_mm", span, span < x && span >= z, accepted)?;
+        let is_four = self.kind == TestKind::FourPoint;
+        let arm = if is_four { span / 3.0 } else { 0.5 * span };
         let width_mm = self.strip_mm.unwrap_or(ROLLER * z);
-        let accepted = format!("a roller must be narrower than half of the span, {span} mm; take {:.3} mm", ROLLER * z);
-        TEST.require("strip_mm", width_mm, width_mm < 0.5 * span, accepted)?;
+        let accepted =
+            format!("rollers must be narrower than the {arm} mm from one to the next; take {:.3} mm", ROLLER * z);
+        TEST.require("strip_mm", width_mm, width_mm < arm, accepted)?;
         let roller = |name, on, at_mm, moves| SupportSpec {
             strip: Some(Strip { axis: Along::X, at_mm, width_mm }),
             moves,
             ..SupportSpec::new(name, on)
         };
         let height = z - geometry.notch_mm;
+        let above = [("load_left", -0.5 * arm), ("load_right", 0.5 * arm)];
+        let above = if is_four { &above[..] } else { &[("load", 0.0)] };
+        let below = [("left", -0.5 * span), ("right", 0.5 * span)];
+        let at_rest = below.iter().map(|&(name, at_mm)| roller(name, Side::ZMin, at_mm, 0.0));
+        let moving = above.iter().map(|&(name, at_mm)| roller(name, Side::ZMax, at_mm, -1.0));
         Ok(Rig {
-            supports: vec![
-                roller("left", Side::ZMin, -0.5 * span, 0.0),
-                roller("right", Side::ZMin, 0.5 * span, 0.0),
-                roller("load", Side::ZMax, 0.0, -1.0),
-            ],
+            supports: at_rest.chain(moving).collect(),
             axis: 2,
-            length_mm: span * span / (6.0 * height),
-            section_mm2: 2.0 * y * height * height / (3.0 * span),
+            length_mm: arm * (3.0 * span - 4.0 * arm) / (3.0 * height),
+            section_mm2: y * height * height / (3.0 * arm),
             breaking_mm2: y * height,
         })
     }
@@ -249,7 +259,8 @@ impl Test {
     /// Distance of a beam's rollers, mm.
     pub fn span_mm(&self, geometry: &Geometry) -> f64 {
         let [x, _, z] = geometry.size_mm;
-        self.span_mm.unwrap_or((SPAN * z).min(0.9 * x))
+        let depths = if self.kind == TestKind::FourPoint { THIRD_POINT_SPAN } else { SPAN };
+        self.span_mm.unwrap_or((depths * z).min(0.9 * x))
     }
 
     /// Width of the strips of a splitting test, mm; none for other tests and supports of a file.
@@ -297,7 +308,7 @@ pub(super) fn gauges(kind: TestKind) -> Vec<Gauge> {
         TestKind::Expansion => [("strain_x", Along::X), ("strain_y", Along::Y), ("strain_z", Along::Z)]
             .map(|(name, axis)| Gauge::Sides { name: name.to_owned(), axis })
             .to_vec(),
-        TestKind::Bending => vec![Gauge::CrackMouth { name: "crack_mouth_mm".to_owned() }],
+        TestKind::Bending | TestKind::FourPoint => vec![Gauge::mouth()],
         TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic => {
             vec![Gauge::LateralStrain { name: "lateral_strain".to_owned() }]
         }

@@ -12,7 +12,10 @@ impl TestKind {
                 "Strips press a cylinder on its mantle, or a cube, along x. The stress is 2 F / (pi l d)."
             }
             Self::Bending => {
-                "A notched beam along x on two rollers; a third presses its middle. The stress is 3 F l / (2 b h^2)."
+                "A beam along x on two rollers; a third presses its middle. The stress is 3 F l / (2 b h^2)."
+            }
+            Self::FourPoint => {
+                "A beam along x on two rollers; two more press its third points. The stress is F l / (b h^2)."
             }
             Self::Triaxial => "All sides are pressed first, then plates press along z.",
             Self::Biaxial => "Plates press along z; the stress of plates across x follows in a ratio.",
@@ -32,6 +35,9 @@ impl TestKind {
             Self::Splitting => "# strip_mm = 10.0           # absent: a tenth of the diameter\n".to_owned(),
             Self::Bending => {
                 "# span_mm = 500.0           # absent: 10/3 of the depth, at most 0.9 of the length\n".to_owned()
+            }
+            Self::FourPoint => {
+                "# span_mm = 450.0           # absent: three depths, at most 0.9 of the length\n".to_owned()
             }
             Self::Triaxial => "pressure_mpa = 5.0\n".to_owned(),
             Self::Biaxial => "stress_ratio = 1.0          # lateral over axial stress\n".to_owned(),
@@ -85,19 +91,25 @@ mod tests {
     use crate::sample::Geometry;
     use crate::trial::{Test, TestKind};
 
-    const ALL: [TestKind; 9] = [
+    const ALL: [TestKind; 10] = [
         TestKind::Compression,
         TestKind::Tension,
         TestKind::Splitting,
         TestKind::Bending,
+        TestKind::FourPoint,
         TestKind::Triaxial,
         TestKind::Biaxial,
         TestKind::Cyclic,
         TestKind::Expansion,
         TestKind::Shear,
     ];
-    const BEAM: Geometry =
-        Geometry { size_mm: [120.0, 30.0, 32.0], section_mm2: 3600.0, notch_mm: 8.0, upper_notch_mm: 8.0 };
+    const BEAM: Geometry = Geometry {
+        size_mm: [120.0, 30.0, 32.0],
+        section_mm2: 3600.0,
+        notch_mm: 8.0,
+        upper_notch_mm: 8.0,
+        notch_at_mm: 0.0,
+    };
 
     fn read(text: &str) -> Test {
         let test: Test = meso_spec::options_from_toml(text).unwrap_or_else(|error| panic!("{error}\n{text}"));

@@ -41,12 +41,13 @@ impl Setup {
             return Self::default();
         }
         let is = |kind| test.kind == kind && test.supports.is_empty();
+        let is_beam = test.kind.is_beam() && test.supports.is_empty();
         let strip_mm = supports.iter().find_map(|support| support.strip).map(|strip| strip.width_mm);
         Self {
             pressure_mpa: is(TestKind::Triaxial).then(|| test.pressure_mpa()),
             stress_ratio: is(TestKind::Biaxial).then(|| test.stress_ratio()),
-            span_mm: is(TestKind::Bending).then(|| test.span_mm(geometry)),
-            strip_mm: strip_mm.filter(|_| is(TestKind::Bending) || is(TestKind::Splitting)),
+            span_mm: is_beam.then(|| test.span_mm(geometry)),
+            strip_mm: strip_mm.filter(|_| is_beam || is(TestKind::Splitting)),
             expansion: test.expansion(),
             turns: test.turns(),
             supports,
@@ -96,7 +97,8 @@ pub fn word(value: &impl serde::Serialize) -> String {
 mod tests {
     use super::*;
 
-    const CUBE: Geometry = Geometry { size_mm: [40.0; 3], section_mm2: 1600.0, notch_mm: 0.0, upper_notch_mm: 0.0 };
+    const CUBE: Geometry =
+        Geometry { size_mm: [40.0; 3], section_mm2: 1600.0, notch_mm: 0.0, upper_notch_mm: 0.0, notch_at_mm: 0.0 };
 
     /// The case: neither `result.json` nor the page of a triaxial test named its 5 MPa.
     #[test]

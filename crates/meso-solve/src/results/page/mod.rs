@@ -114,6 +114,7 @@ impl Axes {
         }
         let (x, y) = match result.test {
             TestKind::Bending => ("strain 6 h w / l² of the roller's way", "stress 3 F l / (2 b h²), MPa"),
+            TestKind::FourPoint => ("strain 27 h w / (5 l²) of the rollers' way", "stress F l / (b h²), MPa"),
             TestKind::Splitting => ("way over diameter", "stress 2 F / (π l d), MPa"),
             TestKind::Shear => ("way over height", "stress between the notches, MPa"),
             _ => ("mean axial strain", "stress, MPa"),
