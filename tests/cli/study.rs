@@ -195,7 +195,7 @@ fn wrong_studies_are_refused_before_the_work() {
         ("[over]\nfraction = [0.3, 1.5]\n", "STUDY.toml: case fraction = 1.5: fraction is 1.5"),
         ("recipe = 'rve-61'\n", "STUDY.toml: there is no recipe \"rve-61\""),
         ("[over]\nmesh.itz = ['none']\n", ": mesh.itz changes [mesh], which is not there"),
-        ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] the following required arguments were not provided"),
+        ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] output is missing; name the files of the mesh, e.g. mesh.inp"),
         ("[mesh]\noutput = 'a.inp'\nelements = 3\n", "[mesh] elements is not known; "),
         ("[mesh]\noutput = '../a.inp'\n", "[mesh] output has \"../a.inp\"; it must be the name of a file"),
         (
@@ -205,7 +205,7 @@ fn wrong_studies_are_refused_before_the_work() {
         ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
         (
             "[solve]\nmin-gap-mm = 1.0\n",
-            "[solve] min-gap-mm is of the packing, which the study makes; give --min-gap-mm",
+            "[solve] min_gap_mm is of the packing, which the study makes; give --min-gap-mm",
         ),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),

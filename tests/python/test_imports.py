@@ -205,9 +205,9 @@ CRATE_FLOORS = {
     "meso-core": 6,
     "meso-gpu": 6,
     "meso-ask": 7,
-    "meso-study": 7,
-    "meso-cli": 8,
-    "meso-py": 9,
+    "meso-study": 8,
+    "meso-cli": 9,
+    "meso-py": 10,
 }
 
 

@@ -103,7 +103,11 @@ fn wrong_studies_are_named_before_the_work() {
 
 #[test]
 fn flags_of_a_task_change_the_hash_and_not_the_spec() {
-    let plan = plan(&[("mesh.element-size-mm", json!([2, 4]))]).unwrap();
+    let axes = [Axis::new("mesh.element-size-mm", vec![json!(2), json!(4)])];
+    let plan = |task| Plan::new(&json!({ "fraction": 0.2 }), &axes, &task, &mut Beside(Path::new("")));
+    let error = plan(json!({})).unwrap_err().to_string();
+    assert_eq!(error, "mesh.element-size-mm changes [mesh], which is not there; add it");
+    let plan = plan(json!({ "mesh": {} })).unwrap();
     assert_eq!(plan.cases[0].spec, plan.cases[1].spec);
     assert_eq!(plan.cases[1].task, json!({ "mesh": { "element-size-mm": 4 } }));
     assert_ne!(plan.cases[0].hash, plan.cases[1].hash);

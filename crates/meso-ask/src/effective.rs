@@ -1,20 +1,24 @@
 //! Effective properties of a packing or a label volume.
 
 use crate::axes::Axes;
+use crate::files::{self, Reader};
 use crate::flags::{names, values};
 use crate::strains::{self, Strain};
+use crate::{AskError, Giver, Machine};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_core::import::{ending, volume};
 use meso_core::mesh::MethodName;
-use meso_core::{Model, Spec, Watch};
+use meso_core::{Model, Spec, Watch, spec};
 use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file};
 use meso_effective::{
     Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
     effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::path::Path;
 
 /// Effective diffusivity, conductivity and stiffness, each with its error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, clap::Args)]
@@ -224,6 +228,50 @@ impl EffectiveAsk {
         self.what.properties().into_iter().map(task).collect()
     }
 
+    /// Values of the phases: of a file, of tables, or the usual ones.
+    ///
+    /// # Errors
+    /// Options that contradict each other, a file that cannot be read, and unknown values.
+    pub fn values(&self, input: Input, giver: Giver<'_>, read: &Reader<'_>) -> Result<PhaseTables, AskError> {
+        self.accept(input).map_err(|wrong| AskError::Usage(giver.refusal(&wrong)))?;
+        Ok(match input {
+            Input::Model => PhaseTables::Packing(Box::new(self.phases(read)?)),
+            Input::Labels => PhaseTables::Labels(self.phases(read)?),
+        })
+    }
+
+    /// Puts values of one property, given without its name, into a table of its name.
+    pub fn name_phases(&mut self) {
+        let named = What::All.properties();
+        let is_named = |key: &String| named.iter().any(|of| of.map_or("stiffness", Property::name) == key);
+        if let Some(PhasesGiven::Tables(Value::Object(tables))) = &mut self.phases
+            && self.what != What::All
+            && !tables.keys().any(is_named)
+        {
+            let values = std::mem::take(tables);
+            tables.insert(names::of(&self.what), Value::Object(values));
+        }
+    }
+
+    fn phases<T: DeserializeOwned + Default>(&self, read: &Reader<'_>) -> Result<T, AskError> {
+        match &self.phases {
+            Some(PhasesGiven::File(path)) => files::toml(Path::new(path), read, spec::options_from_toml),
+            Some(PhasesGiven::Tables(tables)) => {
+                spec::options_from_value(tables).map_err(|error| AskError::Usage(error.to_string()))
+            }
+            None => Ok(T::default()),
+        }
+    }
+
+    /// An error in the giver's spelling.
+    pub fn fault(error: &EffectiveError, giver: Giver<'_>) -> AskError {
+        match error {
+            EffectiveError::Value(value) if value.table == "effective" => AskError::Usage(giver.refusal(value)),
+            EffectiveError::Diverged { .. } => AskError::Run(error.to_string()),
+            _ => AskError::Usage(error.to_string()),
+        }
+    }
+
     /// Names of the files that a run writes.
     pub fn files(&self) -> Vec<String> {
         let ending = field_ending(self.method == MethodName::Lattice);
@@ -352,6 +400,21 @@ impl EffectiveTask {
     pub fn size(&self) -> (&'static str, f64) {
         let Division { in_tetrahedra, size_mm } = self.division;
         (if in_tetrahedra { "element_size_mm" } else { "voxel_size_mm" }, size_mm)
+    }
+
+    /// Refuses a task beyond the memory.
+    ///
+    /// # Errors
+    /// The bytes that it takes, with a size that fits.
+    pub fn accept(&self, machine: &Machine<'_>, giver: Giver<'_>) -> Result<(), AskError> {
+        let (name, (key, size)) = (self.name(), self.size());
+        if let PhaseTables::Labels(_) = &self.values {
+            let work = format!("the {name} of the volume");
+            return machine.accept_bytes(&work, self.bytes, |_| "cut a part out of the image".to_owned());
+        }
+        let cells = if self.division.in_tetrahedra { "tetrahedra" } else { "voxels" };
+        let work = format!("the {name} of {cells} of {size} mm");
+        machine.accept_in_memory(&work, self.bytes, (&giver.option(key), size))
     }
 
     /// Solves it.

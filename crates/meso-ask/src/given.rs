@@ -1,10 +1,11 @@
 //! Options that a user gave, with their giver.
 
-use crate::Giver;
 use crate::flags::of_schema::{self, Flag};
+use crate::{AskError, Giver};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches};
 use meso_concrete::OutOfRange;
+use meso_core::spec;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -15,9 +16,11 @@ pub trait Options: JsonSchema + Serialize + DeserializeOwned + Default {
     /// The options that have flags, in the order of the help.
     const FLAGS: &'static [Flag];
 
-    /// The key of the option with a flag, which is named without its dashes.
-    fn key_of(flag: &str) -> Option<&'static str> {
-        Self::FLAGS.iter().map(|own| own.key).find(|key| of_schema::name(key).strip_prefix("--") == Some(flag))
+    /// The key of the option that a user gives by a name: its key, with or without its unit, or a name of its flag. `more`
+    /// lists keys without a flag.
+    fn key_of<'a>(name: &str, more: &[&'a str]) -> Option<&'a str> {
+        let with_flag = Self::FLAGS.iter().find(|flag| flag.is_called(name)).map(|flag| flag.key);
+        with_flag.or_else(|| more.iter().copied().find(|key| of_schema::means(key, name)))
     }
 }
 
@@ -31,14 +34,20 @@ pub struct Given<T> {
 }
 
 impl<T: Options> Given<T> {
+    /// The options of a table, each by its key.
+    ///
+    /// # Errors
+    /// A value that its option cannot have.
+    pub fn of(given: Map<String, Value>, giver: Giver<'static>) -> Result<Self, AskError> {
+        let options = spec::options_from_value(&Value::Object(given.clone()));
+        let options =
+            options.map_err(|error| AskError::Usage(format!("{} {}", giver.option(&error.key), error.message)))?;
+        Ok(Self { options, given, giver })
+    }
+
     /// The front that fills the request.
     pub fn giver(&self) -> Giver<'static> {
         self.giver
-    }
-
-    /// Sets the front that fills the request.
-    pub fn given_by(&mut self, giver: Giver<'static>) {
-        self.giver = giver;
     }
 
     /// Whether an option has a flag.

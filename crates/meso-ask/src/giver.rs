@@ -11,6 +11,8 @@ pub enum Giver<'a> {
     Flags,
     /// Keywords of Python, in which lengths have no unit: `voxel_size`.
     Keywords,
+    /// Entries of a dict that is a keyword of Python: `solve["friction"]`.
+    Keyword(&'a str),
     /// A section of a study, whose keys are flags: `[effective] voxel_size_mm`, `[solve] duration`.
     Section(&'a str),
     /// A table whose keys are those of the options: `[test] duration_s`.
@@ -24,6 +26,7 @@ impl Giver<'_> {
             Self::Flags | Self::Keywords if key.contains('.') => key.to_owned(),
             Self::Flags => of_schema::name(key),
             Self::Keywords => key.trim_end_matches("_mm").to_owned(),
+            Self::Keyword(name) => format!("{name}[\"{}\"]", key.trim_end_matches("_mm")),
             Self::Section(name) => {
                 format!("[{name}] {}", of_schema::name(key).trim_start_matches('-').replace('-', "_"))
             }
@@ -48,6 +51,7 @@ mod tests {
         let of = |giver: Giver<'_>| giver.refusal(&wrong);
         assert_eq!(of(Giver::Flags), "--voxel-size-mm is 0; it must be a positive number");
         assert_eq!(of(Giver::Keywords), "voxel_size is 0; it must be a positive number");
+        assert_eq!(of(Giver::Keyword("effective")), "effective[\"voxel_size\"] is 0; it must be a positive number");
         assert_eq!(Giver::Section("solve").option("duration_s"), "[solve] duration");
         assert_eq!(Giver::Table("test").option("duration_s"), "[test] duration_s");
         assert_eq!(of(Giver::Section("effective")), "[effective] voxel_size_mm is 0; it must be a positive number");

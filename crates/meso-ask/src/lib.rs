@@ -9,17 +9,32 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
 mod axes;
+mod deck;
 mod effective;
+mod error;
+pub mod files;
+mod fit;
 pub mod flags;
 mod given;
 mod giver;
+mod machine;
+mod mesh;
+mod mesh_figures;
 mod options;
 mod over;
+mod solve;
 mod strains;
 
 pub use axes::Axes;
+pub use deck::{DeckAsk, DeckSettled};
 pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, PhasesGiven, Subject, What};
+pub use error::AskError;
+pub use fit::FitAsk;
 pub use given::{Given, Options};
 pub use giver::Giver;
+pub use machine::{Machine, sizes};
+pub use mesh::MeshAsk;
+pub use mesh_figures::{MeshFigures, strict_doubt};
 pub use options::{FRAMES, deck_refusal};
 pub use over::Over;
+pub use solve::{SolveAsk, TestGiven, accept_effects};

@@ -1,7 +1,7 @@
 //! Strains by the name of their phase: a table in files, `mortar=-4e-4` in flags.
 
 use crate::flags::values;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::collections::BTreeMap;
 
 /// A phase, or a label, and its strain without stress.
@@ -23,5 +23,15 @@ pub(crate) fn serialize<S: Serializer>(strains: &[Strain], to: S) -> Result<S::O
 }
 
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Strain>, D::Error> {
-    BTreeMap::deserialize(from).map(|strains| strains.into_iter().collect())
+    match Form::deserialize(from)? {
+        Form::Text(text) => text.split(',').map(of_flag).collect::<Result<_, _>>().map_err(de::Error::custom),
+        Form::Table(strains) => Ok(strains.into_iter().collect()),
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a table of strains by phase")]
+enum Form {
+    Text(String),
+    Table(BTreeMap<String, f64>),
 }

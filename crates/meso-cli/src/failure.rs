@@ -1,6 +1,7 @@
 //! How a command ends badly: one line on stderr and an exit code.
 
 use crate::stderr;
+use meso_ask::AskError;
 use meso_files::reason;
 use std::path::Path;
 
@@ -44,6 +45,24 @@ impl Failure {
     pub(crate) fn print(&self) -> u8 {
         stderr::line(format!("error: {}", self.message()));
         if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
+    }
+}
+
+impl From<AskError> for Failure {
+    fn from(fault: AskError) -> Self {
+        match fault {
+            AskError::Usage(message) => Self::Usage(message),
+            AskError::Run(message) => Self::Run(message),
+        }
+    }
+}
+
+impl From<Failure> for AskError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Usage(message) => Self::Usage(message),
+            other => Self::Run(other.message().to_owned()),
+        }
     }
 }
 

@@ -3,12 +3,14 @@
 
 use crate::failure::Failure;
 use crate::stderr;
+use meso_ask::AskError;
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::DeviceName;
 use meso_solve::{Geometry, Run, Sample, Test};
+use meso_study::Attached;
 
 pub(crate) use meso_gpu::{Choice, Lease as Device};
 
@@ -21,13 +23,21 @@ pub(crate) fn find(choice: &Choice) -> Result<Option<Device>, Failure> {
     choice.find().map_err(Failure::Usage)
 }
 
+/// Finds the device of a name and puts a run there; the doubt about a device that cannot keep the promise, and the hold on it.
+pub(crate) fn device(name: &str, run: Option<&mut Run<'_>>) -> Result<Attached, AskError> {
+    let choice: Choice = name.parse().map_err(AskError::Usage)?;
+    let (Some(lease), Some(run)) = (find(&choice)?, run) else { return Ok(Attached::default()) };
+    meso_gpu::attach(run, &lease.device).map_err(|error| AskError::Run(error.to_string()))?;
+    Ok(Attached { doubt: warning(&lease.device)?, hold: Some(Box::new(lease)) })
+}
+
 /// Puts a run onto a device.
 pub(crate) fn attach(run: &mut Run, Device { device, .. }: &Device, quiet: bool) -> Result<(), Failure> {
     let bytes = meso_gpu::attach(run, device).map_err(|error| Failure::Run(error.to_string()))?;
     if !quiet {
         stderr::line(format!("on {device}, {:.0} MB", bytes as f64 / 1e6));
     }
-    warning(device)?.into_iter().for_each(stderr::line);
+    warning(device)?.into_iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     Ok(())
 }
 
@@ -35,7 +45,7 @@ pub(crate) fn attach(run: &mut Run, Device { device, .. }: &Device, quiet: bool)
 fn warning(device: &DeviceName) -> Result<Option<String>, Failure> {
     let Some(warning) = device.warning() else { return Ok(None) };
     let measured = measured(difference(device)?);
-    Ok(Some(format!("warning: {warning}; in a small test: {measured} (`mesocrete devices --check`)")))
+    Ok(Some(format!("{warning}; in a small test: {measured} (`mesocrete devices --check`)")))
 }
 
 /// A line about every device, with the result of its check where one is asked for.
@@ -107,7 +117,7 @@ mod tests {
         // pocl does not flush denormals: the check finds no difference.
         let faulty = DeviceName { faults: vec!["it flushes denormals"], ..device };
         let text = warning(&faulty).unwrap().unwrap();
-        assert!(text.starts_with("warning: ") && text.contains("it flushes denormals; results are not"), "{text}");
+        assert!(text.contains("it flushes denormals; results are not"), "{text}");
         assert!(text.contains("in a small test: same bytes as the processor ("), "{text}");
     }
 }

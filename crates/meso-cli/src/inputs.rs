@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::stderr;
+use meso_ask::AskError;
 use meso_core::import::volume::{self, LabelNumber, Volume, Wanted};
 use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
@@ -51,15 +52,18 @@ impl Files for Told<'_> {
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.
 pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecError>) -> Result<T, Failure> {
-    let bytes = read(path, LONGEST_SPEC, "a spec")?;
-    let name = name(path);
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let position = error.utf8_error().valid_up_to();
-        Failure::Usage(format!("{name}: byte {position} is not UTF-8; save it as plain text"))
-    })?;
-    parse(&text).map_err(|error| {
-        let message = format!("{name}: {error}");
+    parse(&text(path)?).map_err(|error| {
+        let message = format!("{}: {error}", name(path));
         if error.is_late { Failure::Late(message) } else { Failure::Usage(message) }
+    })
+}
+
+/// Reads a file of text, as long as a spec may be.
+pub(crate) fn text(path: &Path) -> Result<String, AskError> {
+    let bytes = read(path, LONGEST_SPEC, "a spec").map_err(AskError::from)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        AskError::Usage(format!("{}: byte {position} is not UTF-8; save it as plain text", name(path)))
     })
 }
 

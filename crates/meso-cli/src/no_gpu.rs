@@ -1,7 +1,9 @@
 //! A command without the feature `gpu` knows no device but this processor: the same names as in `gpu.rs`.
 
 use crate::failure::Failure;
+use meso_ask::AskError;
 use meso_solve::Run;
+use meso_study::Attached;
 use std::convert::Infallible;
 use std::fmt;
 use std::str::FromStr;
@@ -51,6 +53,13 @@ pub(crate) fn find(choice: &Choice) -> Result<Option<Device>, Failure> {
              Python package, or take the device cpu"
         ))),
     }
+}
+
+/// No device; others than this processor are refused.
+pub(crate) fn device(name: &str, _: Option<&mut Run<'_>>) -> Result<Attached, AskError> {
+    let choice = name.parse().unwrap_or_else(|never| match never {});
+    find(&choice)?;
+    Ok(Attached::default())
 }
 
 /// Never called: there is no device to call it with.

@@ -1,15 +1,12 @@
 //! `--threads`: as many workers as asked; the result does not depend on it.
 
 use crate::failure::Failure;
-use crate::stderr;
 
-/// Runs `work` on `threads` threads, or on all cores. Messages of these threads have the caller's subject.
+/// Runs `work` on `threads` threads, or on all cores.
 pub(crate) fn with<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     // For rayon 0 means all cores.
     let threads = usize::from(threads.unwrap_or(0));
-    let subject = stderr::subject();
-    let speak = move |_| stderr::speak_of(subject.clone());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).start_handler(speak).build();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::Run(format!("--threads {threads}: {error}; take fewer")))?;
     Ok(pool.install(work))
 }

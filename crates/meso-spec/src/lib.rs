@@ -28,6 +28,7 @@ pub use error::SpecError;
 pub use files::Files;
 pub use files::NoFiles;
 pub use limits::MAX_LENGTH_MM;
+pub use messages::nearest;
 pub use mix_design::MixDesign;
 
 use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};

@@ -39,7 +39,7 @@ pub(super) fn list_of(length: usize) -> String {
 }
 
 /// The known name at most two slips, or a third of its letters, away.
-pub(super) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let plain = |s: &str| s.to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     // A missing unit is the commonest slip: `side` for `side_mm`.

@@ -10,8 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const MOST_CASES: usize = 1_000_000;
 /// Number of cases planned between two reports: about 50 ms.
 const REPORT: usize = 1000;
-/// Options outside the spec whose axes change the task, not the spec.
-const TASKS: [&str; 4] = ["mesh", "solve", "effective", "test"];
+/// Sections of a task, each a step after the packing.
+pub(crate) const STEPS: [&str; 3] = ["mesh", "solve", "effective"];
+/// Key of the test of a task.
+const TEST: &str = "test";
 /// Column with the names of listed specs.
 const SPEC: &str = "spec";
 
@@ -68,6 +70,9 @@ pub enum PlanError {
     /// A draw of no cases.
     #[error("draw.cases is 0; it must lie within 1 and {MOST_CASES}")]
     NoCases,
+    /// An option of a step that the study does not have.
+    #[error("{0} changes [{1}], which is not there; add it")]
+    NoStep(String, String),
     /// A key that is not a dotted path.
     #[error("over.{0:?} is not an option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
     Key(String),
@@ -131,7 +136,7 @@ impl Plan {
         files: &mut dyn Files,
         planning: &mut dyn Planning,
     ) -> Result<Self, PlanError> {
-        check(axes)?;
+        check(axes, task)?;
         let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.rows.len()));
         let count = count.filter(|count| *count <= MOST_CASES).ok_or_else(|| {
             PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.rows.len())))
@@ -150,7 +155,7 @@ impl Plan {
     }
 }
 
-fn check(axes: &[Axis]) -> Result<(), PlanError> {
+fn check(axes: &[Axis], task: &Value) -> Result<(), PlanError> {
     let mut keys: Vec<&String> = Vec::new();
     for axis in axes {
         for key in &axis.keys {
@@ -163,10 +168,19 @@ fn check(axes: &[Axis]) -> Result<(), PlanError> {
             if let Some(other) = keys.iter().find(|other| is_part(key, other) || is_part(other, key)) {
                 return Err(PlanError::Overlapping(key.clone(), (*other).clone()));
             }
+            let step = key.split('.').next().unwrap_or_default();
+            if is_of_task(step) && task.get(step).is_none() {
+                return Err(PlanError::NoStep(key.clone(), step.to_owned()));
+            }
             keys.push(key);
         }
     }
     Ok(())
+}
+
+/// Whether an axis of this section changes the task, and not the spec.
+fn is_of_task(section: &str) -> bool {
+    section == TEST || STEPS.contains(&section)
 }
 
 /// Whether the option `key` is `whole` or a part of it.
@@ -213,7 +227,7 @@ fn case(
 ) -> Result<Case, PlanError> {
     let (mut tree, mut task) = (base.clone(), task.clone());
     let options = values.iter().filter(|(key, _)| *key != SPEC);
-    let (of_task, of_spec) = options.partition(|(key, _)| TASKS.iter().any(|name| is_part(key, name)));
+    let (of_task, of_spec) = options.partition(|(key, _)| is_of_task(key.split('.').next().unwrap_or_default()));
     Spec::overlay(&mut tree, one_tree(of_spec));
     Spec::overlay(&mut task, one_tree(of_task));
     let spec = Spec::from_value_with(&tree, files).map_err(|error| PlanError::Spec(describe(values), error))?;

@@ -38,6 +38,11 @@ impl Flag {
         Self { usual: Some(usual), ..self }
     }
 
+    /// Whether a user may call its option so: by its key, with or without a unit, or by a name of the flag.
+    pub(crate) fn is_called(&self, name: &str) -> bool {
+        means(self.key, name) || self.aliases.iter().any(|alias| alias.replace('-', "_") == name)
+    }
+
     /// The flag with further names.
     pub const fn known_as(self, aliases: &'static [&'static str]) -> Self {
         Self { aliases, ..self }
@@ -48,6 +53,11 @@ impl Flag {
 pub(crate) fn name(key: &str) -> String {
     let bare = ["_mm_per_s", "_s"].into_iter().find_map(|unit| key.strip_suffix(unit));
     format!("--{}", bare.unwrap_or(key).replace('_', "-"))
+}
+
+/// Whether a user may call the option with this key so, in a table or by a keyword: units may be left out.
+pub fn means(key: &str, name: &str) -> bool {
+    key == name || ["_mm", "_mm_per_s", "_s"].into_iter().any(|unit| key.strip_suffix(unit) == Some(name))
 }
 
 /// Adds the `flags` of the options of `T` to a command.

@@ -6,6 +6,7 @@ pub(crate) mod convert;
 pub(crate) mod devices;
 pub(crate) mod effective;
 mod examples;
+mod file_or;
 pub(crate) mod fit;
 pub(crate) mod image;
 pub(crate) mod import;
@@ -19,7 +20,6 @@ pub(crate) mod schema;
 mod shared;
 pub(crate) mod solve;
 pub(crate) mod study;
-mod test_file;
 
 use crate::failure::Failure;
 use clap::{Parser, Subcommand};
@@ -105,7 +105,7 @@ impl Command {
         match self {
             Self::Pack(args) => args.validate(),
             Self::Mesh(args) => args.validate(),
-            Self::Solve(args) => args.validate_alone(),
+            Self::Solve(args) => args.validate(),
             Self::Convert(args) => args.validate(),
             Self::Report(args) => args.validate(),
             Self::Image(args) => args.validate(),

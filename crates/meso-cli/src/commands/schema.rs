@@ -12,7 +12,7 @@ use serde_json::Value;
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// Which options: a spec's, or the keywords of Python's `mesh`, `write` (of a deck), `solve` (and a TEST.toml), `effective`,
-    /// `statistics` and `materials`
+    /// `fit`, `statistics` and `materials`
     #[arg(value_enum, default_value = "spec")]
     of: Of,
 }
@@ -24,6 +24,7 @@ enum Of {
     Deck,
     Solve,
     Effective,
+    Fit,
     Statistics,
     Materials,
 }
@@ -36,6 +37,7 @@ impl Of {
             Self::Deck => Spec::schema_of::<DeckOptions>(),
             Self::Solve => Spec::schema_of::<meso_solve::Test>(),
             Self::Effective => Spec::schema_of::<meso_ask::EffectiveAsk>(),
+            Self::Fit => Spec::schema_of::<meso_ask::FitAsk>(),
             Self::Statistics => Spec::schema_of::<statistics::StatisticsOptions>(),
             Self::Materials => Spec::schema_of::<Materials>(),
         }

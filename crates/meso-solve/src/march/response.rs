@@ -378,6 +378,14 @@ impl Summary {
         format!("{first}peak {peak_mpa:.2} MPa at a strain of {peak_strain:.5}")
     }
 
+    /// The result with the flags of its mesh and its speed, if there are any.
+    pub fn flagged(&self) -> Option<String> {
+        let (peak, flags) = (self.figures.peak_mpa, self.flags.join("; "));
+        let is_plain = self.has_peak() && !self.is_free();
+        let found = || if is_plain { format!("peak {peak:.2} MPa") } else { self.headline() };
+        (!flags.is_empty()).then(|| format!("{}, {flags}", found()))
+    }
+
     /// Whether the largest stress is a strength: the test came to its end, or its stress had fallen before.
     pub fn has_peak(&self) -> bool {
         self.ended == Ended::Completed || self.figures.softened

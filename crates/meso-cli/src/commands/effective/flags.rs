@@ -1,7 +1,7 @@
 //! Flags of `mesocrete effective`.
 
 use crate::commands::shared::{Threads, Writing};
-use meso_ask::{EffectiveAsk, Giver};
+use meso_ask::EffectiveAsk;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -14,8 +14,6 @@ pub(crate) struct Args {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) ask: EffectiveAsk,
-    #[arg(skip)]
-    pub(crate) giver: Giver<'static>,
     #[command(flatten)]
     pub(super) threads: Threads,
     #[command(flatten)]

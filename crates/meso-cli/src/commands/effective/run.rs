@@ -6,13 +6,11 @@ use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_ask::{EffectiveTask, Facts, Giver, Input, PhaseTables, PhasesGiven, Subject};
+use meso_ask::{EffectiveAsk, Facts, Giver, Input, Subject};
+use meso_core::Model;
 use meso_core::watch::Stage;
-use meso_core::{Model, Spec, spec};
 use meso_effective::results::{FIGURES, Found, PAGE, write_figures, write_page};
 use meso_effective::{Effective, EffectiveError, LabelSpecimen, Stiffness};
-use serde::de::DeserializeOwned;
-use std::path::Path;
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -20,20 +18,22 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let values = args.values()?;
+    let giver = Giver::Flags;
+    let wrong = |error: &EffectiveError| Failure::from(EffectiveAsk::fault(error, giver));
+    let values = args.ask.values(args.input(), giver, &inputs::text)?;
     let force = args.writing.force;
-    let names = args.files();
+    let names = args.ask.files();
     let _own = OwnFolder::open(&args.output)?;
     let target = |name: &str| Target::new(&args.output.join(name), force);
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
     let specimen = Specimen::read(args, &watch)?;
-    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error, args.giver))?;
-    tasks.iter().try_for_each(|task| specimen.leaves_room(task, args.giver))?;
+    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error))?;
+    tasks.iter().try_for_each(|task| task.accept(&room::machine(&|| Ok(())), giver))?;
     let (mut found, mut fields) = (Vec::new(), Vec::new());
     for task in tasks {
         let begun = Instant::now();
-        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error, args.giver))?;
+        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error))?;
         found.push((result, begun.elapsed().as_secs_f64()));
         fields.extend(theirs);
     }
@@ -53,42 +53,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
-    /// Refuses flags that are wrong with any file.
-    pub(crate) fn validate(&self) -> Result<(), Failure> {
-        self.ask.accept(self.input()).map_err(|wrong| Failure::Usage(self.giver.refusal(&wrong)))
-    }
-
-    /// Refuses flags that a packing of `spec` has no property for.
-    pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        self.ask.settle(Facts::Packing(spec), self.values()?).map(drop).map_err(|error| wrong(&error, self.giver))
-    }
-
-    /// Names of the files that a run writes.
-    pub(crate) fn files(&self) -> Vec<String> {
-        self.ask.files()
-    }
-
     fn input(&self) -> Input {
         Input::of_file(&self.model.to_string_lossy())
-    }
-
-    /// Values of the phases, from the file if one is named.
-    fn values(&self) -> Result<PhaseTables, Failure> {
-        self.validate()?;
-        Ok(match self.input() {
-            Input::Model => PhaseTables::Packing(Box::new(self.phases()?)),
-            Input::Labels => PhaseTables::Labels(self.phases()?),
-        })
-    }
-
-    fn phases<T: DeserializeOwned + Default>(&self) -> Result<T, Failure> {
-        match &self.ask.phases {
-            Some(PhasesGiven::File(path)) => inputs::toml(Path::new(path), spec::options_from_toml),
-            Some(PhasesGiven::Tables(tables)) => {
-                spec::options_from_value(tables).map_err(|error| Failure::Usage(error.to_string()))
-            }
-            None => Ok(T::default()),
-        }
     }
 }
 
@@ -123,28 +89,6 @@ impl Specimen {
             Self::Packing(model) => Subject::Packing(model),
             Self::Labels(specimen) => Subject::Labels(specimen),
         }
-    }
-
-    /// Refuses a task beyond the memory.
-    fn leaves_room(&self, task: &EffectiveTask, giver: Giver<'_>) -> Result<(), Failure> {
-        let (name, (key, size)) = (task.name(), task.size());
-        match self {
-            Self::Packing(_) => {
-                let cells = if key == "voxel_size_mm" { "voxels" } else { "tetrahedra" };
-                let work = format!("the {name} of {cells} of {size} mm");
-                room::accept_in_memory(&work, task.bytes, (&giver.option(key), size))
-            }
-            Self::Labels(_) => room::accept_image(&format!("the {name} of the volume"), task.bytes),
-        }
-    }
-}
-
-/// Turns an error into wrong usage, by the name of its flag.
-fn wrong(error: &EffectiveError, giver: Giver<'_>) -> Failure {
-    match error {
-        EffectiveError::Value(value) if value.table == "effective" => Failure::Usage(giver.refusal(value)),
-        EffectiveError::Diverged { .. } => Failure::Run(error.to_string()),
-        _ => Failure::Usage(error.to_string()),
     }
 }
 

@@ -1,8 +1,6 @@
 //! `mesocrete fit`: the mortar with which a specimen's curve meets a measured one.
 
-mod curve;
 mod flags;
-mod materials;
 mod run;
 
 pub(crate) use flags::Args;

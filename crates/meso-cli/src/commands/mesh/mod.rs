@@ -6,5 +6,5 @@ mod run;
 mod settings;
 
 pub(crate) use flags::Args;
-pub(crate) use run::{fill, how_to_run, run};
+pub(crate) use run::{fill, how_to_run, print, run};
 pub(crate) use settings::target;

@@ -1,40 +1,17 @@
 //! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
 use crate::stderr;
+use meso_ask::{DeckSettled, MeshFigures};
 use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
-use meso_core::export::abaqus::DeckOptions;
-use meso_core::mesh::figures::{MassScaling, PhaseScaling, QualityReport};
-use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
+use meso_core::mesh::figures::{PhaseScaling, QualityReport};
+use meso_core::mesh::{Mesh, Notes, Phase, PhaseVolumes};
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// The figures of a mesh.
+/// The figures of a mesh, to be printed.
 #[derive(Serialize)]
-pub(super) struct MeshReport {
-    version: &'static str,
-    elements: usize,
-    cohesive_elements: usize,
-    nodes: usize,
-    specimen_volume_mm3: f64,
-    /// The numbers that the bad cells have in a deck.
-    bad_elements: Vec<usize>,
-    quality: QualityReport,
-    mass_scaling: MassScaling,
-    /// The inelastic strain at which mortar is at half its compressive strength in the deck.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    half_strength_strain: Option<f64>,
-    warnings: Vec<String>,
-    notes: Notes,
-    options: MeshOptions,
-    #[serde(skip)]
-    voxels: bool,
-    #[serde(skip)]
-    smeared: bool,
-    /// Volume of the voids in the mesh and their own.
-    #[serde(skip)]
-    voids_mm3: Option<[f64; 2]>,
-}
+pub(super) struct MeshReport(MeshFigures);
 
 /// An ITZ beyond this multiple of its exact volume is worth a warning.
 const FAR_TOO_MUCH: f64 = 1.2;
@@ -45,26 +22,8 @@ const INCLUSIONS_OFF: f64 = 0.05;
 const NAMED: usize = 5;
 
 impl MeshReport {
-    pub(super) fn of(mesh: &Mesh, model: &Model, options: MeshOptions, deck: &DeckOptions) -> Self {
-        let specimen = &model.spec.specimen;
-        let quality = QualityReport::of(mesh, &model.bodies(), specimen, &deck.materials);
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            elements: mesh.cell_count(),
-            cohesive_elements: mesh.cohesive().len(),
-            nodes: mesh.points.len(),
-            specimen_volume_mm3: specimen.volume(),
-            bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
-            mass_scaling: MassScaling::of(mesh, &deck.materials, deck.mass_scaling_step_s()),
-            half_strength_strain: deck.half_strength_strain(mesh),
-            warnings: deck.doubts(mesh, quality.exact_volumes_mm3.as_ref()),
-            notes: mesh.notes,
-            options: options.for_bodies(&model.aggregates),
-            voxels: mesh.kind == CellKind::Hexahedron,
-            smeared: mesh.has_smeared_itz(),
-            voids_mm3: quality.exact_volumes_mm3.and_then(|exact| exact.voids(mesh, specimen.volume())),
-            quality,
-        }
+    pub(super) fn of(mesh: &Mesh, model: &Model, settled: &DeckSettled) -> Self {
+        Self(MeshFigures::of(mesh, model, settled))
     }
 
     /// Writes all figures as JSON.
@@ -81,17 +40,17 @@ impl MeshReport {
         self.thick_shells();
         self.lost_inclusions();
         self.surface();
-        gaps(&self.notes, self.cohesive_elements > 0);
-        self.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+        gaps(&self.0.notes, self.0.cohesive_elements > 0);
+        self.0.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
     fn size(&self) -> String {
-        let cohesive = match self.cohesive_elements {
+        let cohesive = match self.0.cohesive_elements {
             0 => String::new(),
             elements => format!(" and {} cohesive ones", thousands(elements)),
         };
-        let (elements, nodes) = (thousands(self.elements), thousands(self.nodes));
-        let how = format!("{:?}, {} mm", self.options.method.name(), self.options.element_size_mm).to_lowercase();
+        let (elements, nodes) = (thousands(self.0.elements), thousands(self.0.nodes));
+        let how = format!("{:?}, {} mm", self.0.options.method.name(), self.0.options.element_size_mm).to_lowercase();
         format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})")
     }
 
@@ -103,8 +62,8 @@ impl MeshReport {
         self.lost_inclusions();
         self.surface();
         self.joined();
-        gaps(&self.notes, self.cohesive_elements > 0);
-        notes(&self.notes);
+        gaps(&self.0.notes, self.0.cohesive_elements > 0);
+        notes(&self.0.notes);
         self.worst();
         self.scaled();
         self.curve();
@@ -112,14 +71,14 @@ impl MeshReport {
 
     /// Distance of the interfaces from the aggregates' exact surfaces.
     fn surface(&self) {
-        let distance = &self.quality.interface_distance;
-        let hint = if self.voxels { " (voxels; --method lattice follows the surfaces)" } else { "" };
+        let distance = &self.0.quality.interface_distance;
+        let hint = if self.0.voxels { " (voxels; --method lattice follows the surfaces)" } else { "" };
         stderr::line(format!("surface error {:.2} mm rms, {:.2} mm max{hint}", distance.rms_mm, distance.max_mm));
     }
 
     /// Counts of the interface nodes behind that distance.
     fn joined(&self) {
-        let distance = &self.quality.interface_distance;
+        let distance = &self.0.quality.interface_distance;
         let (off, nodes) = (thousands(distance.off), thousands(distance.nodes));
         stderr::line(format!("{off} of {nodes} interface nodes lie off their aggregate's surface"));
         if distance.joined > 0 {
@@ -130,19 +89,19 @@ impl MeshReport {
 
     /// The phases that exist or should, each with its share of the specimen in the mesh and its exact one.
     fn shares(&self) -> Vec<(String, [f64; 2])> {
-        let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
-        let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
+        let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.0.specimen_volume_mm3;
+        let (meshed, exact) = (&self.0.quality.volumes_mm3, self.0.quality.exact_volumes_mm3.as_ref());
         let share = |phase: &Phase| {
             // A smeared ITZ is mortar.
             let share = match *phase {
-                Phase::Mortar if self.smeared => of_specimen(meshed, *phase) + of_specimen(meshed, Phase::Itz),
-                Phase::Itz if self.smeared => 0.0,
+                Phase::Mortar if self.0.smeared => of_specimen(meshed, *phase) + of_specimen(meshed, Phase::Itz),
+                Phase::Itz if self.0.smeared => 0.0,
                 phase => of_specimen(meshed, phase),
             };
             (phase.name().to_lowercase(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, *phase))])
         };
         let is_there = |(_, [share, wanted]): &(String, [f64; 2])| *share > 0.0 || *wanted > 0.0;
-        let voids = self.voids_mm3.map(|volumes| volumes.map(|volume| volume / self.specimen_volume_mm3));
+        let voids = self.0.voids_mm3.map(|volumes| volumes.map(|volume| volume / self.0.specimen_volume_mm3));
         let voids = voids.map(|shares| ("void".to_owned(), shares));
         Phase::ALL.iter().map(share).filter(is_there).chain(voids).collect()
     }
@@ -154,16 +113,16 @@ impl MeshReport {
             let ([share, wanted], error) = (shares, percent_off(shares));
             stderr::line(format!("  {name:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%"));
         }
-        if self.smeared {
-            let (itz, mortar) = (self.quality.volumes_mm3.itz, self.quality.volumes_mm3.mortar);
+        if self.0.smeared {
+            let (itz, mortar) = (self.0.quality.volumes_mm3.itz, self.0.quality.volumes_mm3.mortar);
             stderr::line(format!("the smeared ITZ is {:.1} % of the mortar", 100.0 * itz / (itz + mortar)));
         }
     }
 
     /// Warns where the shells are far from their own thickness, as voxels at least a layer thick make them.
     fn thick_shells(&self) {
-        let Some(exact) = self.quality.exact_volumes_mm3 else { return };
-        if self.voxels && exact.itz > 0.0 && self.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
+        let Some(exact) = self.0.quality.exact_volumes_mm3 else { return };
+        if self.0.voxels && exact.itz > 0.0 && self.0.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
             stderr::line(
                 "the ITZ is at least one voxel thick here, at the aggregates' expense: use --method lattice, --itz cohesive \
                  or none, or --thin-itz",
@@ -173,8 +132,8 @@ impl MeshReport {
 
     /// Warns where the elements are too coarse for the fibres or the voids.
     fn lost_inclusions(&self) {
-        let fibres = self.quality.exact_volumes_mm3.map(|exact| [self.quality.volumes_mm3.fibre, exact.fibre]);
-        for (name, volumes) in [("fibres", fibres), ("voids", self.voids_mm3)] {
+        let fibres = self.0.quality.exact_volumes_mm3.map(|exact| [self.0.quality.volumes_mm3.fibre, exact.fibre]);
+        for (name, volumes) in [("fibres", fibres), ("voids", self.0.voids_mm3)] {
             if volumes.is_some_and(|[meshed, exact]| exceeds((meshed - exact).abs(), INCLUSIONS_OFF * exact)) {
                 stderr::line(format!(
                     "the elements are too coarse for the {name}: use an --element-size-mm of at most half their diameter, or \
@@ -186,7 +145,7 @@ impl MeshReport {
 
     /// Cost of explicit steps of the length asked for.
     fn scaled(&self) {
-        let scaling = &self.mass_scaling;
+        let scaling = &self.0.mass_scaling;
         let phases: Vec<String> = scaling.phases.iter().map(times).collect();
         stderr::line(format!(
             "explicit steps of {:e} s need {:.2} times the mass, {:+.0} % by mass scaling ({})",
@@ -199,14 +158,14 @@ impl MeshReport {
 
     /// Softening of the deck's mortar, and doubts about the deck.
     fn curve(&self) {
-        if let Some(strain) = self.half_strength_strain {
+        if let Some(strain) = self.0.half_strength_strain {
             stderr::line(format!("mortar is at half its strength at an inelastic strain of {strain:.4}"));
         }
-        self.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+        self.0.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
     fn worst(&self) {
-        let quality = &self.quality;
+        let quality = &self.0.quality;
         let (altitude, cell) = quality.shortest_altitude_mm;
         stderr::line(format!(
             "shortest altitude {altitude:.4} mm (element {}): a stable time step of {:.1e} s",
@@ -216,7 +175,7 @@ impl MeshReport {
         if let Some(step) = quality.cohesive_time_step_s {
             stderr::line(format!("the cohesive elements allow {step:.1e} s, by their stiffness"));
         }
-        if self.voxels {
+        if self.0.voxels {
             return;
         }
         let ((angle, sharpest), (ratio, flattest)) = (quality.min_dihedral_deg, quality.min_radius_ratio);
@@ -224,7 +183,7 @@ impl MeshReport {
         stderr::line(format!(
             "smallest dihedral angle {angle:.2} degrees (element {sharpest}), radius ratio {ratio:.4} (element {flattest})"
         ));
-        let bad = &self.bad_elements;
+        let bad = &self.0.bad_elements;
         let named: Vec<String> = bad.iter().take(NAMED).map(usize::to_string).collect();
         let more = if bad.len() > NAMED { ", ...; --summary-json of `mesocrete mesh` names all" } else { "" };
         let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };

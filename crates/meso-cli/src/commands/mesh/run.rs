@@ -2,11 +2,12 @@
 
 use super::flags::Args;
 use super::report::MeshReport;
-use crate::commands::meshing::Settings;
+use crate::commands::meshing;
 use crate::failure::{Failure, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
-use crate::{inputs, stderr};
+use crate::{inputs, room, stderr};
+use meso_ask::{DeckSettled, strict_doubt};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
@@ -20,27 +21,27 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let plan = args.plan()?;
-    args.meshing.accept_formats(plan.iter().map(|(_, format)| *format))?;
+    let ask = args.meshing.ask()?;
+    let plan = args.plan(&ask)?;
+    ask.accept_formats(plan.iter().map(|(_, format)| *format))?;
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
     let writes_deck = plan.iter().any(|(_, format)| format.is_deck());
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
-    args.meshing.accept(&model)?;
-    args.meshing.try_sizes(&model.spec, &watch)?;
-    let mut settings = args.meshing.settings(&model.spec, writes_deck)?;
-    plan.iter()
-        .try_for_each(|(_, format)| format.check(&settings.deck))
-        .map_err(|error| args.meshing.wrong_option(&error))?;
-    let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
+    ask.mesh.accept(ask.purpose(), &model)?;
+    ask.mesh.try_sizes(ask.purpose(), &model.spec, false, &watch)?;
+    let gmsh = args.meshing.mesh.gmsh();
+    let mut settings = ask.settle(&model.spec, writes_deck, &room::machine(&|| gmsh.check()))?;
+    plan.iter().try_for_each(|(_, format)| format.check(&settings.deck)).map_err(|error| ask.wrong_option(&error))?;
+    let mesh = meshing::build(&ask.mesh, &settings.footing, &model, &gmsh, args.writing.quiet, &watch);
     watch.finish();
     let (mesh, off) = mesh?;
-    args.meshing.load(&mut settings, &mesh, &model, off)?;
+    ask.load(&mut settings, &mesh, &model, off)?;
     let deck = &settings.deck;
     if writes_deck {
-        deck.validate(&mesh).map_err(|error| args.meshing.wrong_option(&error))?;
+        deck.validate(&mesh).map_err(|error| ask.wrong_option(&error))?;
     }
     let mut unit = Unit::default();
     let fill_all = || {
@@ -51,7 +52,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     };
     let tell = || {
         let asked = !args.writing.quiet || summary.is_some();
-        asked.then(|| settings.report(&mesh, &model))
+        asked.then(|| MeshReport::of(&mesh, &model, &settings))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);
@@ -69,34 +70,23 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(if args.strict { exit_code(off) } else { 0 })
 }
 
-/// Beyond this share of its exact volume `--strict` finds a phase off.
-const STRICT_PHASE_ERROR: f64 = 0.01;
-
 /// Exit code of a strict run that wrote its files; prints which phase is off.
 fn exit_code(off: Option<PhaseOff>) -> u8 {
-    off.filter(|off| off.is_beyond(STRICT_PHASE_ERROR)).map_or(0, |off| {
-        let (phase, error) = (off.phase.name(), 100.0 * off.error());
-        stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
+    strict_doubt(off).map_or(0, |doubt| {
+        stderr::line(format!("warning: {doubt}"));
         SHORT
     })
 }
 
-impl Settings {
-    /// The figures of a mesh.
-    fn report(&self, mesh: &Mesh, model: &Model) -> MeshReport {
-        MeshReport::of(mesh, model, self.mesh.footing.options.clone(), &self.deck)
+/// Prints the figures of a mesh, and how to get the ITZ that it has not.
+pub(crate) fn print(settled: &DeckSettled, mesh: &Mesh, model: &Model, verbose: bool) {
+    let report = MeshReport::of(mesh, model, settled);
+    if verbose {
+        report.print();
+    } else {
+        report.brief();
     }
-
-    /// Prints the figures of a mesh, and how to get the ITZ that it has not.
-    pub(crate) fn print(&self, mesh: &Mesh, model: &Model, verbose: bool) {
-        let report = self.report(mesh, model);
-        if verbose {
-            report.print();
-        } else {
-            report.brief();
-        }
-        self.hint.iter().for_each(stderr::line);
-    }
+    settled.hint.iter().for_each(stderr::line);
 }
 
 /// Prints the commands that run a deck with a curve and write the curve.

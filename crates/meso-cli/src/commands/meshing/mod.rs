@@ -1,9 +1,7 @@
-//! Meshes and decks, alike for `mesh`, `pack` and `solve`: the [`flags`], the [`settings`] that they mean, and the [`run`].
+//! Meshes and decks, alike for `mesh`, `pack` and `solve`: the [`flags`], and the [`run`].
 
-mod errors;
 mod flags;
 mod run;
-mod settings;
 
-pub(super) use flags::MeshFlags;
-pub(super) use settings::{MeshSettings, Meshing, Settings, materials};
+pub(super) use flags::{MeshFlags, Meshing};
+pub(super) use run::build;

@@ -1,21 +1,26 @@
 //! Meshing: the packing becomes a mesh whose phases have nearly their volumes.
 
-use super::errors::wrong_mesh;
-use super::settings::MeshSettings;
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::stderr;
+use meso_ask::MeshAsk;
 use meso_core::Model;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{Mesh, MeshError, PhaseOff, Tools, VolumeMesher};
 use meso_gmsh::Gmsh;
+use meso_solve::footing::Footing;
 
-impl MeshSettings {
-    /// Meshes, and finds the phase that is farthest off its exact volume.
-    pub(crate) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
-        let gmsh = Announced { gmsh: &self.gmsh, quiet };
-        self.footing.mesh(model, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error, self.giver))
-    }
+/// Meshes, and finds the phase that is farthest off its exact volume.
+pub(crate) fn build(
+    ask: &MeshAsk,
+    footing: &Footing,
+    model: &Model,
+    gmsh: &Gmsh,
+    quiet: bool,
+    watch: &Watch,
+) -> Result<(Mesh, Option<PhaseOff>), Failure> {
+    let gmsh = Announced { gmsh, quiet };
+    footing.mesh(model, &Tools { gmsh: &gmsh, watch }).map_err(|error| ask.wrong(&error).into())
 }
 
 /// gmsh, whose second attempts are announced.

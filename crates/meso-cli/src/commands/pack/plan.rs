@@ -5,7 +5,7 @@ use crate::commands::mesh;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use meso_ask::Giver;
+use meso_ask::{DeckAsk, Giver};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::mesh::Mesh;
@@ -45,11 +45,11 @@ impl Args {
     }
 
     /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
-    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+    pub(super) fn plan(&self, ask: &DeckAsk) -> Result<Plan, Failure> {
         let (paths, contents) = (self.paths(), self.contents()?);
         let target = |(path, content): (&PathBuf, &Content)| match content {
             Content::Packing(_) | Content::Page => Target::new(path, self.writing.force),
-            Content::Mesh(format) => mesh::target(path, *format, self.writing.force, &self.meshing),
+            Content::Mesh(format) => mesh::target(path, *format, self.writing.force, ask),
         };
         let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;

@@ -1,11 +1,11 @@
 //! The work of `mesocrete pack`: a spec becomes a packed specimen and its files.
 
 use super::flags::Args;
-use crate::commands::mesh;
-use crate::commands::meshing::Settings;
+use crate::commands::{mesh, meshing};
 use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
 use crate::progress::{PACK, Watch};
-use crate::stderr;
+use crate::{room, stderr};
+use meso_ask::DeckSettled;
 use meso_concrete::thousands;
 use meso_core::packing::{PhaseReport, Report, StopReason};
 use meso_core::watch::Stage;
@@ -15,11 +15,12 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let plan = args.plan()?;
-    args.meshing.accept_formats(plan.meshes().map(|(_, format)| format))?;
+    let ask = args.meshing.ask()?;
+    let plan = args.plan(&ask)?;
+    ask.accept_formats(plan.meshes().map(|(_, format)| format))?;
     let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
     let mut watch = Watch::of_files(args.writing.quiet, &stages);
-    let spec = match args.spec(&watch) {
+    let spec = match args.spec(&ask, &watch) {
         Err(Failure::Late(message)) => {
             watch.finish();
             stderr::line(format!("error: {message}; nothing is written"));
@@ -27,9 +28,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         }
         spec => spec?,
     };
-    let mut settings = plan.has_mesh().then(|| args.meshing.settings(&spec, plan.has_deck())).transpose()?;
+    let gmsh = args.meshing.mesh.gmsh();
+    let settle = || ask.settle(&spec, plan.has_deck(), &room::machine(&|| gmsh.check()));
+    let mut settings = plan.has_mesh().then(settle).transpose()?;
     if settings.is_none() {
-        args.meshing.validate_for(&spec, false)?;
+        ask.accept_for(&spec, false)?;
     }
     // Before the work: a hopeless target is reported while nothing is lost.
     watch.aside(|| spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}"))));
@@ -37,10 +40,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(&error)).and_then(|model| {
-        let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch);
+        let build = |settings: &DeckSettled| {
+            meshing::build(&ask.mesh, &settings.footing, &model, &gmsh, args.writing.quiet, &watch)
+        };
         let built = settings.as_ref().map(build).transpose();
         if let (Some(settings), Ok(Some((mesh, off)))) = (&mut settings, &built) {
-            args.meshing.load(settings, mesh, &model, *off)?;
+            ask.load(settings, mesh, &model, *off)?;
         }
         let mesh = built.map(|built| built.map(|(mesh, _)| mesh));
         // A packing is not lost with its mesh.
@@ -53,7 +58,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if !args.writing.quiet {
         print(&model.report, args.verbose, args.spec.is_none());
         if let (Ok(Some(mesh)), Some(settings)) = (&mesh, &settings) {
-            settings.print(mesh, &model, args.verbose);
+            mesh::print(settings, mesh, &model, args.verbose);
         }
         let files: Vec<String> = plan.files(mesh.is_ok()).map(|path| path.display().to_string()).collect();
         if !files.is_empty() {

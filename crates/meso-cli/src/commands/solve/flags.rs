@@ -1,9 +1,9 @@
 //! Flags of `mesocrete solve`.
 
+use crate::commands::file_or::FileOr;
 use crate::commands::meshing::MeshFlags;
 use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
-use crate::commands::test_file::FileOr;
 use crate::commands::values;
 use crate::gpu::Choice;
 use clap::builder::TypedValueParser;
@@ -53,8 +53,6 @@ pub(crate) struct Args {
 pub(super) enum TestText {
     Named(TestKind),
     File(PathBuf),
-    /// The test of a study.
-    Tree(Box<Test>),
 }
 
 /// Parser of a test.

@@ -3,18 +3,19 @@
 use super::flags::Args;
 use super::folder::{Folder, Kept, Note};
 use super::watch::Watching;
-use crate::commands::meshing::MeshSettings;
-use crate::commands::names;
+use crate::commands::{meshing, names};
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{gpu, inputs, interrupt, stderr};
+use crate::{gpu, inputs, interrupt, room, stderr};
+use meso_ask::SolveAsk;
 use meso_concrete::{short, thousands};
-use meso_core::Model;
 use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
+use meso_core::{Model, Spec};
+use meso_solve::footing::Footing;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
-use meso_solve::{Control, Ended, Response, Run, Sample, Summary, Test};
+use meso_solve::{Control, Ended, Response, Run, Sample, Test};
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -23,22 +24,22 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let started = Instant::now();
-    let (test, materials) = (args.test()?, args.mesh.materials()?);
-    meso_solve::validate(&materials, &test).map_err(|error| args.wrong(&error))?;
-    args.validate()?;
+    let ask = args.ask()?;
+    args.accept(&ask)?;
+    let (test, materials) = (ask.test(), ask.mesh.materials.clone().unwrap_or_default());
     let device = args.device()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
     let mut seconds = TestSeconds::default();
-    let Some((model, settings)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
-    let mesh = args.divide(&model, &settings, &mut seconds)?;
-    let options = &settings.footing.options;
+    let Some((model, footing)) = args.model(&ask, &mut seconds)? else { return Ok(INTERRUPTED) };
+    let mesh = args.divide(&ask, &model, &footing, &mut seconds)?;
+    let options = &footing.options;
     let source = Source::of(&model, options);
     let sample = sample_of(&mesh, &model, options);
     drop(model);
     warn_before(&sample);
     let begun = Instant::now();
-    let mut run = Run::new(sample, &materials, &test).map_err(|error| args.wrong(&error))?;
+    let mut run = Run::new(sample, &materials, &test).map_err(|error| ask.wrong(&error))?;
     let written = kept.map_or_else(|| Ok(Note::default()), |kept| resume(&mut run, kept))?;
     folder.go_on(written, !args.resume)?;
     args.announce(&test, &run, &mesh);
@@ -56,19 +57,21 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 
 impl Args {
     /// The specimen, and how it is meshed; none where the user stopped the packing.
-    fn model(&self, seconds: &mut TestSeconds) -> Result<Option<(Model, MeshSettings)>, Failure> {
+    fn model(&self, ask: &SolveAsk, seconds: &mut TestSeconds) -> Result<Option<(Model, Footing)>, Failure> {
+        let gmsh = self.mesh.gmsh();
+        let settle = |spec: &Spec| ask.settle(spec, &room::machine(&|| gmsh.check()));
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
-            self.mesh.accept(self.purpose(), &model)?;
-            self.mesh.try_sizes(self.purpose(), &model.spec, false, &watch)?;
-            let settings = self.settings(&model.spec)?;
-            return Ok(Some((model, settings)));
+            ask.mesh.accept(ask.purpose(), &model)?;
+            ask.mesh.try_sizes(ask.purpose(), &model.spec, false, &watch)?;
+            let footing = settle(&model.spec)?;
+            return Ok(Some((model, footing)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
-        let spec = self.spec(&watch)?;
-        let options = self.settings(&spec)?;
+        let spec = self.spec(ask, &watch)?;
+        let footing = settle(&spec)?;
         if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), short(100.0 * spec.fraction), spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
@@ -89,18 +92,24 @@ impl Args {
         seconds.pack = watch.elapsed() - begun;
         let model = model.map_err(|error| Failure::Usage(error.to_string()))?;
         model.report.shortfall().iter().for_each(|short| stderr::line(format!("warning: {short}")));
-        Ok((!interrupt::asked()).then_some((model, options)))
+        Ok((!interrupt::asked()).then_some((model, footing)))
     }
 
-    fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut TestSeconds) -> Result<Mesh, Failure> {
+    fn divide(
+        &self,
+        ask: &SolveAsk,
+        model: &Model,
+        footing: &Footing,
+        seconds: &mut TestSeconds,
+    ) -> Result<Mesh, Failure> {
         let begun = Instant::now();
-        let options = &settings.footing.options;
+        let options = &footing.options;
         if !self.writing.quiet {
             let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
             stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Mesh, 1.0)]);
-        let mesh = settings.build(model, self.writing.quiet, &watch);
+        let mesh = meshing::build(&ask.mesh, footing, model, &self.mesh.gmsh(), self.writing.quiet, &watch);
         watch.finish();
         let (mesh, _) = mesh?;
         seconds.mesh = begun.elapsed().as_secs_f64();
@@ -168,7 +177,8 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     if !args.writing.quiet {
         written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
-    flag(&response.result);
+    // The last line.
+    response.result.flagged().iter().for_each(|found| stderr::line(format!("warning: {found}")));
     kept?;
     match ended {
         Ended::Completed => lost.map(|()| if response.result.errors.is_empty() { 0 } else { RUN }),
@@ -180,16 +190,6 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
 /// Prints warnings about the mesh, before the first step.
 fn warn_before(sample: &Sample) {
     sample.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
-}
-
-/// Prints, as the last line, the peak with the flags of its mesh, if there are any.
-fn flag(result: &Summary) {
-    if !result.flags.is_empty() {
-        let (peak, flags) = (result.figures.peak_mpa, result.flags.join("; "));
-        let is_plain = result.has_peak() && !result.is_free();
-        let found = if is_plain { format!("peak {peak:.2} MPa") } else { result.headline() };
-        stderr::line(format!("warning: {found}, {flags}"));
-    }
 }
 
 /// Prints the curve's figures, then warnings and errors.

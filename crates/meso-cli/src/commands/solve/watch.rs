@@ -167,10 +167,9 @@ impl Observer for Watching<'_, '_> {
     }
 
     fn frame(&self, frame: &Frame) {
-        let (mut folder, mesh, subject) = (self.fetch(), self.mesh, stderr::subject());
+        let (mut folder, mesh) = (self.fetch(), self.mesh);
         let snapshot = Snapshot::of(frame);
         let writer = self.scope.spawn(move || {
-            stderr::speak_of(subject);
             let written = threads::alone(|| folder.add(mesh, &snapshot));
             (folder, written)
         });

@@ -1,24 +1,23 @@
 //! `mesocrete study`: every combination of some options, one folder each, and one table of all.
 
-mod file;
-mod flag_files;
-mod steps;
-
 use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
-use crate::progress::{CLEAR, bar, show};
-use crate::{interrupt, stderr};
-pub(crate) use file::StudyFile;
-use meso_ask::Giver;
+use crate::progress::{CLEAR, Watch, bar, show};
+use crate::{gpu, inputs, interrupt, stderr, threads};
+use meso_ask::AskError;
 use meso_concrete::thousands;
-use meso_study::{Again, Case, CaseState, Plan, RunError, Status, StudyRun, TABLES, Tally};
+use meso_gmsh::Gmsh;
+use meso_study::{
+    Again, Case, CaseOutcome, CaseState, Doing, Plan, RunError, Status, Steps, StudyFile, StudyRun, TABLES, Tally,
+};
+use serde_json::Map;
 use std::io::{self, IsTerminal};
 use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, Once};
+use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
-use steps::Given;
 
 /// How often a line without a terminal says how far the planning is and which case starts, and how often a terminal is
 /// redrawn.
@@ -68,69 +67,97 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         let message = "--output - is standard output, but a study writes many files; name a folder";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let mut file = StudyFile::read(&args.study)?;
+    let mut file = StudyFile::read(&args.study, &inputs::text)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
-    let given =
-        Given { threads: shared_threads(args.jobs, args.threads), gmsh: args.gmsh.clone(), giver: Giver::Section };
-    let plan = checked_plan(&file, &args.output, &given, &shown)?;
+    let gmsh = args.gmsh.as_deref().unwrap_or(Path::new("gmsh"));
+    let how = Working::new(args.jobs, args.threads, gmsh, args.again());
+    let plan = checked_plan(&file, &how, &shown)?;
     if args.dry_run {
         return list(&plan, args);
     }
-    let how = Working { given, jobs: args.jobs, again: args.again() };
-    let study = drive(&file, &plan, &args.output, &how, &shown)?;
+    let study = drive(&plan, &args.output, &|case| file.steps(case, &inputs::text), &how, &shown)?;
     finish(&study, args)
 }
 
-/// Does the cases of a study that another command made, and leaves those that are done.
+/// Does the cases that are left of a plan that another command made; `steps` are those of a case.
 pub(crate) fn cases(
-    file: &StudyFile,
+    plan: Plan,
     out: &Path,
-    jobs: Option<u16>,
-    threads: Option<u16>,
+    steps: &StepsOf<'_>,
+    how: &Working,
     quiet: bool,
 ) -> Result<StudyRun, Failure> {
-    let shown = Shown::new(quiet);
-    let given = Given { threads: shared_threads(jobs, threads), gmsh: None, giver: |_| Giver::Flags };
-    let plan = checked_plan(file, out, &given, &shown)?;
-    drive(file, &plan, out, &Working { given, jobs, again: Again::Failed }, &shown)
+    drive(&Arc::new(plan), out, steps, how, &Shown::new(quiet))
 }
 
-/// Refuses a study that another command made, where a flag of a case is wrong.
-pub(crate) fn check(file: &StudyFile, out: &Path) -> Result<(), Failure> {
-    let given = Given { threads: None, gmsh: None, giver: |_| Giver::Flags };
-    checked_plan(file, out, &given, &Shown::new(true)).map(drop)
-}
+/// Finds the steps of a case.
+pub(crate) type StepsOf<'a> = dyn Fn(&Case) -> Result<Steps, AskError> + Sync + 'a;
 
 /// How cases are worked on.
-struct Working {
-    given: Given,
+pub(crate) struct Working {
     jobs: Option<u16>,
+    threads: Option<u16>,
+    gmsh: Gmsh,
     again: Again,
 }
 
-/// The plan. An invalid flag of any case is named before the work, while nothing is lost.
-fn checked_plan(file: &StudyFile, out: &Path, given: &Given, shown: &Shown) -> Result<Arc<Plan>, Failure> {
+impl Working {
+    /// Cases at the same time, and threads of one.
+    pub(crate) fn new(jobs: Option<u16>, threads: Option<u16>, gmsh: &Path, again: Again) -> Self {
+        Self { jobs, threads: shared_threads(jobs, threads), gmsh: Gmsh::program(gmsh), again }
+    }
+
+    /// Refuses a case whose options its specimen cannot have.
+    pub(crate) fn accept(&self, case: &Case, steps: &Steps) -> Result<(), AskError> {
+        steps.accept(&case.spec, &self.gmsh, &gpu::device)
+    }
+
+    /// Does a case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
+    /// [`interrupt::asked`].
+    fn run(&self, case: &Case, steps: &Steps, folder: &Path) -> CaseOutcome {
+        let warnings = Mutex::new(Vec::new());
+        let tell = |word: &str, text: &str| {
+            stderr::line(format!("{word}: {}: {text}", case.folder));
+            if word == "warning" {
+                warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
+            }
+        };
+        let all = || {
+            let watch = Watch::start(true, &[]);
+            let doing = Doing { watch: &watch, keeper: Signals, gmsh: &self.gmsh, devices: &gpu::device, tell: &tell };
+            let model = steps.pack(&case.spec, &watch)?;
+            if interrupt::asked() { Ok(Map::new()) } else { steps.run(&model, folder, &doing) }
+        };
+        let ended = threads::with(self.threads, || {
+            catch_unwind(AssertUnwindSafe(all)).unwrap_or_else(|_| Err(Failure::Bug.into()))
+        });
+        let results = ended.and_then(|ended| Ok(ended?)).map_err(|failure| failure.message().to_owned());
+        CaseOutcome { results, warnings: warnings.into_inner().unwrap_or_else(PoisonError::into_inner) }
+    }
+}
+
+/// The plan. An invalid option of any case is named before the work, while nothing is lost.
+fn checked_plan(file: &StudyFile, how: &Working, shown: &Shown) -> Result<Arc<Plan>, Failure> {
     let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
     for (number, case) in plan.cases.iter().enumerate() {
-        shown.count("checking flags", number, plan.cases.len());
-        let steps = file.steps(case, out, given)?;
-        steps.check(&case.spec).map_err(|failure| file.wrong(&failure))?;
+        shown.count("checking options", number, plan.cases.len());
+        let steps = file.steps(case, &inputs::text)?;
+        how.accept(case, &steps).map_err(|fault| file.wrong(&fault))?;
     }
     shown.clear();
     Ok(plan)
 }
 
 /// Does the cases that are left.
-fn drive(file: &StudyFile, plan: &Arc<Plan>, out: &Path, how: &Working, shown: &Shown) -> Result<StudyRun, Failure> {
+fn drive(plan: &Arc<Plan>, out: &Path, steps: &StepsOf<'_>, how: &Working, shown: &Shown) -> Result<StudyRun, Failure> {
     let study = StudyRun::open(Arc::clone(plan), "", out, how.again).map_err(failure)?;
     interrupt::hold().extend(study.lock_file());
     let work = |number: usize| {
         let case = &plan.cases[number];
-        let folder = out.join(&case.folder);
-        let outcome = match file.steps(case, out, &how.given) {
-            Ok(steps) => steps.run(case, &folder),
-            Err(failure) => Err(failure.message().to_owned()).into(),
+        let outcome = match steps(case) {
+            Ok(steps) => how.run(case, &steps, &out.join(&case.folder)),
+            Err(fault) => Err(fault.message().to_owned()).into(),
         };
         (!interrupt::asked()).then_some(outcome)
     };
@@ -154,9 +181,9 @@ fn shared_threads(jobs: Option<u16>, threads: Option<u16>) -> Option<u16> {
 /// opens no file and runs no program.
 pub(crate) fn validate(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
     let Some(file) = StudyFile::alone(text)? else { return Ok(Vec::new()) };
-    let given = Given { threads: None, gmsh: None, giver: Giver::Section };
     let plan = file.plan_alone()?;
-    plan.cases.iter().map(|case| Ok(file.steps(case, Path::new(""), &given)?.files())).collect()
+    let files = |case| Ok(file.steps(case, &inputs::text)?.files().map(PathBuf::from).collect());
+    plan.cases.iter().map(files).collect()
 }
 
 impl Args {
@@ -269,9 +296,4 @@ impl Shown {
 /// The text within the columns that every terminal has.
 fn fit(text: &str) -> String {
     text.chars().take(79).collect()
-}
-
-/// A path relative to the folder that a file lies in.
-fn beside(file: &Path, name: &str) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(name)
 }

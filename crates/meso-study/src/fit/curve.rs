@@ -1,15 +1,14 @@
 //! Curves in CSV files: of tests in a laboratory, and of our own.
 
-use crate::failure::Failure;
-use crate::inputs;
 use meso_core::import::{Columns, sieve_table};
-use std::path::Path;
 
-/// Reads strain and stress, MPa, of a specimen of this height. Curves of compression with negative signs are turned round.
-pub(super) fn read(path: &Path, height_mm: f64) -> Result<Vec<[f64; 2]>, Failure> {
-    let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-    let text = sieve_table::decode(&inputs::table(path)?).map_err(wrong)?;
-    parse(&text, height_mm).map_err(wrong)
+/// Strain and stress, MPa, in the bytes of a file about a specimen of this height. Curves of compression with negative signs are
+/// turned round.
+///
+/// # Errors
+/// A table without such columns.
+pub fn curve(bytes: &[u8], height_mm: f64) -> Result<Vec<[f64; 2]>, String> {
+    parse(&sieve_table::decode(bytes)?, height_mm)
 }
 
 fn parse(text: &str, height_mm: f64) -> Result<Vec<[f64; 2]>, String> {

@@ -4,7 +4,7 @@ use meso_core::materials::{LawName, Materials, Strength};
 use std::collections::BTreeMap;
 
 /// The parameters of a fit, as keys of `[materials.mortar_strength]`.
-pub(super) const PARAMETERS: [&str; 4] =
+pub const PARAMETERS: [&str; 4] =
     ["compressive_mpa", "peak_strain", "fracture_energy_n_per_mm", "crushing_energy_n_per_mm"];
 /// Least peak strain over the elastic strain of the strength that a point may have.
 const LEAST_BEND: f64 = 1.1;

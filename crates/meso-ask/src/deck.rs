@@ -1,0 +1,175 @@
+//! A mesh with its deck: the analysis, and what a deck cannot have.
+
+use crate::{AskError, Given, Machine, MeshAsk, deck_refusal};
+use meso_concrete::OutOfRange;
+use meso_core::aggregate::Itz;
+use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::formats::MeshFormat;
+use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose};
+use meso_core::trial::{Sample, TrialError};
+use meso_core::{Model, Spec};
+use meso_solve::footing::Footing;
+
+/// A mesh and its deck that are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct DeckAsk {
+    /// The mesh.
+    pub mesh: MeshAsk,
+    /// The options of the deck.
+    pub given: Given<DeckOptions>,
+    /// The analysis of the deck; `None` for the test of a file that was not read.
+    pub analysis: Option<Analysis>,
+}
+
+/// A mesh and its deck, settled for one spec.
+#[derive(Clone, Debug)]
+pub struct DeckSettled {
+    /// The mesh.
+    pub footing: Footing,
+    /// The content of the deck, without the loads on the mesh.
+    pub deck: DeckOptions,
+    /// How to get the ITZ, if the mesh has none by default.
+    pub hint: Option<String>,
+}
+
+impl DeckAsk {
+    /// Use of the mesh: whether the deck computes something, by its own step or by one that is added to it.
+    pub fn purpose(&self) -> Purpose {
+        let options = &self.given.options;
+        let analyses = self.analysis != Some(Analysis::None) || options.with_damage;
+        if analyses && !options.geometry_only { Purpose::Test } else { Purpose::Mesh }
+    }
+
+    /// Contents of the deck as far as it was asked for.
+    fn options(&self) -> DeckOptions {
+        DeckOptions { analysis: self.analysis.clone().unwrap_or_default(), ..self.given.options.clone() }
+    }
+
+    /// Whether a deck is of a test with a curve.
+    pub fn has_curve(&self) -> bool {
+        self.options().has_curve()
+    }
+
+    /// Refuses an analysis that no packing can have in these formats, before any work; a file is read first.
+    ///
+    /// # Errors
+    /// The option of the deck.
+    pub fn accept_formats(&self, mut formats: impl Iterator<Item = MeshFormat>) -> Result<(), AskError> {
+        if self.analysis.is_none() {
+            return Ok(());
+        }
+        let deck = self.options();
+        formats.try_for_each(|format| format.check(&deck)).map_err(|error| self.wrong_option(&error))?;
+        deck.follows().map_err(|error| self.wrong_test(&error))
+    }
+
+    /// Refuses options that suit no packing.
+    ///
+    /// # Errors
+    /// The option.
+    pub fn accept(&self) -> Result<(), AskError> {
+        self.mesh.options(self.purpose(), &Itz::default()).map(drop)
+    }
+
+    /// Refuses options that suit no packing of `spec`, and looks for no gmsh. A default size is no option.
+    ///
+    /// # Errors
+    /// The option.
+    pub fn accept_for(&self, spec: &Spec, writes_deck: bool) -> Result<(), AskError> {
+        let options = self.mesh.options(self.purpose(), &spec.itz)?;
+        if self.mesh.materials.is_some() {
+            self.accept_deck(&self.deck(spec, &options)?, &options, writes_deck)?;
+        }
+        match options.validate(&spec.specimen) {
+            Err(MeshError::Option(wrong))
+                if wrong.key == "element_size_mm" && !self.mesh.given.has("element_size_mm") =>
+            {
+                Ok(())
+            }
+            suits => suits.map_err(|error| self.mesh.wrong(&error)),
+        }
+    }
+
+    /// Everything for packings of `spec`; options of decks are refused where no deck is written.
+    ///
+    /// # Errors
+    /// Options that do not fit, a mesh beyond the memory, and a missing gmsh.
+    pub fn settle(&self, spec: &Spec, writes_deck: bool, machine: &Machine<'_>) -> Result<DeckSettled, AskError> {
+        let footing = self.mesh.settle(self.purpose(), spec, machine)?;
+        let options = &footing.options;
+        let size = self.mesh.given.giver().option("element_size_mm");
+        machine.accept_in_memory("the mesh", options.bytes(&spec.specimen), (&size, options.element_size_mm))?;
+        let deck = self.deck(spec, options)?;
+        self.accept_deck(&deck, options, writes_deck)?;
+        deck.suits(&spec.specimen).map_err(|error| self.wrong_test(&error))?;
+        Ok(DeckSettled { hint: self.hint(spec, options.itz), footing, deck })
+    }
+
+    /// Refuses options of decks without effect: on this deck, or because none is written.
+    fn accept_deck(&self, deck: &DeckOptions, mesh: &MeshOptions, is_written: bool) -> Result<(), AskError> {
+        if is_written {
+            let has_hexahedra = mesh.method.name() == MethodName::Voxel;
+            return deck.validate_effects(has_hexahedra).map_err(|error| self.wrong_option(&error));
+        }
+        // An analysis also decides mesh and packing, a time increment the figures.
+        match self.given.asked().find(|key| *key != "time_increment_s") {
+            Some(key) => {
+                let option = self.given.giver().option(key);
+                Err(AskError::Usage(format!("{option} has no effect: no .inp or .k is written; leave it out")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Contents of a deck of `spec`, checked as far as that takes no mesh.
+    fn deck(&self, spec: &Spec, mesh: &MeshOptions) -> Result<DeckOptions, AskError> {
+        let deck = DeckOptions {
+            materials: self.mesh.materials.clone().unwrap_or_default(),
+            allow_joined: self.mesh.table().joined == Some(Joined::Keep),
+            ..self.options()
+        };
+        deck.validate_for(spec.specimen.periodic().0).map_err(|error| self.wrong_option(&error))?;
+        if mesh.itz == ItzForm::Cohesive {
+            deck.validate_cohesive().map_err(|error| self.wrong_option(&error))?;
+        }
+        Ok(deck)
+    }
+
+    fn hint(&self, spec: &Spec, itz: ItzForm) -> Option<String> {
+        let [low, high] = spec.itz.thickness_mm;
+        (self.mesh.table().itz.is_none() && itz == ItzForm::None && high > 0.0).then(|| {
+            format!(
+                "no ITZ in the mesh: shells of {low} to {high} mm are thinner than its elements. --itz cohesive or --method lattice \
+                 includes them"
+            )
+        })
+    }
+
+    /// Puts the supports and loads of the test on `mesh` into the deck, and the heading. `off` is the phase that is farthest
+    /// off its volume.
+    ///
+    /// # Errors
+    /// A test that the mesh cannot have.
+    pub fn load(
+        &self,
+        settled: &mut DeckSettled,
+        mesh: &Mesh,
+        model: &Model,
+        off: Option<PhaseOff>,
+    ) -> Result<(), AskError> {
+        let (spec, options) = (&model.spec, settled.footing.options.for_bodies(&model.aggregates));
+        settled.deck.head(spec, &options, off.is_some_and(|off| !off.is_accepted()));
+        let sample = Sample::of(mesh, &spec.specimen, &options);
+        settled.deck.load(&sample).map_err(|error| self.wrong_test(&error))
+    }
+
+    /// A value of a deck out of its range, in the giver's spelling.
+    pub fn wrong_option(&self, error: &OutOfRange) -> AskError {
+        AskError::Usage(self.given.refusal(error))
+    }
+
+    /// An error of a deck's test, in the giver's spelling.
+    fn wrong_test(&self, error: &TrialError) -> AskError {
+        AskError::Usage(deck_refusal(&self.given.options, "analysis", error, self.given.giver()))
+    }
+}
