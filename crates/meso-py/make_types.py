@@ -21,6 +21,8 @@ SCHEMAS = {
     "mesh": "MeshOptions",
     "deck": "DeckOptions",
     "solve": "SolveOptions",
+    "effective": "EffectiveOptions",
+    "fit": "FitOptions",
     "statistics": "StatisticsOptions",
 }
 # A test with its name.
@@ -30,8 +32,56 @@ NAMED = '''class NamedTest(SolveOptions, total=False):
     test: {kinds}
     """The named test."""
 '''
+# Steps of a study: options of requests, and those of the study alone.
+STEPS = '''class MeshStep(MeshOptions, DeckOptions, total=False):
+    """A mesh and its deck in a study: keywords of `Packing.mesh` and `Mesh.write`, and the files of the mesh."""
+
+    output: str | Sequence[str]
+    """Names of the files in the folder of a case; required."""
+    method: Literal["voxel", "lattice", "conforming"]
+    """Method of meshing."""
+    element_size: float | Literal["auto"]
+    """Edge length of the elements, mm."""
+    accept_phase_error: bool
+    """Whether a phase may be more than 10 % off its exact volume."""
+    strict: bool
+    """Whether a phase that is more than 1 % off fails the case."""
+    compress: bool
+    """Whether the data of a .vtu are compressed."""
+
+
+class SolveStep(NamedTest, MeshOptions, total=False):
+    """A test in a study: keywords of `Mesh.solve` and `Packing.mesh`."""
+
+    method: Literal["voxel", "lattice", "conforming"]
+    """Method of meshing."""
+    element_size: float | Literal["auto"]
+    """Edge length of the elements, mm."""
+    accept_phase_error: bool
+    """Whether a phase may be more than 10 % off its exact volume."""
+    materials: DeckMaterials
+    """Material values."""
+    brush: bool
+    """Plates of brushes or teflon: a friction of 0.005."""
+    device: str
+    """What takes the steps: "cpu", "gpu", "cuda:N" or "opencl:N"."""
+
+
+class EffectiveStep(EffectiveOptions, total=False):
+    """Effective properties in a study: keywords of `Packing.effective`."""
+
+    element_size: float
+    """Edge length of the tetrahedra, mm."""
+    voxel_size: float
+    """Edge of a voxel, mm."""
+'''
 # Keywords that the functions spell out themselves.
-OWN_KEYWORDS = {"MeshOptions": {"method", "element_size_mm"}, "SolveOptions": {"kind"}}
+OWN_KEYWORDS = {
+    "MeshOptions": {"method", "element_size_mm"},
+    "SolveOptions": {"kind"},
+    "EffectiveOptions": {"element_size_mm", "voxel_size_mm"},
+    "FitOptions": {"element_size_mm", "min_gap_mm", "time_limit_s"},
+}
 
 HEAD = '''"""Types of all options, for editors and type checkers.
 
@@ -152,6 +202,7 @@ def types(command: str) -> str:
         printed = subprocess.run([command, "schema", of], capture_output=True, text=True, check=True).stdout
         found.add(name, json.loads(printed))
     found.text["NamedTest"] = NAMED.format(kinds=found.choices["SolveTestKind"])
+    found.text["steps"] = STEPS
     return HEAD + "\n\n" + "\n\n".join(found.text.values())
 
 

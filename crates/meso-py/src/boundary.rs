@@ -1,6 +1,6 @@
 //! The boundary of Rust and Python: only exceptions that `except Exception` catches cross it.
 
-use meso_ask::Giver;
+use meso_ask::{AskError, Giver};
 use meso_concrete::printable;
 use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
@@ -31,6 +31,14 @@ pub(crate) fn wrong_value(message: impl AsRef<str>) -> PyErr {
 /// The exception of a wrong type; see [`wrong_value`].
 pub(crate) fn wrong_type(message: impl AsRef<str>) -> PyErr {
     PyTypeError::new_err(printable(message.as_ref()).into_owned())
+}
+
+/// A fault of a request: a wrong value, or something that could not be done.
+pub(crate) fn raised(fault: &AskError) -> PyErr {
+    match fault {
+        AskError::Usage(message) => wrong_value(message),
+        AskError::Run(message) => PyRuntimeError::new_err(printable(message).into_owned()),
+    }
 }
 
 /// Refuses work that takes more memory than is free, before any of it is taken.

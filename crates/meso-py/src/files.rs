@@ -226,7 +226,8 @@ fn fill(
 }
 
 /// The wish to stop: files take no more bytes then, and the temporary ones are given up.
-struct Stop<'a>(&'a Watch);
+#[derive(Clone, Copy)]
+pub(crate) struct Stop<'a>(pub(crate) &'a Watch);
 
 impl Keeper for Stop<'_> {
     fn step(&self) -> io::Result<()> {

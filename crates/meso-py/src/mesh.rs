@@ -96,7 +96,7 @@ pub(crate) fn build(
 }
 
 /// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.
-fn gmsh(py: Python<'_>) -> PyResult<Gmsh> {
+pub(crate) fn gmsh(py: Python<'_>) -> PyResult<Gmsh> {
     let found = py.import("importlib.util")?.call_method1("find_spec", ("gmsh",))?;
     let python: Option<PathBuf> = py.import("sys")?.getattr("executable")?.extract()?;
     Ok(match python {

@@ -8,6 +8,7 @@ use crate::run::{Broken, Terms, Watch, beside_python_keeping, beside_python_on, 
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
+use meso_ask::accept_effects;
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
@@ -92,7 +93,8 @@ impl Asked {
         let mut test = Test { kind, ..given };
         let taken = test.take_tables(|name| Beside(Path::new("")).text(name));
         taken.map_err(|error| wrong(&error.into()))?;
-        meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
+        let valid = meso_solve::validate(&materials, &test).and_then(|()| Ok(accept_effects(&test)?));
+        valid.map_err(|error| wrong(&error))?;
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
     }
 

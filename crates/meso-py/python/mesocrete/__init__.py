@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     )
     from ._curves import Curves, mean_curves
     from ._dataset import Dataset, dataset
+    from ._fit import Fit, fit
     from ._options import Grading, Materials, Specimen, Test
     from ._scan import scan
     from ._study import Study, study
@@ -42,6 +43,7 @@ __all__ = [
     "Aggregates",
     "Curves",
     "Dataset",
+    "Fit",
     "Frame",
     "Grading",
     "Materials",
@@ -57,6 +59,7 @@ __all__ = [
     "convex_hull",
     "dataset",
     "effective",
+    "fit",
     "from_labels",
     "gjk",
     "load",
@@ -71,12 +74,14 @@ __all__ = [
 _HOMES = {
     "Curves": "_curves",
     "Dataset": "_dataset",
+    "Fit": "_fit",
     "Grading": "_options",
     "Materials": "_options",
     "Specimen": "_options",
     "Study": "_study",
     "Test": "_options",
     "dataset": "_dataset",
+    "fit": "_fit",
     "mean_curves": "_curves",
     "scan": "_scan",
     "study": "_study",

@@ -11,20 +11,22 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypedDict, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._fingerprint import fingerprint
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _study_results, _study_write, _StudyPlan, _StudyRun, load, pack
+from ._mesocrete import Packing, Spec, _study_case, _study_results, _study_write, _StudyPlan, _StudyRun, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
     import pandas as _pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
     import polars as _polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
     from typing_extensions import NotRequired
+
+    from ._types import EffectiveStep, MeshStep, SolveStep
 
 _MODELS = ("model.json", "model.json.gz")
 
@@ -73,7 +75,7 @@ class CaseRecord(TypedDict):
     error: NotRequired[str]
     """Message of the failure."""
     warnings: NotRequired[list[str]]
-    """Warnings of the spec."""
+    """Warnings of the spec, the mesh, the test and the properties."""
     files: dict[str, int]
     """Every other file of the folder and its length, bytes."""
     model_sha256: NotRequired[str]
@@ -119,7 +121,7 @@ class Study:
     def packing(self, number: int) -> Packing:
         """Read the packing of a case from its folder; pack it again where the study keeps none."""
         kept = _kept(self.folders[number])
-        return load(kept) if kept.is_file() else pack(self.spec(number))
+        return load(kept) if kept.is_file() else pack(self._plan.packed_spec(number))
 
     @overload
     def table(self, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
@@ -171,6 +173,10 @@ def study(
     *,
     zip: Mapping[str, Iterable[object]] | None = None,  # noqa: A002
     draw: Draw | None = None,
+    outputs: Iterable[str] = (),
+    mesh: MeshStep | None = None,
+    solve: SolveStep | None = None,
+    effective: EffectiveStep | None = None,
     model: Literal["json", "json.gz", "none"] = "json",
     then: Callable[..., object] | None = None,
     version: str | int | None = None,
@@ -180,27 +186,38 @@ def study(
     retry_failed: bool = False,
     progress: bool | Callable[[int, int], object] | None = None,
 ) -> Study:
-    """Pack every combination of some options, and call a function with each packing.
+    """Do every combination of some options: pack, mesh, test, compute properties, call a function with each packing.
 
     Parameters
     ----------
     spec : None, dict, path or Spec, or a list of them
         Options that the values of `over` replace, as for `pack`. Each spec of a list is an axis' value; the column `spec`
-        counts them from 0.
+        counts them from 0. The path of a STUDY.toml is a study of its own: it has all options of the cases.
     over : dict
-        From the dotted key of an option to its values, e.g. ``{"seed": range(20), "grading.d_max_mm": [16, 20]}``. The last
-        axis runs fastest.
+        From the dotted key of an option to its values, e.g. ``{"seed": range(20), "grading.d_max_mm": [16, 20]}``. Options of
+        the steps vary, too: ``"solve.friction": [0.0, 0.3]``. The last axis runs fastest.
     zip : dict, optional
         From dotted keys to lists of one length, whose values change together: one axis.
     draw : dict, optional
         Random values: ``{"cases": 50, "design": "latin-hypercube", "seed": 0, "over": {"fraction": {"low": 0.2, "high":
         0.4}, "grading.d_max_mm": [12, 16]}}``. `design` is "random" (default) or "latin-hypercube". Each case has a seed of
         its own.
+    outputs : iterable of str
+        Further files of each packing, by their names in the folder of a case: "grains.csv".
+    mesh : dict, optional
+        Meshes each packing: keywords of `Packing.mesh` and `Mesh.write`, and `output`, the names of the files. Figures of the
+        mesh become columns that begin with `mesh.`.
+    solve : dict, optional
+        Tests each packing: keywords of `Mesh.solve` and `Packing.mesh`. The files of its results are in the folder of the case,
+        its figures in columns that begin with `solve.`. A test with errors fails its case.
+    effective : dict, optional
+        Computes effective properties of each packing: keywords of `Packing.effective`. Files and columns as for `solve`.
     model : {"json", "json.gz", "none"}
         The packing that a finished case keeps. With "none", another `then` packs again.
     then : callable, optional
         Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; its result, a dict or a
-        number, becomes columns of the table. Absent: the figures of the packing's report.
+        number, becomes columns of the table. It comes after the other steps, whose files are in the folder. Absent, and without
+        steps: the figures of the packing's report.
     version : str or int, optional
         Names the work of `then`: results are kept under it, whatever `then` contains. Absent: a fingerprint of the code of
         `then` and of every value that it uses.
@@ -236,10 +253,36 @@ def study(
     if model not in ("json", "json.gz", "none"):
         message = f'model is {model!r}; it must be "json", "json.gz" or "none"'
         raise ValueError(message)
-    specs = [_tree(one) for one in spec] if isinstance(spec, list) else _tree(spec)
-    plan = _StudyPlan(specs, dict(over or {}), dict(zip) if zip else None, dict(draw) if draw is not None else None)
-    folder = Path(out).absolute()
+    steps = {"mesh": mesh, "solve": solve, "effective": effective, "outputs": list(outputs) or None}
+    given = {name: step for name, step in steps.items() if step is not None}
+    plan = _StudyPlan.of_file(spec) if isinstance(spec, (str, os.PathLike)) else None
+    if plan is None:
+        specs = [_tree(one) for one in spec] if isinstance(spec, list) else _tree(spec)
+        axes = dict(over or {}), dict(zip) if zip else None, dict(draw) if draw is not None else None
+        plan = _StudyPlan(specs, *axes, {"outputs": [], **given} if given else None, model)
+    elif given or over or zip or draw is not None:
+        message = f"{os.fspath(spec)} is a study, which has its own steps and axes; change the file, or name a SPEC.toml"
+        raise ValueError(message)
     name = fingerprint(then, version)
+    _drive(plan, Path(out).absolute(), _Way(then, name, executor, threads, progress, retry_failed))
+    return Study(plan, name, Path(out).absolute())
+
+
+class _Way(NamedTuple):
+    """How the cases of a plan are done."""
+
+    then: Callable[..., Any] | None = None
+    name: str = ""
+    executor: Submitter | None = None
+    threads: int | None = None
+    progress: bool | Callable[[int, int], object] | None = None
+    retry_failed: bool = False
+
+
+def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
+    """Do the cases of a plan that are left."""
+    then, name, executor, threads, progress, retry_failed = way
+    model = plan.model
     submit = _submitter(executor, then)
     tell = _teller(progress, len(plan))
     if threads is None and submit is not None:
@@ -249,23 +292,22 @@ def study(
     try:
         tell(run.over)
         folders = plan.folders
-        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, model, run.begin(i)) for i in run.left)
-        for number, results, error in _here(jobs) if submit is None else _there(jobs, submit):
+        steps = plan.task if plan.has_steps else lambda _: None
+        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, model, run.begin(i), steps(i)) for i in run.left)
+        for number, results, error, warnings in _here(jobs) if submit is None else _there(jobs, submit):
             if error is None and model != "none":
                 _require_model(folder / folders[number])
-            run.end(number, results, error)
+            run.end(number, results, error, warnings)
             tell(run.over)
     finally:
         tell(None)
         _LOCKED.discard(run)
         run.close()
-    return Study(plan, name, folder)
 
-
-# A case for a worker: its number, spec, folder, function, threads, the kept model, and whether the packing is there.
-_Job = tuple[int, Spec, Path, "Callable[..., Any] | None", "int | None", str, bool]
-# Its number, the results as JSON, and the message of its failure.
-_Ended = tuple[int, str, str | None]
+# A case for a worker: its number, spec, folder, function, threads, the kept model, whether the packing is there, and its steps.
+_Job = tuple[int, Spec, Path, "Callable[..., Any] | None", "int | None", str, bool, "str | None"]
+# Its number, the results as JSON, the message of its failure, and warnings.
+_Ended = tuple[int, str, str | None, list[str]]
 
 # Runs whose folders this process has locked. A forked process would keep the locks when this one is killed.
 _LOCKED: set[_StudyRun] = set()
@@ -282,16 +324,24 @@ if hasattr(os, "register_at_fork"):
 
 def _run(job: _Job) -> _Ended:
     """Do a case, on whatever machine; the results, or the message of its failure."""
-    number, spec, folder, then, threads, model, packed = job
+    number, spec, folder, then, threads, model, packed, steps = job
+    warnings: list[str] = []
     try:
-        packing = load(_kept(folder)) if packed else pack(spec, threads=threads)
-        if not packed and model != "none":
-            _study_write(packing, folder, model == "json.gz")
-        if then is None:
-            return number, json.dumps(_study_results(packing)), None
-        return number, _results(then(packing, folder) if _takes_folder(then) else then(packing)), None
+        kept = load(_kept(folder)) if packed else None
+        if steps is not None:
+            packing, results, error, warnings = _study_case(spec, steps, folder, threads, kept)
+            if error is not None or then is None:
+                return number, results, error, warnings
+        else:
+            packing, results = kept or pack(spec, threads=threads), "{}"
+            if not packed and model != "none":
+                _study_write(packing, folder, model == "json.gz")
+            if then is None:
+                return number, json.dumps(_study_results(packing)), None, []
+        found = _results(then(packing, folder) if _takes_folder(then) else then(packing))
+        return number, json.dumps({**json.loads(results), **json.loads(found)}), None, warnings
     except Exception as error:
-        return number, "{}", _message(error)
+        return number, "{}", _message(error), warnings
 
 
 def _here(jobs: Iterable[_Job]) -> Iterable[_Ended]:

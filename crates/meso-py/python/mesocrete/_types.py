@@ -774,6 +774,52 @@ class SolveOptions(TypedDict, total=False):
     """Places at which the path turns; straight on to `strain` where none are given."""
 
 
+EffectiveAxes = str
+
+
+EffectivePhasesGiven = str | dict[str, object]
+
+
+class EffectiveOptions(TypedDict, total=False):
+    """Effective diffusivity, conductivity and stiffness, each with its error."""
+
+    axes: EffectiveAxes
+    """Axes of the gradient; each takes a solution. Stiffness always has all"""
+    boundary: Literal["fixed", "uniform-gradient", "uniform-flux"]
+    """Conditions at walls: fixed, given potentials at the ends of the gradient and insulated sides; uniform-gradient, an upper estimate, or uniform-flux, a lower one, in tetrahedra"""
+    eigenstrain: dict[str, object]
+    """Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4"""
+    method: Literal["voxel", "lattice", "conforming"]
+    """Division of a model: voxel, or lattice, tetrahedra whose faces follow the aggregates"""
+    no_fields: bool
+    """Write no fields"""
+    periodic: EffectiveAxes | None
+    """Axes along which a label volume repeats itself; without, it has walls"""
+    phases: EffectivePhasesGiven | None
+    """Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate, itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too, as in 0 = 1.0"""
+    tolerance: float | None
+    """Error of the equations, over the result, beside that of the voxels [default: 1e-9; of stiffness 1e-12]"""
+    what: Literal["diffusivity", "conductivity", "stiffness", "all"]
+    """Property"""
+
+
+class FitOptions(TypedDict, total=False):
+    """Options of a fit, beside the curve, the spec and the materials to start from."""
+
+    accept_phase_error: bool
+    """Accept meshes that show a phase badly, as `solve` does"""
+    friction: float | None
+    """Friction between plates and specimen"""
+    law: Literal["meso", "cdp", "cdpm2", "elastic"] | None
+    """The law of mortar and ITZ [default: that of solve]"""
+    seeds: int
+    """Number of packings, of successive seeds from the spec's on; their scatter is the uncertainty"""
+    steps: int
+    """Most steps after the first five points; each tests every packing once"""
+    strain: float | None
+    """Mean axial strain at the end [default: 1.15 times the last one of the curve]"""
+
+
 class StatisticsOptions(TypedDict, total=False):
     """How much is sampled, and how finely it is resolved."""
 
@@ -796,3 +842,46 @@ class NamedTest(SolveOptions, total=False):
 
     test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
     """The named test."""
+
+
+class MeshStep(MeshOptions, DeckOptions, total=False):
+    """A mesh and its deck in a study: keywords of `Packing.mesh` and `Mesh.write`, and the files of the mesh."""
+
+    output: str | Sequence[str]
+    """Names of the files in the folder of a case; required."""
+    method: Literal["voxel", "lattice", "conforming"]
+    """Method of meshing."""
+    element_size: float | Literal["auto"]
+    """Edge length of the elements, mm."""
+    accept_phase_error: bool
+    """Whether a phase may be more than 10 % off its exact volume."""
+    strict: bool
+    """Whether a phase that is more than 1 % off fails the case."""
+    compress: bool
+    """Whether the data of a .vtu are compressed."""
+
+
+class SolveStep(NamedTest, MeshOptions, total=False):
+    """A test in a study: keywords of `Mesh.solve` and `Packing.mesh`."""
+
+    method: Literal["voxel", "lattice", "conforming"]
+    """Method of meshing."""
+    element_size: float | Literal["auto"]
+    """Edge length of the elements, mm."""
+    accept_phase_error: bool
+    """Whether a phase may be more than 10 % off its exact volume."""
+    materials: DeckMaterials
+    """Material values."""
+    brush: bool
+    """Plates of brushes or teflon: a friction of 0.005."""
+    device: str
+    """What takes the steps: "cpu", "gpu", "cuda:N" or "opencl:N"."""
+
+
+class EffectiveStep(EffectiveOptions, total=False):
+    """Effective properties in a study: keywords of `Packing.effective`."""
+
+    element_size: float
+    """Edge length of the tetrahedra, mm."""
+    voxel_size: float
+    """Edge of a voxel, mm."""

@@ -1,27 +1,82 @@
 //! The Rust part of `mesocrete.study`: the plan, the run in a locked folder, records and tables.
 
+mod fit;
+
+pub(crate) use fit::PyFit;
+
 use crate::beside::Told;
-use crate::boundary::{file_error, guard};
-use crate::files;
+use crate::boundary::{file_error, guard, raised};
+use crate::files::{self, Stop};
+use crate::mesh;
 use crate::packing::PyPacking;
-use crate::run::beside_python;
+use crate::pickle;
+use crate::run::{Watch, beside_python, beside_python_on};
 use crate::spec::{self, options, spec_error};
 use crate::tree::{self, plain};
+use meso_ask::{AskError, Giver};
+use meso_core::Silent;
 use meso_files::lock::LockError;
+use meso_gpu::Choice;
+use meso_solve::Run;
 use meso_study::{
-    Again, Axis, Case, CaseState, MODELS, Plan, PlanError, Planning, Record, RunError, Sampling, StudyRun, Table,
-    ensemble, of_packing, save_tables,
+    Again, Attached, Axis, Case, CaseOutcome, CaseState, Doing, Keep, MODELS, NamedFiles, Plan, PlanError, Planning,
+    Record, RunError, Sampling, Steps, StudyFile, StudyRun, Table, ensemble, of_packing, read_text, save_tables,
 };
 use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The cases of a study.
 #[pyclass(name = "_StudyPlan", module = "mesocrete._mesocrete", frozen)]
-pub(crate) struct PyStudyPlan(Arc<Plan>);
+pub(crate) struct PyStudyPlan {
+    plan: Arc<Plan>,
+    steps: Task,
+}
+
+/// How the steps of a study's cases are read.
+#[derive(Clone, Serialize, Deserialize)]
+struct Task {
+    keep: Keep,
+    /// Folder of the files that they name.
+    folder: PathBuf,
+    spelling: Spelling,
+}
+
+/// Spelling of the options of a study.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+enum Spelling {
+    /// Sections of a STUDY.toml.
+    Sections,
+    /// Dicts that are keywords.
+    Dicts,
+    /// Keywords of a fit.
+    Keywords,
+}
+
+impl Task {
+    fn steps(&self, task: &Value) -> Result<Steps, AskError> {
+        let giver = |section: &'static str| match self.spelling {
+            Spelling::Sections => Giver::Section(section),
+            Spelling::Dicts => Giver::Keyword(section),
+            Spelling::Keywords => Giver::Keywords,
+        };
+        Steps::of(task, self.keep, &self.folder, &giver, &read_text)
+    }
+}
+
+/// Devices by their names.
+fn device(name: &str, run: Option<&mut Run<'_>>) -> Result<Attached, AskError> {
+    let lease = name.parse::<Choice>().and_then(Choice::find).map_err(AskError::Usage)?;
+    let (Some(lease), Some(run)) = (lease, run) else { return Ok(Attached::default()) };
+    meso_gpu::attach(run, &lease.device).map_err(|error| AskError::Run(error.to_string()))?;
+    let doubt = lease.device.warning();
+    let doubt = doubt.map(|text| format!("{text}; `mesocrete devices --check` measures the difference"));
+    Ok(Attached { doubt, hold: Some(Box::new(lease)) })
+}
 
 /// A study while it runs; its folder is locked.
 #[pyclass(name = "_StudyRun", module = "mesocrete._mesocrete", frozen)]
@@ -88,12 +143,17 @@ fn plan_error(error: &PlanError) -> PyErr {
 }
 
 /// Listens to signals while a study is planned.
-struct Interruptible<'py> {
+struct Interruptible<'py, 'a> {
     py: Python<'py>,
     raised: Option<PyErr>,
+    named: NamedFiles<'a>,
 }
 
-impl Planning for Interruptible<'_> {
+impl Planning for Interruptible<'_, '_> {
+    fn complete(&mut self, task: &mut Value) -> Result<(), String> {
+        self.named.complete(task)
+    }
+
     fn goes_on(&mut self, _: usize, _: usize) -> bool {
         self.raised = self.py.check_signals().err();
         self.raised.is_none()
@@ -102,37 +162,89 @@ impl Planning for Interruptible<'_> {
 
 #[pymethods]
 impl PyStudyPlan {
-    /// Every combination of `over`, `zip` and `draw` laid over `spec`, as for `pack`, or over each of a list of specs.
+    /// Every combination of `over`, `zip` and `draw` laid over `spec`, as for `pack`, or over each of a list of specs; `steps`
+    /// has the steps of a case by their names, and `model` the packing that it keeps.
     #[new]
-    #[pyo3(signature = (spec, over, zip=None, draw=None))]
+    #[pyo3(signature = (spec, over, zip=None, draw=None, steps=None, model="json"))]
     fn new(
         spec: Option<&Bound<'_, PyAny>>,
         over: &Bound<'_, PyDict>,
         zip: Option<&Bound<'_, PyDict>>,
         draw: Option<&Bound<'_, PyDict>>,
+        steps: Option<&Bound<'_, PyDict>>,
+        model: &str,
     ) -> PyResult<Self> {
         guard(|| {
             let listed = spec.and_then(|spec| spec.cast::<PyList>().ok());
             let (base, folder) = spec::tree_of(spec.filter(|_| listed.is_none()))?;
             let specs = listed.map_or(Ok(Vec::new()), of_list)?;
             let axes = all_axes(specs, &Asked { over, zip, draw })?;
-            let mut planning = Interruptible { py: over.py(), raised: None };
-            let task = Value::Object(Map::new());
+            let task = steps.map_or(Ok(Value::Object(Map::new())), |steps| tree::from_python("", steps.as_any()))?;
+            let named = NamedFiles::beside(Path::new(""));
+            let mut planning = Interruptible { py: over.py(), raised: None, named };
             let plan = Plan::new_while(&base, &axes, &task, &mut Told::beside(&folder), &mut planning);
-            plan.map(|plan| Self(Arc::new(plan))).map_err(|error| planning.raised.unwrap_or_else(|| plan_error(&error)))
+            let plan = plan.map_err(|error| planning.raised.unwrap_or_else(|| plan_error(&error)))?;
+            let keep = serde_json::from_value(model.into()).unwrap_or_default();
+            let steps = Task { keep, folder: PathBuf::new(), spelling: Spelling::Dicts };
+            let plan = Self { plan: Arc::new(plan), steps };
+            plan.accept(over.py()).map(|()| plan)
         })
+    }
+
+    /// The study of a STUDY.toml; None where the file is a spec.
+    #[staticmethod]
+    fn of_file(py: Python<'_>, path: PathBuf) -> PyResult<Option<Self>> {
+        guard(|| {
+            let text = std::fs::read_to_string(&path);
+            if !text.is_ok_and(|text| StudyFile::is_study(&text)) {
+                return Ok(None);
+            }
+            let file = StudyFile::read(&path, &read_text).map_err(|fault| raised(&fault))?;
+            let plan = file.plan(&mut |_, _| ()).map_err(|fault| raised(&fault))?;
+            let steps = Task { keep: file.keep(), folder: file.beside().to_owned(), spelling: Spelling::Sections };
+            let plan = Self { plan: Arc::new(plan), steps };
+            plan.accept(py).map_err(|error| match error.is_instance_of::<PyValueError>(py) {
+                true => raised(&file.wrong(&AskError::Usage(error.value(py).to_string()))),
+                false => error,
+            })?;
+            Ok(Some(plan))
+        })
+    }
+
+    /// Whether the cases have steps after the packing.
+    #[getter]
+    fn has_steps(&self) -> bool {
+        self.plan.cases.first().is_some_and(|case| case.task.as_object().is_some_and(|task| !task.is_empty()))
+    }
+
+    /// Name of the packing that a case keeps.
+    #[getter]
+    fn model(&self) -> PyResult<String> {
+        Ok(meso_ask::flags::names::of(&self.steps.keep))
+    }
+
+    /// The spec that a case packs, with the gaps that its mesh and its test need.
+    fn packed_spec(&self, number: usize) -> PyResult<spec::PySpec> {
+        let case = self.case(number)?;
+        let spec = self.steps.steps(&case.task).and_then(|steps| steps.spec(&case.spec, &Silent));
+        spec.map(spec::PySpec).map_err(|fault| raised(&fault))
+    }
+
+    /// The steps of a case, for `_study_case`.
+    fn task(&self, number: usize) -> PyResult<String> {
+        pickle::json(&(&self.steps, &self.case(number)?.task))
     }
 
     /// The axes' keys.
     #[getter]
     fn keys(&self) -> Vec<String> {
-        self.0.keys.clone()
+        self.plan.keys.clone()
     }
 
     /// The folders' names, in the cases' order.
     #[getter]
     fn folders(&self) -> Vec<&str> {
-        self.0.cases.iter().map(|case| case.folder.as_str()).collect()
+        self.plan.cases.iter().map(|case| case.folder.as_str()).collect()
     }
 
     /// The axes' values of a case.
@@ -153,8 +265,8 @@ impl PyStudyPlan {
         out: PathBuf,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let records = self.records(then, &out);
-        let table = save_tables(&out, &self.0.keys, &records, ()).map_err(|error| file_error(&out, error))?;
-        let groups = ensemble(&table, &self.0.keys, meso_study::REPLICATE);
+        let table = save_tables(&out, &self.plan.keys, &records, ()).map_err(|error| file_error(&out, error))?;
+        let groups = ensemble(&table, &self.plan.keys, meso_study::REPLICATE);
         Ok((columns(py, &table)?, columns(py, &groups)?))
     }
 
@@ -166,13 +278,13 @@ impl PyStudyPlan {
         out: PathBuf,
         replicate: &str,
     ) -> PyResult<Bound<'py, PyDict>> {
-        if !self.0.keys.iter().any(|key| key == replicate) {
-            let keys = self.0.keys.join(", ");
+        if !self.plan.keys.iter().any(|key| key == replicate) {
+            let keys = self.plan.keys.join(", ");
             let message = format!("replicate is {replicate:?}; it must be an axis of the study: {keys}");
             return Err(PyValueError::new_err(message));
         }
-        let table = meso_study::tabulate(&self.0.keys, &self.records(then, &out));
-        columns(py, &ensemble(&table, &self.0.keys, replicate))
+        let table = meso_study::tabulate(&self.plan.keys, &self.records(then, &out));
+        columns(py, &ensemble(&table, &self.plan.keys, replicate))
     }
 
     /// The records of the cases that are over, as dicts.
@@ -181,11 +293,11 @@ impl PyStudyPlan {
     }
 
     fn __len__(&self) -> usize {
-        self.0.cases.len()
+        self.plan.cases.len()
     }
 }
 
-fn run_error(error: RunError) -> PyErr {
+pub(crate) fn run_error(error: RunError) -> PyErr {
     match error {
         RunError::Lock(LockError::Busy { .. }) => PyBlockingIOError::new_err(error.to_string()),
         RunError::Lock(LockError::File { path, error }) | RunError::File { path, error } => file_error(&path, error),
@@ -198,7 +310,7 @@ impl PyStudyRun {
     #[new]
     fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool) -> PyResult<Self> {
         let again = if retry_failed { Again::Failed } else { Again::None };
-        guard(|| StudyRun::open(Arc::clone(&plan.0), then, &out, again).map(Self).map_err(run_error))
+        guard(|| StudyRun::open(Arc::clone(&plan.plan), then, &out, again).map(Self).map_err(run_error))
     }
 
     /// Numbers of the cases that are not over.
@@ -219,11 +331,11 @@ impl PyStudyRun {
     }
 
     /// Records a case: its results as JSON, or the message of its failure.
-    #[pyo3(signature = (number, results, error))]
-    fn end(&self, number: usize, results: &str, error: Option<String>) -> PyResult<()> {
+    #[pyo3(signature = (number, results, error, warnings))]
+    fn end(&self, number: usize, results: &str, error: Option<String>, warnings: Vec<String>) -> PyResult<()> {
         guard(|| {
             let read = || serde_json::from_str::<Map<String, Value>>(results).map_err(|error| error.to_string());
-            let outcome = error.map_or_else(read, Err).into();
+            let outcome = CaseOutcome { results: error.map_or_else(read, Err), warnings };
             self.0.end(number, outcome, ()).map_err(run_error)
         })
     }
@@ -244,13 +356,31 @@ impl PyStudyRun {
 }
 
 impl PyStudyPlan {
-    fn case(&self, number: usize) -> PyResult<&Case> {
-        self.0.cases.get(number).ok_or_else(|| PyValueError::new_err(format!("there is no case {number}")))
+    /// The cases of a fit, whose materials lie in `folder`.
+    pub(crate) fn of_fit(plan: Plan, folder: PathBuf) -> Self {
+        Self { plan: Arc::new(plan), steps: Task { keep: Keep::Json, folder, spelling: Spelling::Keywords } }
     }
 
-    fn records(&self, then: &str, out: &Path) -> Vec<Record> {
+    /// Refuses a case with options that its packing cannot have.
+    pub(crate) fn accept(&self, py: Python<'_>) -> PyResult<()> {
+        if !self.has_steps() {
+            return Ok(());
+        }
+        let gmsh = mesh::gmsh(py)?;
+        self.plan.cases.iter().try_for_each(|case| {
+            py.check_signals()?;
+            let steps = self.steps.steps(&case.task).map_err(|fault| raised(&fault))?;
+            steps.accept(&case.spec, &gmsh, &device).map_err(|fault| raised(&fault))
+        })
+    }
+
+    fn case(&self, number: usize) -> PyResult<&Case> {
+        self.plan.cases.get(number).ok_or_else(|| PyValueError::new_err(format!("there is no case {number}")))
+    }
+
+    pub(crate) fn records(&self, then: &str, out: &Path) -> Vec<Record> {
         let state = |case: &Case| CaseState::of(case, then, &out.join(&case.folder));
-        let states = self.0.cases.iter().map(state);
+        let states = self.plan.cases.iter().map(state);
         states.filter_map(|state| if let CaseState::Over(record) = state { Some(*record) } else { None }).collect()
     }
 }
@@ -270,6 +400,45 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
 pub(crate) fn study_write(py: Python<'_>, packing: &PyPacking, folder: PathBuf, compressed: bool) -> PyResult<()> {
     let (model, path) = (Arc::clone(&packing.0), folder.join(MODELS[usize::from(compressed)]));
     guard(|| beside_python(py, None, move |watch| files::write_case(&model, &path, watch))?)
+}
+
+/// Does the steps of a case in `folder`, from its packing if there is one: the packing, the results as JSON, the message of its
+/// failure, and warnings.
+#[pyfunction(name = "_study_case")]
+#[pyo3(signature = (spec, task, folder, threads=None, packing=None))]
+pub(crate) fn study_case(
+    py: Python<'_>,
+    spec: &spec::PySpec,
+    task: &str,
+    folder: PathBuf,
+    threads: Option<usize>,
+    packing: Option<&PyPacking>,
+) -> PyResult<(PyPacking, String, Option<String>, Vec<String>)> {
+    let (how, task): (Task, Value) = pickle::from_json(task)?;
+    let (spec, gmsh) = (spec.0.clone(), mesh::gmsh(py)?);
+    let kept = packing.map(|packing| Arc::clone(&packing.0));
+    let work = move |watch: &Watch| -> Result<_, AskError> {
+        let steps = how.steps(&task)?;
+        let warnings = Mutex::new(Vec::new());
+        let tell = |word: &str, text: &str| {
+            if word == "warning" {
+                warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
+            }
+        };
+        let doing = Doing { watch, keeper: Stop(watch), gmsh: &gmsh, devices: &device, tell: &tell };
+        let model = kept.map_or_else(|| steps.pack(&spec, watch).map(Arc::new), Ok)?;
+        let results = steps.run(&model, &folder, &doing);
+        Ok((model, results, warnings.into_inner().unwrap_or_else(PoisonError::into_inner)))
+    };
+    guard(|| {
+        let done = beside_python_on(py, threads, None, None, work)?;
+        let (model, results, warnings) = done.map_err(|fault| raised(&fault))?;
+        let (results, error) = match results {
+            Ok(results) => (Value::Object(results).to_string(), None),
+            Err(fault) => ("{}".to_owned(), Some(fault.message().to_owned())),
+        };
+        Ok((PyPacking(model), results, error, warnings))
+    })
 }
 
 /// Results that a study records of a packing, where nothing else is done with it.
