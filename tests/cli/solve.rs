@@ -340,7 +340,9 @@ pub(crate) mod signals {
         folder.write("beam.toml", prism("length_mm = 65, depth_mm = 20, notch_depth_mm = 5"));
         let notches = "length_mm = 40, depth_mm = 40, notch_depth_mm = 10, upper_notch_depth_mm = 10";
         folder.write("sheared.toml", prism(notches));
-        for kind in ["tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"] {
+        for kind in
+            ["tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"]
+        {
             let body = match kind {
                 "bending" | "four-point" => "beam.toml",
                 "shear" => "sheared.toml",

@@ -180,7 +180,10 @@ fn values_that_cannot_be_are_named() {
         ),
         (|m| m.mortar_strength.compressive_mpa = Some(f64::NAN), "mortar_strength.compressive_mpa is NaN"),
         (|m| m.mortar_strength.peak_strain = 0.0015, "mortar_strength.peak_strain is 0.0015; MORTAR needs 1.615e-3"),
-        (|m| m.mortar_strength.fracture_energy_n_per_mm = 0.0, "fracture_energy_n_per_mm is 0; it must be a positive"),
+        (
+            |m| m.mortar_strength.fracture_energy_n_per_mm = Some(0.0),
+            "fracture_energy_n_per_mm is 0; it must be a positive",
+        ),
         (|m| m.plasticity.meridian_ratio = 0.5, "plasticity.meridian_ratio is 0.5; it must lie above 0.5"),
         (|m| m.plasticity.dilation_angle_deg = 0.0, "plasticity.dilation_angle_deg is 0"),
         (|m| m.plasticity.biaxial_ratio = 0.9, "plasticity.biaxial_ratio is 0.9"),

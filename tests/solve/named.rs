@@ -83,5 +83,5 @@ fn every_named_test_has_a_small_specimen() {
     }
     let all = named(all_kinds().into_iter().map(|(_, test)| test.kind).collect());
     assert_eq!(named(small.into_iter().flat_map(|(_, tests)| tests).map(|test| test.kind).collect()), all);
-    assert_eq!(all.len(), 9);
+    assert_eq!(all.len(), 10);
 }

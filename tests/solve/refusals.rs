@@ -64,12 +64,12 @@ fn materials_that_cannot_be_are_named() {
         (|m| m.mortar.youngs_modulus_mpa = 2e10, "2e10 Pa are 20000 MPa"),
         (|m| m.mortar_strength.compressive_mpa = Some(4e7), "4e7 Pa are 40 MPa"),
         (|m| m.mortar_strength.tensile_mpa = 490.0, "490 psi are 3.37843 MPa"),
-        (|m| m.mortar_strength.fracture_energy_n_per_mm = 100.0, "100 N/m are 0.1 N/mm"),
+        (|m| m.mortar_strength.fracture_energy_n_per_mm = Some(100.0), "100 N/m are 0.1 N/mm"),
         (|m| m.mortar_strength.crushing_energy_n_per_mm = Some(5000.0), "5000 N/m are 5 N/mm"),
         (|m| m.mortar_strength.peak_strain = 0.3, "0.3 % are 0.003"),
         (|m| m.mortar.youngs_modulus_mpa = 1e40, "the solver computes in single precision and takes 1e-12 to 1e12"),
         (|m| m.mortar_strength.tensile_mpa = 1e-200, "materials.mortar_strength.tensile_mpa is"),
-        (|m| m.mortar_strength.fracture_energy_n_per_mm = 1e300, "mortar_strength.fracture_energy_n_per_mm is"),
+        (|m| m.mortar_strength.fracture_energy_n_per_mm = Some(1e300), "mortar_strength.fracture_energy_n_per_mm is"),
         (|m| m.mortar_strength.crushing_energy_n_per_mm = Some(1e-40), "mortar_strength.crushing_energy_n_per_mm is"),
     ] {
         let mut materials = Materials::default();

@@ -158,10 +158,10 @@ fn curves_that_abaqus_refuses_are_named() {
     let error = |options: DeckOptions| loaded(&mesh, &options).validate(&mesh).unwrap_err().to_string();
     let peak = error(with(|strength| strength.peak_strain = 0.0016));
     assert!(peak.contains("peak_strain is 0.0016; MORTAR needs 1.615e-3 or more"), "{peak}");
-    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 2e-4));
+    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = Some(2e-4)));
     assert!(fracture.contains("fracture_energy_n_per_mm is 0.0002; MORTAR needs 2.769e-4 or more"), "{fracture}");
     // In the mesh, crack openings are 1 / 1.19 of the crack's own.
-    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 3e-4));
+    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = Some(3e-4)));
     assert!(fracture.contains("fracture_energy_n_per_mm is 0.0003; MORTAR needs 3.295e-4 or more"), "{fracture}");
     // Strength^2 times width over modulus is 1.19 40^2 / 26000 = 0.0732 N/mm; the reader looks at the plastic strains.
     let brittle = with(|strength| strength.crushing_energy_n_per_mm = Some(0.05));

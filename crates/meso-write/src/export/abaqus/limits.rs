@@ -87,7 +87,7 @@ pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Resul
     let Some(strength) = materials.strength(phase, LAW) else { return Ok(()) };
     materials.validate_peak_strain(phase, LAW).map_err(in_deck)?;
     let (e, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.tensile_mpa);
-    let given = materials.mortar_strength.fracture_energy_n_per_mm;
+    let given = materials.mortar_strength.of(LAW).fracture_energy_n_per_mm;
     let share = opening * strength.fracture_energy_n_per_mm / given;
     let least = 0.8 * ft * ft / e / share;
     let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phase.name());
