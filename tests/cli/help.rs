@@ -104,7 +104,7 @@ fn manual_pages_go_to_the_folder_that_is_named() {
     let run = folder.run(&["man", "pages/man1"]);
     assert_eq!(
         (run.code, run.stderr.as_str()),
-        (0, "wrote 18 pages to pages/man1; read one: man pages/man1/mesocrete.1\n")
+        (0, "wrote 19 pages to pages/man1; read one: man pages/man1/mesocrete.1\n")
     );
     assert!(folder.read("pages/man1/mesocrete-pack.1").starts_with(b".ie"));
 }

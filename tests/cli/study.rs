@@ -574,3 +574,10 @@ fn wrong_draws_and_lists_of_a_study_are_named() {
         assert_eq!((run.code, run.stderr.contains(message)), (code, true), "{text}: {}", run.stderr);
     }
 }
+
+#[test]
+fn a_data_set_names_the_package_that_makes_it() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["dataset", "small.toml", "-n", "2"]);
+    assert!(run.code == 2 && run.stderr.contains("pip install mesocrete, and run its mesocrete"), "{}", run.stderr);
+}

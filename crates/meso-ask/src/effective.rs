@@ -268,6 +268,7 @@ impl EffectiveAsk {
         match error {
             EffectiveError::Value(value) if value.table == "effective" => AskError::Usage(giver.refusal(value)),
             EffectiveError::Diverged { .. } => AskError::Run(error.to_string()),
+            EffectiveError::Mesh(error) => AskError::Usage(error.message(|key| giver.option(key))),
             _ => AskError::Usage(error.to_string()),
         }
     }

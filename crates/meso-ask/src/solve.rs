@@ -51,8 +51,11 @@ pub fn accept_effects(test: &Test) -> Result<(), OutOfRange> {
     let friction = test.friction.unwrap_or_default();
     let rubs = test.friction.is_none() || test.rubs();
     ranges.require("friction", friction, rubs, "only tests whose plates rub take it")?;
-    let is_pulled = matches!(test.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion | TestKind::Bending);
-    let widens = test.control != Control::LateralStrain || !is_pulled || !test.supports.is_empty();
+    let is_pressed = matches!(
+        test.kind,
+        TestKind::Compression | TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic | TestKind::Splitting
+    );
+    let widens = test.control != Control::LateralStrain || is_pressed || !test.supports.is_empty();
     ranges.require("control", names::of(&test.control), widens, "only tests that press a specimen all through take it")
 }
 

@@ -1,8 +1,11 @@
 //! Strains by the name of their phase: a table in files, `mortar=-4e-4` in flags.
 
 use crate::flags::values;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::fmt::{self, Formatter};
 
 /// A phase, or a label, and its strain without stress.
 pub(crate) type Strain = (String, f64);
@@ -23,15 +26,24 @@ pub(crate) fn serialize<S: Serializer>(strains: &[Strain], to: S) -> Result<S::O
 }
 
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Strain>, D::Error> {
-    match Form::deserialize(from)? {
-        Form::Text(text) => text.split(',').map(of_flag).collect::<Result<_, _>>().map_err(de::Error::custom),
-        Form::Table(strains) => Ok(strains.into_iter().collect()),
-    }
+    from.deserialize_any(TextOrMap)
 }
 
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "a table of strains by phase")]
-enum Form {
-    Text(String),
-    Table(BTreeMap<String, f64>),
+struct TextOrMap;
+
+impl<'de> Visitor<'de> for TextOrMap {
+    type Value = Vec<Strain>;
+
+    fn expecting(&self, out: &mut Formatter<'_>) -> fmt::Result {
+        out.write_str("a map of strains by phase")
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Vec<Strain>, E> {
+        text.split(',').map(of_flag).collect::<Result<_, _>>().map_err(E::custom)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Vec<Strain>, A::Error> {
+        let strains = BTreeMap::<String, f64>::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(strains.into_iter().collect())
+    }
 }

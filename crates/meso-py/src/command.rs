@@ -5,12 +5,20 @@ use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::io::Write;
 
+/// Makes the data set of a request of the command.
+fn dataset(request: &str) -> Result<(), String> {
+    Python::attach(|py| {
+        let made = py.import("mesocrete._dataset").and_then(|module| module.call_method1("of_command", (request,)));
+        made.map(drop).map_err(|error| error.value(py).to_string())
+    })
+}
+
 /// Runs the command line `args` (the program's name first) and returns its exit code.
 #[pyfunction(name = "_run_command")]
 pub(crate) fn run_command(py: Python<'_>, args: Vec<OsString>) -> PyResult<u8> {
     guard(|| {
         py.detach(|| {
-            let code = meso_cli::run(args);
+            let code = meso_cli::run_in(args, Some(&dataset));
             // Python ends the process without Rust's own clean-up, which would flush this. A closed pipe is no error.
             let _ = std::io::stdout().flush();
             Ok(code)

@@ -34,6 +34,11 @@ Example of a STUDY.toml:
 Run it:
   mesocrete study STUDY.toml -o study --jobs 2";
 
+pub(super) const DATASET: &str = "\
+Examples:
+  mesocrete dataset SPEC.toml -n 100 -o volumes.zarr --shape 64 --what phase,grain
+  mesocrete dataset SPEC.toml -n 100 -o volumes.h5 --over ranges.toml    ranges.toml: fraction = { low = 0.2, high = 0.4 }";
+
 pub(super) const FIT: &str = "\
 Examples:
   mesocrete fit measured.csv SPEC.toml -o fit                the mortar of a measured curve, over three packings

@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
+pub(crate) mod dataset;
 pub(crate) mod devices;
 pub(crate) mod effective;
 mod examples;
@@ -61,6 +62,9 @@ pub(crate) enum Command {
     /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
     #[command(after_help = examples::STUDY)]
     Study(study::Args),
+    /// Make many labelled volumes with the metadata of each, for learning; a killed one resumes where it stopped
+    #[command(after_help = examples::DATASET)]
+    Dataset(dataset::Args),
     /// Find the mortar with which a specimen's curve meets a measured one; a killed fit resumes where it stopped
     #[command(after_help = examples::FIT)]
     Fit(fit::Args),

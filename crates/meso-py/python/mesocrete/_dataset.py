@@ -11,6 +11,7 @@ import hashlib
 import io
 import json
 import os
+import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -173,6 +174,28 @@ def dataset(
         if tell is not None:
             tell.close()
     return Dataset(sink)
+
+
+def of_command(request: str) -> None:
+    """Make the data set that `mesocrete dataset` asks for."""
+    asked = json.loads(request)
+    over = asked.pop("sampler") or {}
+    sampler = {key: (value["low"], value["high"]) if isinstance(value, dict) else value for key, value in _leaves(over)}
+    try:
+        made = dataset(asked.pop("n"), sampler, **asked)
+    except FileExistsError as error:
+        raise FileExistsError(str(error).replace("overwrite=True", "--force")) from error
+    if asked["progress"]:
+        print(f"wrote {made.path}: {len(made):,} volumes", file=sys.stderr)
+
+
+def _leaves(over: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the options of nested tables by their dotted keys; a range is a table with `low`."""
+    for name, value in over.items():
+        if isinstance(value, dict) and "low" not in value:
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
 
 
 class _Request:

@@ -1,6 +1,6 @@
 //! Effective properties of a packing or a label volume, as dicts.
 
-use crate::boundary::{accept_in_memory, guard, wrong_type, wrong_value};
+use crate::boundary::{self, accept_in_memory, guard, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
@@ -12,7 +12,6 @@ use meso_effective::results::Found;
 use meso_effective::{EffectiveError, LabelSpecimen};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
@@ -27,11 +26,7 @@ pub(super) fn asked(names: &[(&str, &str)], others: &[(&str, Option<&Bound<'_, P
     let tree = Value::Object(names.chain(others).collect::<PyResult<_>>()?);
     let mut ask: EffectiveAsk = spec::options_from_value(&tree).map_err(|error| spec_error(&error))?;
     // In Python, the values of one property have no table of its name around them.
-    if let Some(PhasesGiven::Tables(tables)) = &mut ask.phases
-        && ask.what != What::All
-    {
-        *tables = json!({ meso_ask::flags::names::of(&ask.what): tables.take() });
-    }
+    ask.name_phases();
     Ok(ask)
 }
 
@@ -213,10 +208,5 @@ fn solve<'py>(
 }
 
 fn raised(error: &EffectiveError) -> PyErr {
-    match error {
-        EffectiveError::Diverged { .. } => PyRuntimeError::new_err(error.to_string()),
-        EffectiveError::Value(wrong) if wrong.table == "effective" => wrong_value(Giver::Keywords.refusal(wrong)),
-        EffectiveError::Mesh(error) => wrong_value(error.message(|key| Giver::Keywords.option(key))),
-        _ => wrong_value(error.to_string()),
-    }
+    boundary::raised(&EffectiveAsk::fault(error, Giver::Keywords))
 }
