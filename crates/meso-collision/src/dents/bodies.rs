@@ -1,6 +1,6 @@
 //! Questions about bodies that may have dents or be round, which the convex answers do not reach.
 
-use crate::geometry::{Plane, Polyhedron, Round};
+use crate::geometry::{Plane, Polyhedron, Round, Triangles};
 use crate::gjk::{self, GjkError};
 use crate::math::Vec3;
 use crate::round_bodies::Other;
@@ -66,15 +66,7 @@ impl Polyhedron {
         if self.is_convex() && other.is_convex() {
             return gjk::distance(self.vertices(), other.vertices());
         }
-        let [own, others] = [self, other].map(Self::surface);
-        // Two points that are nearest to the other surface in turn bound the distance.
-        let (mut at, mut most) = ((own.aabb().min + own.aabb().max) / 2.0, f64::INFINITY);
-        for _ in 0..TURNS {
-            let Some((over, _)) = others.nearest(&at) else { break };
-            let Some((back, distance)) = own.nearest(&over) else { break };
-            (at, most) = (back, distance);
-        }
-        Ok(own.distance_below(&others, most))
+        Ok(self.surface().distance(&other.surface()))
     }
 
     /// True where two bodies are more than `gap` mm apart.
@@ -102,5 +94,18 @@ impl Polyhedron {
             None if self.is_convex() => ask(&Other::Hull(self.vertices())),
             None => ask(&Other::Surface(&self.surface())),
         }
+    }
+}
+impl Triangles {
+    /// Distance of two bodies by their surfaces, mm; 0 where they share a point.
+    pub fn distance(&self, other: &Self) -> f64 {
+        // Two points that are nearest to the other surface in turn bound the distance.
+        let (mut at, mut most) = ((self.aabb().min + self.aabb().max) / 2.0, f64::INFINITY);
+        for _ in 0..TURNS {
+            let Some((over, _)) = other.nearest(&at) else { break };
+            let Some((back, distance)) = self.nearest(&over) else { break };
+            (at, most) = (back, distance);
+        }
+        self.distance_below(other, most)
     }
 }

@@ -239,6 +239,9 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
     if body.is_convex() {
         return chord(body, origin, direction).into_iter().collect();
     }
+    if !meets(&body.aabb(), origin, direction) {
+        return Vec::new();
+    }
     let turn = along_x(direction);
     let along: Vec<Vec3> = body.vertices().iter().map(|vertex| turn * (vertex - origin)).collect();
     let around_line = |corners: &[Vec3; 3]| {
@@ -252,6 +255,19 @@ fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)>
         return Vec::new();
     }
     Triangles::new(few).row(0.0, 0.0).into_iter().map(|[from, to]| (from, to)).collect()
+}
+
+/// True where a line may meet a box; one that only rounding lets pass by has no chord there.
+fn meets(aabb: &Aabb, origin: &Vec3, direction: &Vec3) -> bool {
+    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let ends = [aabb.min, aabb.max].map(|end| (end[axis] - origin[axis]) / direction[axis]);
+        // A line parallel to the sides gives infinite ends, or none.
+        if ends.iter().all(|end| !end.is_nan()) {
+            (from, to) = (from.max(ends[0].min(ends[1])), to.min(ends[0].max(ends[1])));
+        }
+    }
+    from <= to
 }
 
 /// The rotation of a direction onto the x axis. `Rotation3::rotation_between` of nalgebra calls the platform's arc cosine,

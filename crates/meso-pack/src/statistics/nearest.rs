@@ -3,7 +3,8 @@
 use super::index::Index;
 use super::{Distribution, Images};
 use crate::model::Model;
-use meso_collision::gjk::GjkError;
+use meso_collision::geometry::{Polyhedron, Triangles};
+use meso_collision::gjk::{self, GjkError};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -43,6 +44,7 @@ fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Ve
 fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkError> {
     stop::point();
     let own = index.aabb(a);
+    let mut own_body = Body { body: &aggregates[a as usize].body, surface: None };
     let mut reach = 0.25 * index.cell();
     loop {
         let margin = Vec3::repeat(reach);
@@ -55,10 +57,8 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         candidates.sort_by(|x, y| x.0.total_cmp(&y.0));
         let mut best = f64::INFINITY;
         for (at_least, b) in candidates {
-            let [a, b] = [a, b].map(|i| &aggregates[i as usize].body);
-            // Rejecting a farther body costs a fraction of its distance, which is correctly rounded.
-            if at_least < best && !(best.is_finite() && a.is_farther(b, best)?) {
-                best = best.min(a.distance(b)?);
+            if at_least < best {
+                best = best.min(own_body.distance_below(&aggregates[b as usize].body, best)?);
             }
         }
         if best <= reach {
@@ -66,6 +66,31 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         }
         // An aggregate found further off than the box reaches bounds the search; none found doubles it.
         reach = if best.is_finite() { best } else { 2.0 * reach };
+    }
+}
+
+/// A body, and its surface once a body with dents asked for it: its tree is as long in the making as an answer.
+struct Body<'a> {
+    body: &'a Polyhedron,
+    surface: Option<Triangles>,
+}
+
+impl Body<'_> {
+    /// Distance to another body, mm, or some value above `best` where it is farther than that.
+    fn distance_below(&mut self, other: &Polyhedron, best: f64) -> Result<f64, GjkError> {
+        let has_dents = !(self.body.is_convex() && other.is_convex());
+        if !has_dents || self.body.round().is_some() || other.round().is_some() {
+            // Rejecting a farther body costs a fraction of its distance, which is correctly rounded.
+            let is_far = best.is_finite() && self.body.is_farther(other, best)?;
+            return if is_far { Ok(f64::INFINITY) } else { self.body.distance(other) };
+        }
+        if best.is_finite() && gjk::distance_exceeds(self.body.vertices(), other.vertices(), best)? {
+            return Ok(f64::INFINITY);
+        }
+        let own = self.surface.get_or_insert_with(|| self.body.surface());
+        let others = other.surface();
+        let is_far = best.is_finite() && own.is_apart(&others, best);
+        Ok(if is_far { f64::INFINITY } else { own.distance(&others) })
     }
 }
 
