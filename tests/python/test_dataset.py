@@ -4,6 +4,7 @@ import ast
 import hashlib
 import json
 import pickle
+import re
 import warnings
 from pathlib import Path
 
@@ -248,6 +249,50 @@ def test_a_shape_gives_the_size_of_a_voxel():
         packing.voxelize(1.0, shape=16)
     with pytest.raises(ValueError, match="shape is 0; it must be 1 or more"):
         packing.voxelize(shape=0)
+
+
+def grains(packing):
+    return len(packing)
+
+
+def test_targets_are_numbers_of_each_volume_beside_its_arrays(tmp_path):
+    """The case: properties as targets took a study beside the data set."""
+    coarse = {"voxel_size": 2.5}
+    targets = {
+        "diffusivity": coarse | {"axis": "x"},
+        "d_mean": coarse | {"of": "diffusivity", "phases": {"aggregate": 3.0}},
+        "modulus": coarse | {"axis": "z"},
+        "grains": grains,
+    }
+    data, made = small(2, tmp_path / "data.zarr", targets=targets)
+    assert made == [1, 2]
+    case = data.cases[1]
+    packing = mc.pack(case["spec"], seed=case["seed"])
+    found = packing.effective("diffusivity", voxel_size=2.5)
+    assert data[1]["diffusivity"] == pytest.approx(found.tensor[0][0], rel=1e-8) and data[1]["diffusivity"] < 1.0
+    assert case["targets"]["diffusivity_error"] == pytest.approx(found.error[0][0], rel=1e-6)
+    richer = packing.effective("diffusivity", voxel_size=2.5, phases={"aggregate": 3.0}).tensor
+    assert data[1]["d_mean"] == pytest.approx(np.trace(np.array(richer)) / 3, rel=1e-12) and data[1]["d_mean"] > 1.0
+    stiffness = packing.effective("stiffness", voxel_size=2.5)
+    assert data[1]["modulus"] == pytest.approx(1 / np.linalg.inv(np.array(stiffness.tensor))[2, 2], rel=1e-12)
+    assert 0 < case["targets"]["modulus_error"] < 0.3 * data[1]["modulus"]
+    assert data[1]["grains"] == len(packing) == data.table()["grains"][1]
+    # The targets belong to the request, and the same ones are not made again.
+    assert small(2, tmp_path / "data.zarr", targets=targets)[1] == []
+    with pytest.raises(FileExistsError, match="another request|holds 2 volumes"):
+        small(2, tmp_path / "data.zarr", targets={"diffusivity": coarse | {"axis": "y"}})
+
+
+def test_wrong_targets_are_named_before_any_work(tmp_path):
+    for targets, error, said in [
+        ({"diffusivity": "w"}, ValueError, "axis is 'w'; it must be one of x, y, z, mean"),
+        ({"strength": "z"}, ValueError, "of is 'strength'; it must be one of diffusivity, conductivity, modulus"),
+        ({"modulus": {"size": 2}}, ValueError, "has 'size'; it takes of, axis, voxel_size"),
+        ({"modulus": 3}, TypeError, "targets['modulus'] is 3; it must be an axis, a dict of keywords, or a function"),
+    ]:
+        with pytest.raises(error, match=re.escape(said)):
+            small(2, tmp_path / "data", targets=targets)
+    assert not (tmp_path / "data").exists()
 
 
 def test_pytorch_loads_the_class_of_the_gallery(tmp_path):

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._effective import Target
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, pack
 from ._mesocrete import __version__ as _VERSION
@@ -46,7 +47,7 @@ _Job = tuple[int, Spec, "int | None", dict[str, Any]]
 class Dataset(Sequence[dict[str, Any]]):
     """The volumes of a data set, read when they are asked for; `dataset` returns one.
 
-    `data[i]` is a dict: an array for each quantity, the volume's `number`, and its sampled values. It is what PyTorch calls a
+    `data[i]` is a dict: an array for each quantity, the volume's `number`, its sampled values and its targets. It is what PyTorch calls a
     map-style data set: `DataLoader(data)` collates volumes of equal shape, and workers get it by pickling. All metadata stand
     in `data.cases[i]`.
     """
@@ -63,7 +64,7 @@ class Dataset(Sequence[dict[str, Any]]):
         return len(self.cases)
 
     def __getitem__(self, number: Any) -> Any:
-        """Return the arrays of a volume, its number and its sampled values; of a slice, a list.
+        """Return the arrays of a volume, its number, sampled values and targets; of a slice, a list.
 
         Raises
         ------
@@ -73,10 +74,11 @@ class Dataset(Sequence[dict[str, Any]]):
         if isinstance(number, slice):
             return [self[i] for i in range(*number.indices(len(self)))]
         case = self.cases[number]
-        return {**case["values"], **self._store.read(case), "number": case["number"]}
+        targets = {name: number for name, number in case.get("targets", {}).items() if not name.endswith("_error")}
+        return {**case["values"], **targets, **self._store.read(case), "number": case["number"]}
 
     def table(self, frame: str | None = None) -> Any:
-        """Return one row a case: number, seed, sampled values and figures. `frame` is "pandas" or "polars", else a dict."""
+        """Return one row a case: number, seed, sampled values, targets and figures. `frame` is "pandas" or "polars", else a dict."""
         framed = framing(frame)
         rows = [_row(case) for case in self.cases]
         names = list(dict.fromkeys(name for row in rows for name in row))
@@ -99,6 +101,7 @@ def dataset(
     sink: str | os.PathLike[str] = "dataset",
     seed: int = 0,
     scan: Mapping[str, Any] | None = None,
+    targets: Mapping[str, Any] | None = None,
     model: bool = False,
     jobs: int | None = None,
     overwrite: bool = False,
@@ -126,6 +129,10 @@ def dataset(
         Seed of all draws. A spec without a seed gets one from it; a spec with one keeps it.
     scan : dict, optional
         Keywords of `mc.scan` for "scan".
+    targets : dict, optional
+        A number for each volume by its name: "diffusivity", "conductivity" or "modulus" with the axis "x", "y", "z" or "mean",
+        as ``{"diffusivity": "x", "modulus": "mean"}``. A dict has keywords of `Packing.effective`, too, and under `of` the
+        property of another name. A function of the packing returns any number; it is known by its name only.
     model : bool
         Whether the packings are kept, too, as `models/NUMBER.json.gz`. Not in an `.h5`.
     jobs : int, optional
@@ -148,7 +155,8 @@ def dataset(
     ValueError, TypeError
         For an invalid option or spec, before any work, and for volumes of unequal shape in a `.zarr` or `.h5`.
     """
-    request = _Request(shape=shape, what=_checked_what(what), scan=checked_options(scan), model=model)
+    asked_targets = [Target(name, given) for name, given in (targets or {}).items()]
+    request = _Request(shape, _checked_what(what), checked_options(scan), asked_targets, model=model)
     cases = _sampled(_checked_count(n), sampler, spec, seed)
     identity = [request.identity(job) for job in cases]
     asked = request.described(sampler, spec, seed, identity[0])
@@ -201,10 +209,19 @@ def _leaves(over: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 class _Request:
     """What is made of every packing."""
 
-    def __init__(self, shape: int | Sequence[int], what: Sequence[str], scan: Mapping[str, Any], *, model: bool) -> None:
+    def __init__(
+        self,
+        shape: int | Sequence[int],
+        what: Sequence[str],
+        scan: Mapping[str, Any],
+        targets: Sequence[Target],
+        *,
+        model: bool,
+    ) -> None:
         self.shape = shape if isinstance(shape, int) else tuple(int(count) for count in shape)
         self.what = what
         self.scan = scan
+        self.targets = targets
         self.model = model
 
     def described(self, sampler: Any, spec: Any, seed: int, first: str) -> dict[str, Any]:
@@ -215,6 +232,8 @@ class _Request:
         told: dict[str, Any] = {"mesocrete": _VERSION, "shape": self.shape, "what": self.what, "model": self.model}
         told |= {"over": over, "seed": seed}
         told["scan"] = self.scan if "scan" in self.what else {}
+        if self.targets:
+            told["targets"] = self._described_targets()
         told["hash"] = hashlib.sha256((json.dumps(told, default=_plain) + first).encode()).hexdigest()
         described: dict[str, Any] = json.loads(json.dumps(told, default=_plain))
         return described
@@ -223,6 +242,7 @@ class _Request:
         """Return the hash of all that decides the files of a case."""
         number, spec, seed, values = job
         told = [_VERSION, number, spec.to_dict(), seed, values, self.shape, self.what, self.scan, self.model]
+        told += [self._described_targets()] if self.targets else []
         return hashlib.sha256(json.dumps(told, sort_keys=True, default=_plain).encode()).hexdigest()
 
     def make(self, job: _Job) -> tuple[Packing, dict[str, NDArray[Any]], dict[str, Any]]:
@@ -241,10 +261,14 @@ class _Request:
             "values": values,
             "voxel_size_mm": (high[longest] - low[longest]) / shape[2 - longest],
             "arrays": {name: {"shape": list(array.shape), "dtype": array.dtype.str} for name, array in arrays.items()},
+            "targets": {name: number for target in self.targets for name, number in target.of(packing).items()},
             "figures": _study_results(packing),
             "spec": packing.spec.to_dict(),
         }
         return packing, arrays, record
+
+    def _described_targets(self) -> dict[str, Any]:
+        return {target.name: target.described() for target in self.targets}
 
     def _array(self, packing: Packing, name: str) -> NDArray[Any]:
         if name == "scan":
@@ -719,7 +743,7 @@ def _checked_count(n: int) -> int:
 
 def _row(case: Mapping[str, Any]) -> dict[str, Any]:
     names = ("number", "seed", "voxel_size_mm")
-    return {**{name: case[name] for name in names}, **case["values"], **case["figures"]}
+    return {**{name: case[name] for name in names}, **case["values"], **case.get("targets", {}), **case["figures"]}
 
 
 def _sum(record: Mapping[str, Any]) -> str:

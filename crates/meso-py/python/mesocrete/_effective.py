@@ -1,8 +1,12 @@
-"""The result of `effective`."""
+"""The result of `effective`, and numbers of it as targets of data sets."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class Effective(dict[str, Any]):
@@ -27,3 +31,71 @@ class Effective(dict[str, Any]):
     def __dir__(self) -> list[str]:
         """List the keys with a dict's attributes."""
         return [*super().__dir__(), *self]
+
+
+_PROPERTIES = ("diffusivity", "conductivity", "modulus")
+_AXES = ("x", "y", "z", "mean")
+_KEYWORDS = ("voxel_size", "method", "element_size", "phases", "boundary", "tolerance")
+
+
+class Target:
+    """A number that a packing has: a property along an axis with its error, or what a function returns."""
+
+    def __init__(self, name: str, given: Any) -> None:
+        """Take an axis, keywords of `Packing.effective` with `of` and `axis`, or a function of the packing."""
+        self.name = name
+        self.function: Callable[[Any], Any] | None = given if callable(given) else None
+        keywords = {} if self.function else {"axis": given} if isinstance(given, str) else given
+        if not isinstance(keywords, Mapping):
+            message = f"targets[{name!r}] is {given!r}; it must be an axis, a dict of keywords, or a function of the packing"
+            raise TypeError(message)
+        self.property = keywords.get("of", name)
+        self.axis = keywords.get("axis", "mean")
+        self.keywords = {key: value for key, value in keywords.items() if key not in ("of", "axis")}
+        if self.function is None:
+            self._check()
+
+    def _check(self) -> None:
+        for key, value, known in (("of", self.property, _PROPERTIES), ("axis", self.axis, _AXES)):
+            if value not in known:
+                message = f"targets[{self.name!r}]: {key} is {value!r}; it must be one of {', '.join(known)}"
+                raise ValueError(message)
+        wrong = [key for key in self.keywords if key not in _KEYWORDS]
+        if wrong:
+            message = f"targets[{self.name!r}] has {wrong[0]!r}; it takes of, axis, {', '.join(_KEYWORDS)}"
+            raise ValueError(message)
+
+    def described(self) -> dict[str, Any]:
+        """Return what decides the number; of a function only its name is known."""
+        if self.function is not None:
+            return {"function": getattr(self.function, "__qualname__", type(self.function).__name__)}
+        return {"of": self.property, "axis": self.axis, **self.keywords}
+
+    def of(self, packing: Any) -> dict[str, float]:
+        """Return the number, and its error where that is known."""
+        if self.function is not None:
+            return {self.name: float(self.function(packing))}
+        value, error = self._modulus(packing) if self.property == "modulus" else self._conduction(packing)
+        return {self.name: value, f"{self.name}_error": error}
+
+    def _conduction(self, packing: Any) -> tuple[float, float]:
+        axes = "xyz" if self.axis == "mean" else self.axis
+        found = packing.effective(self.property, axes=axes, **self.keywords)
+        at = ["xyz".index(axis) for axis in axes]
+        value, error = (float(np.mean([of[k][k] for k in at])) for of in (found.tensor, found.error))
+        return value, error
+
+    def _modulus(self, packing: Any) -> tuple[float, float]:
+        found = packing.effective("stiffness", **self.keywords)
+        stiffness, error = np.array(found.tensor), np.array(found.error)
+        moduli = [_youngs_modulus(stiffness, error, axis) for axis in range(3)]
+        kept = moduli if self.axis == "mean" else [moduli["xyz".index(self.axis)]]
+        value, off = np.mean(kept, axis=0)
+        return float(value), float(off)
+
+
+def _youngs_modulus(stiffness: NDArray[Any], error: NDArray[Any], axis: int) -> tuple[float, float]:
+    """Return Young's modulus along an axis, and its error to first order in the errors of the stiffness."""
+    row = np.linalg.inv(stiffness)[axis]
+    modulus = 1.0 / row[axis]
+    return modulus, modulus**2 * float(np.abs(row) @ error @ np.abs(row))
