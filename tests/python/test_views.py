@@ -91,3 +91,22 @@ def test_a_missing_library_says_how_to_get_it(packing, monkeypatch, call, module
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ImportError, match=rf"pip install 'mesocrete\[{extra}\]'"):
         getattr(packing, call)()
+
+
+def test_pictures_name_their_colours_and_measure_the_specimen(packing, tmp_path):
+    """The case: no legend, no scale, and a mesh was a grey tower without an aggregate."""
+    pyvista = pytest.importorskip("pyvista")
+    if sys.platform == "linux" and not can_render():
+        pytest.skip("VTK cannot render off screen here")
+    view = {"screenshot": True, "window_size": (320, 240)}
+    mesh = packing.mesh(element_size=5.0, accept_phase_error=True)
+    assert (packing.plot(**view) != packing.plot(legend=False, **view)).any()
+    whole, cut = (mesh.plot(cut=cut, legend=False, **view) for cut in (None, "y"))
+    assert (whole != cut).any() and (mesh.plot(legend=False, **view) == cut).all()
+    plotter = pyvista.Plotter(off_screen=True)
+    mesh.plot(plotter=plotter, legend=True)
+    assert {"legend: mortar", "legend: aggregate"} <= plotter.actors.keys()
+    plotter.close()
+    packing.screenshot(tmp_path / "a.png", cut="z")
+    mesh.screenshot(tmp_path / "b.png", phases=["aggregate"])
+    assert all((tmp_path / name).stat().st_size > 1000 for name in ("a.png", "b.png"))

@@ -356,7 +356,8 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// cut : str or pair, optional
-    ///     "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there.
+    ///     "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there. None shows the whole mesh, as
+    ///     `phases` do without a cut.
     /// phases : sequence of str, optional
     ///     Shows only these: "mortar", "ITZ", "aggregate", "fibre".
     /// screenshot : path or True, optional
@@ -364,14 +365,26 @@ impl PyMesh {
     /// plotter : pyvista.Plotter, optional
     ///     Adds everything to this plotter and returns it; nothing is shown.
     /// **options
-    ///     `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+    ///     `legend=False` leaves the names of the colours and the scale out. `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
     ///     `scalars` or `opacity`, to `pyvista.Plotter.add_mesh`.
     #[pyo3(
         signature = (**options),
-        text_signature = "($self, *, cut=None, phases=None, screenshot=None, plotter=None, **options)"
+        text_signature = "($self, *, cut='y', phases=None, screenshot=None, plotter=None, **options)"
     )]
     fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("plot_mesh", slf, options)
+    }
+
+    /// Writes the picture of `plot` to `path`, off screen, with the same options.
+    #[pyo3(signature = (path, **options), text_signature = "($self, path, **options)")]
+    fn screenshot<'py>(
+        slf: &Bound<'py, Self>,
+        path: Bound<'py, PyAny>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
+        options.set_item("screenshot", path)?;
+        call_view("plot_mesh", slf, Some(&options))
     }
 
     /// The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`).

@@ -26,6 +26,8 @@ _AXES = ("x", "y", "z")
 _PALETTE, _CLASSES = _colours()
 # Meshes of more cells are shown without their edges.
 _EDGES = 200_000
+# A whole mesh shows little but mortar.
+_BY_PHASES = object()
 # Options of a picture that are the plotter's and not a surface's.
 _PLOTTER_OPTIONS = ("notebook", "off_screen", "window_size")
 
@@ -118,6 +120,7 @@ def plot_packing(
     plotter = picture.plotter
     colours = _CLASSES[: max(int(surface.cell_data["class"].max(initial=0)) + 1, 2)]
     if not {"color", "scalars"} & options.keys():
+        picture.legend(_class_names(packing, surface.cell_data["class"]))
         options = {"scalars": "class", "cmap": colours, "clim": (0, len(colours) - 1), "show_scalar_bar": False} | options
     if cut is not None:
         axis, at = _across(cut, packing.bounds)
@@ -135,7 +138,15 @@ def plot_packing(
     outline = pyvista.PolyData.from_regular_faces(points, triangles).extract_feature_edges(20.0)
     if outline.n_points:
         plotter.add_mesh(outline, color="black")
+    picture.scale(packing.bounds)
     return picture.shown()
+
+
+def _class_names(packing: Any, found: Any) -> list[tuple[str, str]]:
+    """Return the size classes that occur with their colours; those of voids and fibres follow the aggregates'."""
+    sizes = [f"{size['d_min_mm']:g} to {size['d_max_mm']:g} mm" for size in packing.report()["classes"]]
+    name = lambda number: sizes[number] if number < len(sizes) else "voids and fibres"  # noqa: E731
+    return [(name(int(number)), _CLASSES[int(number) % len(_CLASSES)]) for number in np.unique(found)]
 
 
 def _surfaces_of(bodies: Any) -> Any:
@@ -153,6 +164,7 @@ class _Picture:
         """Make a plotter where there is none yet."""
         self._screenshot = None if screenshot is False else screenshot
         self._is_ours = plotter is None
+        self._has_legend = options.pop("legend", self._is_ours)
         self._cpos = options.pop("cpos", None)
         made = {name: options.pop(name) for name in _PLOTTER_OPTIONS if name in options}
         if self._is_ours:
@@ -161,6 +173,22 @@ class _Picture:
         self.plotter = plotter
         if (background := options.pop("background", None)) is not None:
             plotter.set_background(background)
+
+    def legend(self, names: list[tuple[str, str]]) -> None:
+        """Name colours, in a plotter of the caller only where they ask for it."""
+        if not self._has_legend:
+            return
+        for place, (name, colour) in enumerate(names):
+            at = (0.02, 0.94 - 0.045 * place)
+            # The colours of phases are pale.
+            style = {"font_size": 11, "color": colour, "shadow": True, "viewport": True}
+            self.plotter.add_text(name, position=at, name=f"legend: {name}", **style)
+
+    def scale(self, bounds: Any) -> None:
+        """Write the size of the specimen, which a perspective shows no scale for."""
+        if self._has_legend:
+            size = " x ".join(f"{high - low:.4g}" for low, high in zip(*bounds, strict=True))
+            self.plotter.add_text(f"{size} mm", position="lower_left", font_size=10, color="grey")
 
     def shown(self) -> Any:
         """Show it, write it as a picture, or return the caller's plotter."""
@@ -177,9 +205,11 @@ class _Picture:
 
 
 def plot_mesh(
-    mesh: Any, *, cut: Any = None, phases: Any = None, screenshot: Any = None, plotter: Any = None, **options: Any
+    mesh: Any, *, cut: Any = _BY_PHASES, phases: Any = None, screenshot: Any = None, plotter: Any = None, **options: Any
 ) -> Any:
     """Show a mesh as `Mesh.plot` documents."""
+    if cut is _BY_PHASES:
+        cut = "y" if phases is None else None
     picture = _Picture(screenshot, plotter, options)
     grid = mesh_to_pyvista(mesh)
     kept = np.ones(grid.n_cells, dtype=bool)
@@ -196,9 +226,13 @@ def plot_mesh(
         part = part.clip(np.eye(3)[axis], origin=at * np.eye(3)[axis])
     shown = part.extract_surface(algorithm="dataset_surface")
     if not {"color", "scalars"} & options.keys():
-        shown.cell_data["colour"] = _painted(np.asarray(shown.cell_data["phase"]))
+        labels = np.asarray(shown.cell_data["phase"])
+        shown.cell_data["colour"] = _painted(labels)
+        names = {label: name for name, label in (_PHASES | {"fibre": _FIBRE}).items()}
+        picture.legend([(names[int(label)], _PALETTE[int(label)]) for label in np.unique(labels)])
         options = {"scalars": "colour", "rgb": True} | options
     picture.plotter.add_mesh(shown, **({"show_edges": grid.n_cells < _EDGES} | options))
+    picture.scale((mesh.points.min(axis=0), mesh.points.max(axis=0)))
     return picture.shown()
 
 

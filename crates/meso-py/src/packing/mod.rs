@@ -506,7 +506,7 @@ impl PyPacking {
     /// plotter : pyvista.Plotter, optional
     ///     Adds everything to this plotter and returns it; nothing is shown.
     /// **options
-    ///     `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+    ///     `legend=False` leaves the names of the colours and the scale out. `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
     ///     `color` or `scalars`, to `pyvista.Plotter.add_mesh`.
     #[pyo3(
         signature = (**options),
@@ -514,6 +514,18 @@ impl PyPacking {
     )]
     fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("plot_packing", slf, options)
+    }
+
+    /// Writes the picture of `plot` to `path`, off screen, with the same options.
+    #[pyo3(signature = (path, **options), text_signature = "($self, path, **options)")]
+    fn screenshot<'py>(
+        slf: &Bound<'py, Self>,
+        path: Bound<'py, PyAny>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
+        options.set_item("screenshot", path)?;
+        call_view("plot_packing", slf, Some(&options))
     }
 
     /// Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`).
