@@ -209,3 +209,87 @@ fn losses_of_an_import_are_counted_with_a_warning() {
     // Grains of nanometres pass the check.
     assert_eq!(folder.run(&["check", "m.json"]).code, 0);
 }
+
+/// The mask of a drilled core was lost: its strength was that of a cube with corners of mortar.
+#[test]
+fn a_drilled_core_is_a_cylinder_of_its_diameter() {
+    let folder = Folder::new();
+    // Two grains, of which the side of the core cuts one, and a pore with the label of the air.
+    let inside = [([20.0, 20.0, 10.0], 5.0), ([34.0, 20.0, 20.0], 6.0), ([14.0, 26.0, 27.0], 4.0)];
+    labelled(&folder, "scan.npy", 40, &inside, &[2, 3, 9]);
+    let mut bytes = folder.read("scan.npy");
+    for (voxel, label) in bytes[128..].iter_mut().enumerate() {
+        let [x, y] = [voxel % 40, voxel / 40 % 40].map(|at| at as f64 - 19.5);
+        let is_core = (x * x + y * y).sqrt() < 18.0;
+        *label = if is_core && *label != 9 { (*label).max(1) } else { 0 };
+    }
+    let voxels = bytes[128..].iter().filter(|label| **label > 1).count() as f64;
+    folder.write("scan.npy", bytes);
+    let import = ["import", "scan.npy", "--voxel-size-mm", "0.5", "-fo", "m.json", "--outside", "0", "--mortar", "1"];
+    let run = folder.run(&import);
+    assert!(run.code == 0 && run.stderr.contains("the core is a cylinder of 18."), "{}", run.stderr);
+    let model: serde_json::Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+    let of = |key: &str| model["specimen"][key].as_f64().unwrap();
+    let (diameter, height) = (of("diameter_mm"), of("height_mm"));
+    assert!((diameter - 18.0).abs() < 0.05 && height == 20.0, "{diameter} {height}");
+    let fraction = voxels * 0.125 / (std::f64::consts::FRAC_PI_4 * diameter * diameter * height);
+    let found = model["report"]["fraction"].as_f64().unwrap();
+    assert!((found / fraction - 1.0).abs() < 0.01, "{found} {fraction}");
+    let labels = &model["report"]["labels"];
+    let [of_labels, pores] = [&labels["fraction"], &labels["core"]["pores_fraction"]].map(|x| x.as_f64().unwrap());
+    assert!((found / of_labels - 1.0).abs() < 0.01, "{found} {of_labels}");
+    // The ball of 4 voxels with the label 9.
+    assert!((pores * labels["core"]["voxels"].as_f64().unwrap() - 268.0).abs() < 20.0, "{pores}");
+    assert!(run.stderr.contains("outside by its label, as pores are"), "{}", run.stderr);
+    let reach = |vertex: &serde_json::Value| {
+        let [x, y] = [0, 1].map(|axis| vertex[axis].as_f64().unwrap() - 0.5 * diameter);
+        x.hypot(y)
+    };
+    let vertices =
+        model["aggregates"].as_array().unwrap().iter().flat_map(|grain| grain["vertices"].as_array().unwrap());
+    let farthest = vertices.map(reach).fold(0.0, f64::max);
+    assert!(farthest <= 0.5 * diameter && farthest > 0.49 * diameter, "{farthest} {diameter}");
+    assert_eq!(folder.run(&["check", "m.json"]).code, 0);
+    let run = folder.run(&["mesh", "m.json", "-o", "m.vtu", "--method", "lattice", "--element-size-mm", "1"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    balls(&folder, "scan.npy", 24, &THREE);
+    let run = folder.run(&["import", "scan.npy", "--outside", "0", "-fo", "m.json"]);
+    assert!(run.code == 1 && run.stderr.contains("is no cylinder along z"), "{}", run.stderr);
+}
+
+/// The case: grains that touch in a scan were bitten by the mortar that parted them in the mesh, and the advice was to pack.
+#[test]
+fn touching_grains_keep_a_gap_that_elements_resolve() {
+    let folder = Folder::new();
+    let touching = [([12.0, 12.0, 12.0], 8.0), ([26.0, 13.0, 13.0], 8.0), ([18.0, 27.0, 14.0], 8.0)];
+    balls(&folder, "scan.npy", 40, &touching);
+    let bitten = |gap: &[&str]| {
+        let import = ["import", "scan.npy", "--voxel-size-mm", "0.5", "-fo", "m.json"];
+        let run = folder.run(&[&import[..], gap].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(folder.run(&["check", "m.json"]).code, 0);
+        let mesh = ["mesh", "m.json", "-fo", "m.vtu", "--method", "lattice", "--itz", "none", "--joined", "mortar"];
+        let flags = ["--element-size-mm", "2", "--accept-phase-error", "--summary-json", "s.json"];
+        let run = folder.run(&[&mesh[..], &flags].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let figures: serde_json::Value = serde_json::from_slice(&folder.read("s.json")).unwrap();
+        (figures["notes"]["parted_aggregates"].as_u64().unwrap(), run.stderr)
+    };
+    let (grains, said) = bitten(&[]);
+    assert!(
+        grains >= 2 && said.contains(" grains to keep them apart. Smaller elements or import with a larger --gap-mm"),
+        "{said}"
+    );
+    let (grains, said) = bitten(&["--gap-mm", "2"]);
+    assert!(grains == 0 && !said.contains("keep them apart"), "{said}");
+    // Both grains of a pair gave way alike, by half of the gap: their planes of contact were at x = 9.5 mm or so.
+    let model: serde_json::Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+    let xs = |grain: usize| {
+        let vertices = model["aggregates"][grain]["vertices"].as_array().unwrap();
+        vertices.iter().map(|vertex| vertex[0].as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    let (right, left) = (xs(0).into_iter().fold(0.0, f64::max), xs(1).into_iter().fold(f64::INFINITY, f64::min));
+    assert!((left - right - 2.0).abs() < 0.4 && (0.5 * (left + right) - 9.5).abs() < 0.4, "{right} {left}");
+    let run = folder.run(&["import", "scan.npy", "--gap-mm", "-1", "-fo", "m.json"]);
+    assert!(run.code == 2 && run.stderr.contains("--gap-mm is -1; it must be 0 to 1000 mm"), "{}", run.stderr);
+}

@@ -71,10 +71,12 @@ fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     assert!((aggregate - 1.0).abs() < 0.005, "{aggregate}");
     assert_eq!(told["warnings"], Value::Array(Vec::new()));
     assert!(told["half_strength_strain"].as_f64().unwrap() < 0.06);
-    for said in
-        ["mortar is at half its strength at an inelastic strain of 0.0", "times the mass", "double=both", "m_curve.py"]
-    {
+    for said in ["times the mass", "double=both", "m_curve.py"] {
         assert!(run.stderr.contains(said), "{said}: {}", run.stderr);
+    }
+    // Figures that are as they should be were read as alarms: a softening mortar, nodes off a surface that exact volumes move.
+    for alarm in ["half its strength", "lie off"] {
+        assert!(!run.stderr.contains(alarm), "{alarm}: {}", run.stderr);
     }
     let deck = text(&folder, "m.inp");
     for line in ["*ELEMENT, TYPE=C3D4, ELSET=ITZ", "packing: seed ", "S_N_BOTTOM, S_PLATE_BOTTOM"] {

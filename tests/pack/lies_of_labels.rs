@@ -1,6 +1,7 @@
 //! Lies in the model of a label volume, and in a packing that pretends to be one: each is refused or found.
 
 use super::lies::{as_saved, objection, scale};
+use meso_core::import::grains::Roles;
 use meso_core::import::volume::Volume;
 use meso_core::labelled::{LabelOptions, of_labels};
 use meso_core::{Silent, Spec, pack};
@@ -168,4 +169,55 @@ fn sixty_lies_about_label_volumes_are_found_and_the_truth_is_not() {
     assert!(lies.len() >= 60);
     let believed: Vec<&str> = lies.into_iter().filter_map(believed).collect();
     assert_eq!((believed, idle), (vec![], vec![]), "lies that are believed, and lies that change nothing");
+}
+
+/// In the entry of a drilled core.
+const CORE: [Lie; 12] = [
+    ("a wider core", |f| scale(&mut labels(f)["core"]["diameter_mm"], 1.01)),
+    ("a wider core and specimen", |f| {
+        scale(&mut labels(f)["core"]["diameter_mm"], 1.2);
+        f["spec"]["specimen"]["diameter_mm"] = labels(f)["core"]["diameter_mm"].clone();
+        f["specimen"]["diameter_mm"] = labels(f)["core"]["diameter_mm"].clone();
+    }),
+    ("a core of no width", |f| labels(f)["core"]["diameter_mm"] = json!(0.0)),
+    ("a tenth more voxels", |f| {
+        labels(f)["core"]["voxels"] = json!(11 * labels(f)["core"]["voxels"].as_u64().unwrap() / 10)
+    }),
+    ("no voxels", |f| labels(f)["core"]["voxels"] = json!(0)),
+    ("more off than there is", |f| labels(f)["core"]["off_fraction"] = json!(1.5)),
+    ("less off than nothing", |f| labels(f)["core"]["off_fraction"] = json!(-0.1)),
+    ("pores of half a voxel", |f| {
+        let half = 0.5 / labels(f)["core"]["voxels"].as_f64().unwrap();
+        labels(f)["core"]["pores_fraction"] = json!(labels(f)["core"]["pores_fraction"].as_f64().unwrap() + half);
+    }),
+    ("nothing but pores", |f| labels(f)["core"]["pores_fraction"] = json!(1.0)),
+    ("no labels outside", |f| labels(f)["core"]["outside"] = json!([])),
+    ("no core", |f| drop(labels(f).as_object_mut().unwrap().remove("core"))),
+    ("another entry", |f| labels(f)["core"]["height_mm"] = json!(3.0)),
+];
+
+#[test]
+fn lies_about_a_drilled_core_are_found_and_the_truth_is_not() {
+    let at = |i: usize| [i % 24, i / 24 % 24, i / 576].map(|x| x as f64 + 0.5);
+    let of = |[x, y, z]: [f64; 3]| {
+        let is_pore = (x - 12.0).abs() < 1.0 && (y - 12.0).abs() < 1.0 && z < 3.0;
+        let is_core = (x - 12.0).hypot(y - 12.0) < 11.0 && !is_pore;
+        if is_core { label([x, y, z]) + 1 } else { 0 }
+    };
+    let volume = Volume::new([24; 3], None, (0..24 * 24 * 24).map(|i| of(at(i))).collect::<Vec<_>>()).unwrap();
+    let roles = Roles { mortar: vec![1], aggregate: Vec::new() };
+    let options = LabelOptions { roles, voxel_size_mm: Some([0.5; 3]), outside: vec![0], ..LabelOptions::default() };
+    let import = as_saved(&of_labels(&volume, &options, &Silent).unwrap());
+    assert_eq!(objection(&import), None, "the import as it was written");
+    let core = &import["report"]["labels"]["core"];
+    assert!(
+        (core["diameter_mm"].as_f64().unwrap() - 11.0).abs() < 0.1 && core["pores_fraction"].as_f64().unwrap() > 0.0
+    );
+    let believed = |(name, lie): &Lie| {
+        let mut file = import.clone();
+        lie(&mut file);
+        assert!(file != import, "{name} changes nothing");
+        objection(&file).is_none().then_some(*name)
+    };
+    assert_eq!(CORE.iter().filter_map(believed).collect::<Vec<_>>(), Vec::<&str>::new());
 }

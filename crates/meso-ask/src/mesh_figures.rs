@@ -37,6 +37,9 @@ pub struct MeshFigures {
     /// Whether the elements are voxels.
     #[serde(skip)]
     pub voxels: bool,
+    /// Whether the grains are those of a label volume.
+    #[serde(skip)]
+    pub is_scan: bool,
     /// Whether the ITZ is a share of elements of mortar.
     #[serde(skip)]
     pub smeared: bool,
@@ -64,6 +67,7 @@ impl MeshFigures {
             notes: mesh.notes,
             options: footing.options.for_bodies(&model.aggregates),
             voxels: mesh.kind == CellKind::Hexahedron,
+            is_scan: model.report.labels.is_some(),
             smeared: mesh.has_smeared_itz(),
             voids_mm3: quality.exact_volumes_mm3.and_then(|exact| exact.voids(mesh, specimen.volume())),
             quality,

@@ -2,18 +2,20 @@
 //!
 //! The spec that the model carries describes what was found: the box, the fraction, the sieve curve of the grains.
 
+use crate::drilled::{self, Drilled, NoCore};
 use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, TriangleMesh};
+use meso_collision::math::Vec3;
 use meso_concrete::aggregate::take::ITZ_LIMIT;
 use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinition};
 use meso_concrete::import::grains::{
-    GrainSurfaces, LabelledGrain, LabelledGrains, Roles, SmoothOptions, SurfacesError,
+    GrainSurfaces, LabelledGrain, LabelledGrains, Roles, Round, SmoothOptions, SurfacesError,
 };
 use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
-use meso_place::{LabelReport, Report, StopReason};
+use meso_place::{CoreReport, LabelReport, Report, StopReason};
 use meso_spec::{Spec, SpecError};
 
 /// How a label volume becomes a model.
@@ -23,10 +25,14 @@ pub struct LabelOptions {
     pub voxel_size_mm: Option<[f64; 3]>,
     /// Which labels are grains.
     pub roles: Roles,
+    /// Labels outside a drilled core, whose cylinder is the specimen then; empty: the specimen is the whole box.
+    pub outside: Vec<i64>,
     /// Connected grains of fewer voxels are mortar.
     pub least_voxels: usize,
     /// Largest share of the volume that a grain may have; a larger one is asked about.
     pub largest_grain: f64,
+    /// Gap between grains that are nearer in the labels, mm; at least half a voxel.
+    pub gap_mm: f64,
     /// Thickness of the ITZ of every grain, mm.
     pub itz_thickness_mm: f64,
     /// How surfaces are made.
@@ -38,8 +44,10 @@ impl Default for LabelOptions {
         Self {
             voxel_size_mm: None,
             roles: Roles { mortar: vec![0], aggregate: Vec::new() },
+            outside: Vec::new(),
             least_voxels: 64,
             largest_grain: 0.2,
+            gap_mm: 0.0,
             itz_thickness_mm: 0.0,
             surfaces: SmoothOptions::default(),
         }
@@ -122,9 +130,23 @@ pub enum LabelsError {
     /// A model that no spec can describe.
     #[error("its grains make no model: {0}")]
     Spec(#[from] SpecError),
+    /// No drilled core within the outside.
+    #[error("{}", no_core(*.0))]
+    NoCore(Option<f64>),
     /// Surfaces that could not be made.
     #[error(transparent)]
     Surfaces(#[from] SurfacesError),
+}
+
+/// Says that there is no core, or how much of it lies off its cylinder.
+fn no_core(off: Option<f64>) -> String {
+    match off {
+        None => "outside names nothing that lies about a core, or all of it".to_owned(),
+        Some(off) => format!(
+            "what does not lie outside is no cylinder along z: {:.0} % of it is off; turn the volume, or leave outside out",
+            100.0 * off
+        ),
+    }
 }
 
 /// What is asked about a label that may be mortar.
@@ -145,8 +167,8 @@ const LEAST_COUNT: usize = 4;
 const GREY: usize = 20;
 /// Labels of mesocrete's own images of phases: aggregate, ITZ, mortar, outside.
 const OWN_PHASES: [i64; 4] = [0, 1, 2, 255];
-/// Bytes a voxel: labels as they are read and as numbers, roots and sizes of grains.
-const VOXEL_BYTES: f64 = 18.0;
+/// Bytes a voxel: labels as they are read and as numbers, those about a core, roots and sizes of grains.
+const VOXEL_BYTES: f64 = 21.0;
 /// Least digits of a limit of sizes, 1/mm.
 const DIGITS: f64 = 1e3;
 
@@ -172,6 +194,7 @@ impl LabelOptions {
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
         is_in("tolerance", tolerance, [0.0, 1.0], "voxels")?;
         is_in("largest_grain", self.largest_grain, [0.0, 1.0], "of the volume")?;
+        is_in("gap_mm", self.gap_mm, [0.0, 1e3], "mm")?;
         is_in("itz_thickness_mm", self.itz_thickness_mm, [0.0, 1e3], "mm")
     }
 
@@ -180,9 +203,25 @@ impl LabelOptions {
         VOXEL_BYTES * counts.iter().map(|count| *count as f64).product::<f64>()
     }
 
+    /// The core in the volume, if labels lie outside of one.
+    fn drilled(&self, volume: &Volume<u16>, edges_mm: [f64; 3]) -> Result<Option<Drilled>, LabelsError> {
+        if self.outside.is_empty() {
+            return Ok(None);
+        }
+        let found = drilled::find(volume, &self.outside, edges_mm).map_err(|why| match why {
+            NoCore::Nothing => LabelsError::NoCore(None),
+            NoCore::Off(off) => LabelsError::NoCore(Some(off)),
+        })?;
+        let counts = found.volume.counts;
+        if counts.iter().any(|count| *count < LEAST_COUNT) {
+            Err(LabelsError::Flat { counts })
+        } else {
+            Ok(Some(found))
+        }
+    }
+
     /// Asks about labels that are hardly grains, before any surface is made.
-    fn ask(&self, volume: &Volume<u16>, parts: &LabelledGrains) -> Result<(), LabelsError> {
-        let voxels = volume.of.len() as f64;
+    fn ask(&self, volume: &Volume<u16>, voxels: f64, parts: &LabelledGrains) -> Result<(), LabelsError> {
         let surrounds = parts.surrounded();
         let is_open = |grain: &LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
         let is_large = |grain: &LabelledGrain| grain.voxels as f64 > self.largest_grain * voxels;
@@ -233,7 +272,8 @@ impl LabelOptions {
         }
         // Mortar that is not there is no fault: 0 is named by default.
         let given = mortar.iter().filter(|label| **label != 0).map(|label| ("mortar", label));
-        let mut named = given.chain(aggregate.iter().map(|label| ("aggregate", label)));
+        let outside = self.outside.iter().map(|label| ("outside", label));
+        let mut named = given.chain(aggregate.iter().map(|label| ("aggregate", label))).chain(outside);
         match named.find(|(_, label)| volume.labels.binary_search(label).is_err()) {
             Some((key, &label)) => Err(LabelsError::Absent { key, label, labels: listed(&volume.labels) }),
             None => Ok(()),
@@ -255,9 +295,14 @@ fn listed(labels: &[i64]) -> String {
 pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch) -> Result<Model, LabelsError> {
     options.accept(volume)?;
     watch.stage(Stage::Take, 0.0);
-    let mut parts = LabelledGrains::of(volume, &options.roles, options.least_voxels);
+    let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
+    let drilled = options.drilled(volume, spacing)?;
+    let volume = drilled.as_ref().map_or(volume, |drilled| &drilled.volume);
+    let mut roles = options.roles.clone();
+    roles.mortar.extend(&options.outside);
+    let mut parts = LabelledGrains::of(volume, &roles, options.least_voxels);
     let specks = parts.dropped;
-    let voxels = volume.of.len() as f64;
+    let voxels = drilled.as_ref().map_or(volume.of.len(), |drilled| drilled.voxels) as f64;
     let kept: usize = parts.grains.iter().map(|part| part.voxels).sum();
     if volume.labels.len() > GREY && specks[1] > kept {
         let percent = 100.0 * specks[1] as f64 / voxels;
@@ -267,9 +312,9 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: specks[0] });
     }
     let [filled, hollow_voxels] = parts.fill_hollows();
-    options.ask(volume, &parts)?;
-    let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
-    let surfaces = GrainSurfaces::new(&parts, spacing, options.surfaces);
+    options.ask(volume, voxels, &parts)?;
+    let round = drilled.as_ref().map(|drilled| drilled.round);
+    let surfaces = GrainSurfaces::new(&parts, spacing, options.surfaces).within(round).apart(options.gap_mm);
     let meshes = surfaces.all(watch)?;
     let gone = || parts.grains.iter().zip(&meshes).filter(|(_, mesh)| mesh.is_none()).map(|(part, _)| part.voxels);
     let dropped = specks[1] + gone().sum::<usize>();
@@ -288,13 +333,32 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         lost_fraction: 0.0,
         filled,
         filled_fraction: hollow_voxels as f64 / voxels,
+        core: drilled.as_ref().map(|drilled| CoreReport {
+            outside: options.outside.clone(),
+            diameter_mm: 2.0 * drilled.round.radius_mm,
+            voxels: drilled.voxels,
+            off_fraction: drilled.off,
+            pores_fraction: drilled.pores,
+        }),
     };
     let surfaces: Vec<&TriangleMesh> = kept().map(|(_, mesh)| mesh).collect();
     if surfaces.is_empty() {
         return Err(LabelsError::Vanished);
     }
-    let bodies = parallel::map_each(&surfaces, |mesh| Polyhedron::of_surface(mesh));
+    // A cylinder's own frame begins at the corner of its box.
+    let way = round.map(|Round { centre_mm: [x, y], radius_mm }| Vec3::new(radius_mm - x, radius_mm - y, 0.0));
+    let body = |mesh: &&TriangleMesh| {
+        way.map_or_else(|| Polyhedron::of_surface(mesh), |way| Polyhedron::of_surface(&moved(mesh, way)))
+    };
+    let bodies = parallel::map_each(&surfaces, body);
     Ok(assembled(bodies, volume.counts, spacing, options.itz_thickness_mm, report)?)
+}
+
+fn moved(mesh: &TriangleMesh, way: Vec3) -> TriangleMesh {
+    TriangleMesh {
+        vertices: mesh.vertices.iter().map(|vertex| vertex + way).collect(),
+        triangles: mesh.triangles.clone(),
+    }
 }
 
 /// The model of these bodies, in a box of so many voxels: everything in it but their places follows from them.
@@ -321,7 +385,11 @@ pub(crate) fn assembled(
         body,
     };
     let mut aggregates: Vec<Aggregate> = bodies.into_iter().enumerate().map(aggregate).collect();
-    let specimen = Specimen::cuboid([0, 1, 2].map(|axis| counts[axis] as f64 * spacing[axis]));
+    let size_mm = [0, 1, 2].map(|axis| counts[axis] as f64 * spacing[axis]);
+    let specimen = match &labels.core {
+        Some(core) => Specimen::Cylinder { diameter_mm: core.diameter_mm, height_mm: size_mm[2] },
+        None => Specimen::cuboid(size_mm),
+    };
     mark_caps(&mut aggregates, &specimen);
     let most = |body: &Polyhedron| if itz > 0.0 { itz.min(ITZ_LIMIT * body.skin(itz).deepest().1) } else { 0.0 };
     parallel::each_mut(&mut aggregates, |_, grain| grain.itz_thickness_mm = most(&grain.body));
@@ -333,7 +401,8 @@ pub(crate) fn assembled(
     spec.validate_described(&Silent)?;
     // What the grains had in the labels, and have not here.
     let had = labels.fraction + labels.dropped_fraction;
-    let labels = LabelReport { lost_fraction: (had - fraction).max(0.0), ..labels };
+    let have = volumes.iter().sum::<f64>() / (labels.whole() * spacing.iter().product::<f64>());
+    let labels = LabelReport { lost_fraction: (had - have).max(0.0), ..labels };
     let report = Report {
         strategy: STRATEGY.to_owned(),
         grading: spec.grading.describe(),

@@ -8,6 +8,7 @@
 
 mod accept;
 pub mod check;
+mod drilled;
 pub mod labelled;
 pub mod model;
 pub mod recipes;

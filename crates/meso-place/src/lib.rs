@@ -26,7 +26,7 @@ use nalgebra::UnitQuaternion;
 pub use place::place;
 pub use report::report;
 pub use report::{
-    ClassReport, LabelReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport, StopReason, Work,
+    ClassReport, CoreReport, LabelReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport, StopReason, Work,
 };
 use serde::{Deserialize, Serialize};
 

@@ -75,6 +75,30 @@ impl ReducedGrain {
     }
 }
 
+/// A drilled core in a label volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoreReport {
+    /// Labels outside of it.
+    pub outside: Vec<i64>,
+    /// Diameter of the cylinder of its volume, mm.
+    pub diameter_mm: f64,
+    /// Voxels of this cylinder, of which the shares below are.
+    pub voxels: usize,
+    /// Voxels that are beyond the cylinder, or missing within, over those of the core.
+    pub off_fraction: f64,
+    /// Share of the cylinder that has a label of the outside, such as pores; it is mortar.
+    pub pores_fraction: f64,
+}
+
+impl LabelReport {
+    /// The voxels of which shares are: those of the core, or else all.
+    pub fn whole(&self) -> f64 {
+        let all = || self.voxels.iter().map(|count| *count as f64).product();
+        self.core.as_ref().map_or_else(all, |core| core.voxels as f64)
+    }
+}
+
 /// A label volume whose grains the aggregates are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -96,6 +120,9 @@ pub struct LabelReport {
     /// Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing.
     #[serde(default)]
     pub lost_fraction: f64,
+    /// The drilled core that the specimen is; absent where it is the whole volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub core: Option<CoreReport>,
     /// Grains with hollows, mortar that one grain encloses, which were filled.
     #[serde(default)]
     pub filled: usize,

@@ -69,20 +69,23 @@ fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes; `cuts` tetrahedra before whole cells go.
 pub(crate) fn part(mesh: &mut Mesh, bodies: &BodyImages, cuts: bool) {
     (mesh.notes.parted_nodes, mesh.notes.separated_pairs) = mesh.joined_aggregates();
+    let mut bitten = BTreeSet::new();
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
         for _ in 0..CUTS {
             let left = left(mesh, bodies, &joined(mesh));
             cut(mesh, bodies, &left);
             let gone = cells_at(mesh, &left);
-            leave(mesh, &gone);
+            leave(mesh, &gone, &mut bitten);
         }
     }
     let gone = mesh.joining_cells();
-    leave(mesh, &gone);
+    leave(mesh, &gone, &mut bitten);
+    mesh.notes.parted_aggregates = bitten.len();
 }
 
-/// Gives the mortar the cells `gone`, and counts them.
-fn leave(mesh: &mut Mesh, gone: &[usize]) {
+/// Gives the mortar the cells `gone`, and counts them; their aggregates are `bitten`.
+fn leave(mesh: &mut Mesh, gone: &[usize], bitten: &mut BTreeSet<u32>) {
+    bitten.extend(gone.iter().map(|&cell| mesh.owner[cell]));
     mesh.notes.parted_cells += gone.len();
     mesh.notes.parted_mm3 += gone.iter().map(|&cell| mesh.volume(cell)).sum::<f64>();
     become_mortar(mesh, gone);

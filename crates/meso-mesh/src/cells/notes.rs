@@ -21,6 +21,9 @@ pub struct Notes {
     pub separated_pairs: usize,
     /// Cells of aggregates that became mortar for it.
     pub parted_cells: usize,
+    /// Aggregates that lost some of these.
+    #[serde(default)]
+    pub parted_aggregates: usize,
     /// Their volume, mm3, before any volume was made good.
     pub parted_mm3: f64,
     /// Cells of aggregates that became mortar, since their stable time step was shorter than that of all mortar.

@@ -7,8 +7,9 @@ use crate::labelled::{LabelOptions, assembled};
 use crate::model::Model;
 use meso_collision::geometry::Polyhedron;
 use meso_concrete::aggregate::Aggregate;
-use meso_place::{LabelReport, Report};
+use meso_place::{CoreReport, LabelReport, Report};
 use serde_json::Value;
+use std::f64::consts::PI;
 
 /// A share of the voxels is a whole number of them to this.
 const WHOLE: f64 = 1e-3;
@@ -43,7 +44,7 @@ fn options(labels: &LabelReport) -> LabelOptions {
 /// Faults that the entry shows alone.
 fn alone(labels: &LabelReport, aggregates: usize) -> Vec<String> {
     let LabelReport { fraction, dropped, dropped_fraction, filled, filled_fraction, farthest_mm, .. } = *labels;
-    let voxels: f64 = labels.voxels.iter().map(|count| *count as f64).product();
+    let voxels = labels.whole();
     let mut reasons = Vec::new();
     let mut say = |is_right: bool, reason: String| reasons.extend((!is_right).then_some(reason));
     let said = labels.labels.len();
@@ -76,9 +77,34 @@ fn alone(labels: &LabelReport, aggregates: usize) -> Vec<String> {
     );
     let diagonal =
         (0..3).map(|axis| labels.voxels[axis] as f64 * labels.voxel_size_mm[axis]).map(|x| x * x).sum::<f64>();
+    if let Some(core) = &labels.core {
+        core_alone(labels, core, &mut say);
+    }
     let is_distance = (0.0..=diagonal.sqrt()).contains(&farthest_mm);
     say(is_distance, format!("labels.farthest_mm is {farthest_mm}, which is no distance in the volume"));
     reasons
+}
+
+/// Faults of a core that its entry shows alone.
+fn core_alone(labels: &LabelReport, core: &CoreReport, say: &mut dyn FnMut(bool, String)) {
+    let ([nx, ny, nz], [hx, hy, _]) = (labels.voxels.map(|count| count as f64), labels.voxel_size_mm);
+    let CoreReport { diameter_mm, voxels, off_fraction, pores_fraction, .. } = *core;
+    // Voxels in a circle differ from its area by about the root of its length.
+    let (area, own) = (PI / 4.0 * diameter_mm * diameter_mm, voxels as f64 / nz * hx * hy);
+    let cut = 4.0 * (PI * diameter_mm / hx.min(hy)).sqrt() * hx * hy;
+    let is_round = diameter_mm > 0.0 && diameter_mm <= (nx * hx).max(ny * hy) && (area - own).abs() <= cut;
+    say(is_round, format!("labels.core is a cylinder of {diameter_mm} mm with {own:.3} mm2 of voxels in a layer"));
+    say(!core.outside.is_empty(), "labels.core has no labels outside".to_owned());
+    let pores = pores_fraction * voxels as f64;
+    for (name, share) in [("off_fraction", off_fraction), ("pores_fraction", pores_fraction)] {
+        say((0.0..=1.0).contains(&share), format!("labels.core.{name} is {share}"));
+    }
+    say((pores - pores.round()).abs() <= WHOLE, format!("labels.core.pores_fraction is {pores} voxels"));
+    let beside = labels.fraction - labels.filled_fraction + labels.dropped_fraction + pores_fraction;
+    say(
+        beside <= 1.0 + WHOLE / voxels as f64,
+        format!("labels.core.pores_fraction is {pores_fraction} beside the grains"),
+    );
 }
 
 /// Names what differs from the model that is `right`; how long it took is taken from the file.
@@ -117,9 +143,10 @@ fn filled(model: &Model, labels: &LabelReport) -> Option<String> {
     };
     let own: f64 = model.aggregates.iter().map(|aggregate| aggregate.body.volume()).sum();
     let most: f64 = model.aggregates.iter().map(between).sum();
-    let said = labels.fraction * model.spec.specimen.volume();
+    let volume = labels.whole() * labels.voxel_size_mm.iter().product::<f64>();
+    let said = labels.fraction * volume;
     // Bodies have their voxels' volume, hollows filled, and lose some where they touch; they never gain as much.
-    let filled = labels.filled_fraction * model.spec.specimen.volume();
+    let filled = labels.filled_fraction * volume;
     let is_near = (said - own).abs() <= most && own <= GAIN * said + filled;
     (!is_near).then(|| {
         format!("labels.fraction gives {said:.6} mm3 of grains, and the bodies have {own:.6}; their surfaces are within {far} mm")

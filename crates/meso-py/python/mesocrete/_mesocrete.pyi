@@ -748,9 +748,12 @@ class Packing:
         plotter : pyvista.Plotter, optional
             Adds everything to this plotter and returns it; nothing is shown.
         **options
-            `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+            `legend=False` leaves the names of the colours and the scale out. `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
             `color` or `scalars`, to `pyvista.Plotter.add_mesh`.
         """
+
+    def screenshot(self, path: _Path, **options: object) -> None:
+        """Writes the picture of `plot` to `path`, off screen, with the same options."""
 
     def plot_grading(self, **options: Unpack[_Axes]) -> Axes:
         """Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`)."""
@@ -921,7 +924,7 @@ class Mesh:
     def plot(
         self,
         *,
-        cut: _Cut | None = None,
+        cut: _Cut | None = "y",
         phases: Sequence[Literal["mortar", "ITZ", "aggregate", "fibre"]] | None = None,
         screenshot: _Path | bool | None = None,
         plotter: Plotter | None = None,
@@ -932,7 +935,8 @@ class Mesh:
         Parameters
         ----------
         cut : str or pair, optional
-            "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there.
+            "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there. None shows the whole mesh, as
+            `phases` do without a cut.
         phases : sequence of str, optional
             Shows only these: "mortar", "ITZ", "aggregate", "fibre".
         screenshot : path or True, optional
@@ -940,9 +944,12 @@ class Mesh:
         plotter : pyvista.Plotter, optional
             Adds everything to this plotter and returns it; nothing is shown.
         **options
-            `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+            `legend=False` leaves the names of the colours and the scale out. `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
             `scalars` or `opacity`, to `pyvista.Plotter.add_mesh`.
         """
+
+    def screenshot(self, path: _Path, **options: object) -> None:
+        """Writes the picture of `plot` to `path`, off screen, with the same options."""
 
     def to_meshio(self) -> meshio.Mesh:
         """The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`)."""
@@ -1237,8 +1244,10 @@ def from_labels(
     array: str | None = None,
     mortar: Sequence[int] | None = None,
     aggregate: Sequence[int] = (),
+    outside: Sequence[int] = (),
     least_voxels: int = 64,
     largest_grain: float = 0.2,
+    gap: float = 0.0,
     itz_thickness: float = 0.0,
     tolerance: float = 0.2,
     smoothing: float = 1.0,
@@ -1262,10 +1271,14 @@ def from_labels(
         Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
     aggregate : sequence of int
         Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
+    outside : sequence of int
+        Labels outside a drilled core, which stands along z: its cylinder is the specimen, not the whole box.
     least_voxels : int
         Smaller grains are mortar.
     largest_grain : float
         Largest share of the volume that a grain may have; a larger one is asked about, since it may be mortar.
+    gap : float
+        Gap between grains that are nearer, mm, so that elements of this size keep mortar between them; at least half a voxel.
     itz_thickness : float
         Thickness of the ITZ of every grain, mm.
     tolerance : float

@@ -32,10 +32,14 @@ use std::sync::Arc;
 ///     Labels of the mortar, 0 without. Ids of `Packing.voxelize` take (-1,).
 /// aggregate : sequence of int
 ///     Labels that are the aggregates' phase together, such as core and ITZ; all others are then mortar.
+/// outside : sequence of int
+///     Labels outside a drilled core, which stands along z: its cylinder is the specimen, not the whole box.
 /// least_voxels : int
 ///     Smaller grains are mortar.
 /// largest_grain : float
 ///     Largest share of the volume that a grain may have; a larger one is asked about, since it may be mortar.
+/// gap : float
+///     Gap between grains that are nearer, mm, so that elements of this size keep mortar between them; at least half a voxel.
 /// itz_thickness : float
 ///     Thickness of the ITZ of every grain, mm.
 /// tolerance : float
@@ -60,10 +64,10 @@ use std::sync::Arc;
 /// OSError
 ///     Where the file cannot be read.
 #[pyfunction]
-#[pyo3(signature = (labels, voxel_size=None, *, array=None, mortar=None, aggregate=vec![], least_voxels=64, largest_grain=0.2, itz_thickness=0.0,
+#[pyo3(signature = (labels, voxel_size=None, *, array=None, mortar=None, aggregate=vec![], outside=vec![], least_voxels=64, largest_grain=0.2, gap=0.0, itz_thickness=0.0,
     tolerance=0.2, smoothing=1.0, step=2.0, progress=None))]
 #[pyo3(
-    text_signature = "(labels, voxel_size=None, *, array=None, mortar=None, aggregate=(), least_voxels=64, largest_grain=0.2, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
+    text_signature = "(labels, voxel_size=None, *, array=None, mortar=None, aggregate=(), outside=(), least_voxels=64, largest_grain=0.2, gap=0.0, itz_thickness=0.0, tolerance=0.2, smoothing=1.0, step=2.0, progress=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn from_labels(
@@ -73,8 +77,10 @@ pub(crate) fn from_labels(
     array: Option<&str>,
     mortar: Option<Vec<i64>>,
     aggregate: Vec<i64>,
+    outside: Vec<i64>,
     least_voxels: usize,
     largest_grain: f64,
+    gap: f64,
     itz_thickness: f64,
     tolerance: f64,
     smoothing: f64,
@@ -85,8 +91,10 @@ pub(crate) fn from_labels(
         let options = LabelOptions {
             voxel_size_mm: voxel_size.map(|size| spacing(Some(size))).transpose()?,
             roles: Roles { mortar: mortar.unwrap_or_else(|| vec![0]), aggregate },
+            outside,
             least_voxels,
             largest_grain,
+            gap_mm: gap,
             itz_thickness_mm: itz_thickness,
             surfaces: SmoothOptions { step, smoothing, tolerance },
         };

@@ -31,6 +31,9 @@ pub(crate) struct Args {
         conflicts_with = "mortar"
     )]
     pub(super) aggregate: Vec<i64>,
+    /// Labels outside a drilled core, which stands along z: its cylinder is the specimen, not the whole box
+    #[arg(long, value_name = "LABELS", value_delimiter = ',', allow_negative_numbers = true)]
+    pub(super) outside: Vec<i64>,
     /// Smaller grains are mortar
     #[arg(long, value_name = "N", default_value = "64", value_parser = values::whole_number)]
     pub(super) least_voxels: u32,
@@ -40,6 +43,10 @@ pub(crate) struct Args {
     /// Exit with 3 if the aggregates have over 2 % less volume than the labels
     #[arg(long)]
     pub(super) strict: bool,
+    /// Gap between grains that are nearer, mm, so that elements of this size keep mortar between them [default: half a voxel]
+    #[arg(long, value_name = "G", default_value = "0", hide_default_value = true, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    pub(super) gap_mm: f64,
     /// Thickness of the ITZ of every grain, mm
     #[arg(long, value_name = "T", default_value = "0", value_parser = values::number, allow_negative_numbers = true)]
     pub(super) itz_thickness_mm: f64,

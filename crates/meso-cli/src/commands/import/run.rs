@@ -40,7 +40,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         print(&model, labels);
         outputs::wrote(plan.iter().map(|(target, _)| target));
     }
-    Ok(if is_short(labels) && args.strict { SHORT } else { 0 })
+    Ok(if is_short(labels, args.gap_mm) && args.strict { SHORT } else { 0 })
 }
 
 /// Exit code of a result that `--strict` refuses.
@@ -71,15 +71,16 @@ fn remedy(error: &LabelsError, least: usize) -> String {
 }
 
 /// Warns where the aggregates have much less volume than the labels.
-fn is_short(labels: &LabelReport) -> bool {
+fn is_short(labels: &LabelReport, gap_mm: f64) -> bool {
     let had = labels.fraction + labels.dropped_fraction;
     let share = labels.lost_fraction / had;
     let is_short = exceeds(share, LOSS);
     if is_short {
         let [share, dropped] = [share, labels.dropped_fraction / had].map(|share| 100.0 * share);
+        let gap = if gap_mm > 0.0 { "a smaller --gap-mm, " } else { "" };
         stderr::line(format!(
             "warning: the aggregates have {share:.1} % less volume than the labels: {dropped:.1} % in small or thin \
-             grains, the rest by smoothing and at contacts; take smaller voxels, --least-voxels, --smoothing or --tolerance"
+             grains, the rest by smoothing and at contacts; take {gap}smaller voxels, --least-voxels, --smoothing or --tolerance"
         ));
     }
     is_short
@@ -96,6 +97,16 @@ fn print(model: &Model, labels: &LabelReport) {
         labels.fraction,
         labels.farthest_mm
     ));
+    if let Some(core) = &labels.core {
+        let (diameter, off) = (core.diameter_mm, percent(core.off_fraction));
+        stderr::line(format!(
+            "the core is a cylinder of {diameter:.3} mm; {off} of its voxels are beyond it, or missing within"
+        ));
+        if core.pores_fraction > 0.0 {
+            let pores = percent(core.pores_fraction);
+            stderr::line(format!("{pores} of the cylinder is outside by its label, as pores are; it is mortar"));
+        }
+    }
     if labels.separated_pairs > 0 {
         stderr::line(format!(
             "{} pairs of grains that touch in the labels are apart",

@@ -26,8 +26,10 @@ impl Args {
         let options = LabelOptions {
             voxel_size_mm,
             roles: Roles { mortar: self.mortar.clone(), aggregate: self.aggregate.clone() },
+            outside: self.outside.clone(),
             least_voxels: self.least_voxels as usize,
             largest_grain: self.largest_grain,
+            gap_mm: self.gap_mm,
             itz_thickness_mm: self.itz_thickness_mm,
             surfaces: SmoothOptions { step: self.step, smoothing: self.smoothing, tolerance: self.tolerance },
         };

@@ -40,7 +40,7 @@ impl MeshReport {
         self.thick_shells();
         self.lost_inclusions();
         self.surface();
-        gaps(&self.0.notes, self.0.cohesive_elements > 0);
+        gaps(&self.0.notes, self.0.cohesive_elements > 0, self.larger_gap());
         self.0.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
@@ -62,11 +62,16 @@ impl MeshReport {
         self.lost_inclusions();
         self.surface();
         self.joined();
-        gaps(&self.0.notes, self.0.cohesive_elements > 0);
+        gaps(&self.0.notes, self.0.cohesive_elements > 0, self.larger_gap());
         notes(&self.0.notes);
         self.worst();
         self.scaled();
-        self.curve();
+        self.doubts();
+    }
+
+    /// Option that leaves larger gaps between grains.
+    fn larger_gap(&self) -> &'static str {
+        if self.0.is_scan { "import with a larger --gap-mm" } else { "a larger min_gap_mm" }
     }
 
     /// Distance of the interfaces from the aggregates' exact surfaces.
@@ -76,14 +81,12 @@ impl MeshReport {
         stderr::line(format!("surface error {:.2} mm rms, {:.2} mm max{hint}", distance.rms_mm, distance.max_mm));
     }
 
-    /// Counts of the interface nodes behind that distance.
+    /// The interface nodes that two aggregates share.
     fn joined(&self) {
         let distance = &self.0.quality.interface_distance;
-        let (off, nodes) = (thousands(distance.off), thousands(distance.nodes));
-        stderr::line(format!("{off} of {nodes} interface nodes lie off their aggregate's surface"));
         if distance.joined > 0 {
             let (joined, rms, max) = (thousands(distance.joined), distance.joined_rms_mm, distance.joined_max_mm);
-            stderr::line(format!("{joined} of them bridge a closed gap: {rms:.2} mm rms, {max:.2} mm max"));
+            stderr::line(format!("{joined} interface nodes bridge a closed gap: {rms:.2} mm rms, {max:.2} mm max"));
         }
     }
 
@@ -156,11 +159,8 @@ impl MeshReport {
         ));
     }
 
-    /// Softening of the deck's mortar, and doubts about the deck.
-    fn curve(&self) {
-        if let Some(strain) = self.0.half_strength_strain {
-            stderr::line(format!("mortar is at half its strength at an inelastic strain of {strain:.4}"));
-        }
+    /// Doubts about the deck, of which one is the softening of its mortar.
+    fn doubts(&self) {
         self.0.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
@@ -236,21 +236,22 @@ fn notes(notes: &Notes) {
 }
 
 /// Gaps that are narrower than the elements, and what keeps them.
-fn gaps(notes: &Notes, has_cohesive: bool) {
+fn gaps(notes: &Notes, has_cohesive: bool, larger: &str) {
     let (pairs, nodes, widest) = (notes.closed_gap_pairs, notes.closed_gaps, notes.widest_closed_gap_mm);
     if notes.parted_nodes > 0 {
         stderr::line(format!(
-            "{} pairs of grains are closer than the elements can resolve. Mortar replaced {:.0} mm3 of aggregate to keep them \
-             apart. Smaller elements or a larger min_gap_mm avoid this",
+            "{} pairs of grains are closer than the elements can resolve (up to {widest:.2} mm). Mortar replaced {:.0} mm3 of {} \
+             grains to keep them apart. Smaller elements or {larger} avoid this",
             thousands(notes.separated_pairs),
-            notes.parted_mm3
+            notes.parted_mm3,
+            thousands(notes.parted_aggregates)
         ));
     } else if nodes > 0 {
         let (pairs, nodes) = (thousands(pairs), thousands(nodes));
         let end = if has_cohesive {
-            "cohesive elements separate them there"
+            "cohesive elements separate them there".to_owned()
         } else {
-            "smaller elements or a larger min_gap_mm keep mortar between them"
+            format!("smaller elements or {larger} keep mortar between them")
         };
         stderr::line(format!(
             "{pairs} pairs of grains are closer than the elements can resolve (up to {widest:.2} mm) and share {nodes} nodes; {end}"

@@ -8,6 +8,7 @@
 //! are found where they are; shares themselves, which end at 0 and 1, misplace them by up to half a voxel between nodes two
 //! voxels apart.
 
+use super::distance::Voxels;
 use super::labelled::LabelledGrains;
 use super::tetrahedra::Nodes;
 
@@ -38,6 +39,62 @@ pub(super) struct Field {
 }
 
 impl Field {
+    /// Ends the grain where `depth`, of a place along x and y in voxels, is 0 at a margin.
+    pub(super) fn cut(&mut self, margin: f32, depth: impl Fn([f64; 2]) -> f64) {
+        let [nx, ny, _] = self.counts;
+        let at = |axis: usize, node: usize| (self.from[axis] as f64 + node as f64 + 0.5) * self.spacing[axis];
+        let plane: Vec<f32> = (0..nx * ny).map(|k| depth([at(0, k % nx), at(1, k / nx)]) as f32 + margin).collect();
+        for layer in self.lead.chunks_exact_mut(nx * ny) {
+            layer.iter_mut().zip(&plane).for_each(|(lead, depth)| *lead = lead.min(*depth));
+        }
+    }
+
+    /// Ends the grain where its neighbours are so near that half of a gap is missing; a `margin` is there.
+    ///
+    /// A place belongs to the grain if the next neighbour is farther than the grain's own surface by the gap. So both grains of a pair
+    /// give way alike, and the gap holds for any number of neighbours.
+    pub(super) fn keep_off(&mut self, parts: &LabelledGrains, number: u32, gap: &Gap, margin: f32) {
+        let pad = |axis: usize| (gap.gap_mm / gap.spacing_mm[axis]).ceil() + 2.0;
+        let from = [0, 1, 2].map(|axis| (self.from[axis] as f64 * self.spacing[axis] - pad(axis)).max(0.0) as usize);
+        let to = [0, 1, 2].map(|axis| {
+            let last = (self.from[axis] + self.counts[axis]) as f64 * self.spacing[axis] + pad(axis);
+            (last.ceil() as usize).min(parts.counts[axis])
+        });
+        let counts = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let [_, ny, nz] = counts;
+        let row = |row: usize| {
+            let start = ((from[2] + row / ny) * parts.counts[1] + from[1] + row % ny) * parts.counts[0];
+            &parts.of[start + from[0]..start + to[0]]
+        };
+        let of: Vec<u32> = (0..ny * nz).flat_map(|at| row(at).iter().copied()).collect();
+        let is_other = |voxel: usize| of[voxel] > 0 && of[voxel] != number;
+        if !(0..of.len()).any(is_other) {
+            return;
+        }
+        let voxels = Voxels { counts, spacing_mm: gap.spacing_mm };
+        let [others, own, rest] = [
+            voxels.distances(is_other),
+            voxels.distances(|at| of[at] == number),
+            voxels.distances(|at| of[at] != number),
+        ];
+        // Distances between middles are half a voxel longer than those from faces.
+        let half = gap.spacing_mm.iter().copied().fold(f64::INFINITY, f64::min) / 2.0;
+        let beyond = |voxel: usize| {
+            let own = if of[voxel] == number { half - rest[voxel] } else { own[voxel] - half };
+            ((others[voxel] - half - own - gap.gap_mm) / 2.0) / gap.width_mm
+        };
+        let beyond: Vec<f32> = (0..of.len()).map(|voxel| beyond(voxel).clamp(-FAR, FAR) as f32).collect();
+        let [kx, ky, _] = self.counts;
+        for (node, lead) in self.lead.iter_mut().enumerate() {
+            let node = [node % kx, node / kx % ky, node / (kx * ky)];
+            let at = [0, 1, 2].map(|axis| {
+                let place = (self.from[axis] as f64 + node[axis] as f64 + 0.5) * self.spacing[axis] - 0.5;
+                (place - from[axis] as f64).clamp(0.0, (counts[axis] - 1) as f64)
+            });
+            *lead = lead.min(between(&beyond, counts, at) + margin);
+        }
+    }
+
     /// Positive where the grain is deeper than `level`, and as far as `margin` from where its share is that of all others; both in
     /// widths of the blur. On each side a node is added in the
     /// wall, where there is one, with the value of its neighbour, and one beyond it with minus the size of that.
@@ -61,6 +118,31 @@ impl Field {
         }
         Nodes { counts, walls: self.walls, values }
     }
+}
+
+/// A gap that grains keep.
+pub(super) struct Gap {
+    pub(super) gap_mm: f64,
+    /// Edges of a voxel, mm.
+    pub(super) spacing_mm: [f64; 3],
+    /// Width of the blur, mm.
+    pub(super) width_mm: f64,
+}
+
+/// The largest depth, in widths of the blur: no surface is found so far away.
+const FAR: f64 = 100.0;
+
+/// A value between the middles of voxels.
+fn between(values: &[f32], [nx, ny, nz]: [usize; 3], at: [f64; 3]) -> f32 {
+    let low = at.map(|x| x.floor());
+    let part = [0, 1, 2].map(|axis| (at[axis] - low[axis]) as f32);
+    let corner = |corner: usize| {
+        let is_high = |axis: usize| corner >> axis & 1;
+        let place = |axis: usize, count: usize| (low[axis] as usize + is_high(axis)).min(count - 1);
+        let weight: f32 = (0..3).map(|axis| if is_high(axis) == 1 { part[axis] } else { 1.0 - part[axis] }).product();
+        weight * values[(place(2, nz) * ny + place(1, ny)) * nx + place(0, nx)]
+    };
+    (0..8).map(corner).sum()
 }
 
 /// Standard deviations that a kernel reaches.

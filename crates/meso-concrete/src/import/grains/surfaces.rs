@@ -7,7 +7,7 @@
 //! 3. No surface may cross itself, and every pair is proved apart. Grains that fail are made again with more triangles, at
 //!    last with all of them.
 
-use super::field::{Field, Lattice};
+use super::field::{Field, Gap, Lattice};
 use super::labelled::{LabelledGrain, LabelledGrains};
 use crate::parallel;
 use crate::watch::{Stage, Watch};
@@ -31,6 +31,15 @@ impl Default for SmoothOptions {
     fn default() -> Self {
         Self { step: 2.0, smoothing: 1.0, tolerance: 0.2 }
     }
+}
+
+/// An upright cylinder that all grains stay in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Round {
+    /// Its axis along x and y, mm.
+    pub centre_mm: [f64; 2],
+    /// Its radius, mm.
+    pub radius_mm: f64,
 }
 
 /// Why grains have no surfaces.
@@ -73,6 +82,9 @@ pub struct GrainSurfaces<'a> {
     parts: &'a LabelledGrains,
     spacing_mm: Vec3,
     options: SmoothOptions,
+    round: Option<Round>,
+    /// Least gap between grains, mm; 0 for half a voxel.
+    gap_mm: f64,
     lattice: Lattice,
     /// For grains of fewer than [`SMALL`] voxels.
     fine: Lattice,
@@ -83,7 +95,21 @@ impl<'a> GrainSurfaces<'a> {
     pub fn new(parts: &'a LabelledGrains, spacing_mm: [f64; 3], options: SmoothOptions) -> Self {
         let lattice = |step: f64| Lattice::new(parts.counts, step, options.smoothing);
         let (lattice, fine) = (lattice(options.step), lattice(options.step.min(1.0)));
-        Self { parts, spacing_mm: spacing_mm.into(), options, lattice, fine }
+        Self { parts, spacing_mm: spacing_mm.into(), options, round: None, gap_mm: 0.0, lattice, fine }
+    }
+
+    /// Ends all grains at a cylinder.
+    #[must_use]
+    pub fn within(mut self, round: Option<Round>) -> Self {
+        self.round = round;
+        self
+    }
+
+    /// Leaves this gap between grains, mm, or half a voxel where that is more.
+    #[must_use]
+    pub fn apart(mut self, gap_mm: f64) -> Self {
+        self.gap_mm = if gap_mm > GAP * self.spacing_mm.min() { gap_mm } else { 0.0 };
+        self
     }
 
     /// The surface of every grain, mm; `None` where a grain is too thin to be seen after the blur.
@@ -120,9 +146,13 @@ impl<'a> GrainSurfaces<'a> {
     /// The grains to be made again, since they share a point with another.
     fn meeting(&self, found: &[Option<Solid>], tries: &mut [usize]) -> Result<Vec<usize>, SurfacesError> {
         let mut due = Vec::new();
-        for (a, b) in meeting_pairs(found) {
+        for (a, b) in meeting_pairs(found, self.gap_mm) {
             let last = TRIES.len() - 1;
-            if tries[a] == last && tries[b] == last {
+            let is_last = tries[a] == last && tries[b] == last;
+            if is_last && self.gap_mm > 0.0 && are_apart(&found[a], &found[b]) {
+                continue;
+            }
+            if is_last {
                 return Err(SurfacesError::Enclosed { a: a + 1, b: b + 1 });
             }
             due.extend([a, b].into_iter().filter(|&grain| tries[grain] < last));
@@ -138,7 +168,19 @@ impl<'a> GrainSurfaces<'a> {
         let LabelledGrain { from, to, .. } = &self.parts.grains[grain];
         let is_small = (0..3).any(|axis| to[axis] - from[axis] < SMALL);
         let lattice = if is_small { &self.fine } else { &self.lattice };
-        let field = lattice.field(self.parts, grain as u32 + 1);
+        let mut field = lattice.field(self.parts, grain as u32 + 1);
+        if let Some(round) = &self.round {
+            let [hx, hy] = [self.spacing_mm.x, self.spacing_mm.y];
+            // Distances are convex, so what is interpolated between nodes lies within.
+            let depth = |[x, y]: [f64; 2]| -round.beyond(x * hx, y * hy) / (hx.min(hy) * self.options.smoothing);
+            field.cut(self.margin() as f32, depth);
+        }
+        if self.gap_mm > 0.0 {
+            // Marched surfaces are within a quarter of a voxel of the field's.
+            let (h, spacing_mm) = (self.spacing_mm.min(), self.spacing_mm.into());
+            let gap = Gap { gap_mm: self.gap_mm + GAP / 2.0 * h, spacing_mm, width_mm: h * self.options.smoothing };
+            field.keep_off(self.parts, grain as u32 + 1, &gap, self.margin() as f32);
+        }
         let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
         let solids = (first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
         let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
@@ -148,7 +190,7 @@ impl<'a> GrainSurfaces<'a> {
     /// The surface of a field whose volume is that of so many voxels as nearly as its neighbours allow, mm, without its hollows.
     fn of_volume(&self, field: &Field, voxels: usize) -> Option<TriangleMesh> {
         let target = voxels as f64 * self.spacing_mm.product();
-        let margin = GAP / 2.0 / self.options.smoothing;
+        let margin = self.margin();
         let [mut low, mut high] = LEVELS;
         let (mut level, mut last) = (0.0, None);
         let mut best: Option<(f64, TriangleMesh)> = None;
@@ -178,6 +220,11 @@ impl<'a> GrainSurfaces<'a> {
         let parts = best?.1.components().into_iter();
         let outer = parts.max_by(|a, b| a.volume().total_cmp(&b.volume()))?;
         (outer.volume() > 0.0).then_some(outer)
+    }
+
+    /// Half of the gap of grains that touch, in widths of the blur.
+    fn margin(&self) -> f64 {
+        GAP / 2.0 / self.options.smoothing
     }
 
     fn marched(&self, field: &Field, level: f64, margin: f64) -> TriangleMesh {
@@ -246,6 +293,9 @@ impl<'a> GrainSurfaces<'a> {
                 *x = wall;
             }
         }
+        if let Some(round) = &self.round {
+            round.draw_in(&mut vertex);
+        }
         vertex
     }
 
@@ -273,6 +323,22 @@ impl<'a> GrainSurfaces<'a> {
     }
 }
 
+impl Round {
+    /// How far a place lies beyond the cylinder, mm; negative within.
+    fn beyond(&self, x: f64, y: f64) -> f64 {
+        libm::hypot(x - self.centre_mm[0], y - self.centre_mm[1]) - self.radius_mm
+    }
+
+    /// Draws a vertex beyond the cylinder towards its axis.
+    fn draw_in(&self, vertex: &mut Vec3) {
+        let [x, y] = self.centre_mm;
+        let within = self.radius_mm * (1.0 - ROUNDING) / libm::hypot(vertex.x - x, vertex.y - y);
+        if within < 1.0 {
+            (vertex.x, vertex.y) = (x + within * (vertex.x - x), y + within * (vertex.y - y));
+        }
+    }
+}
+
 /// A surface, and its triangles by where they lie.
 struct Solid {
     mesh: TriangleMesh,
@@ -289,8 +355,13 @@ impl Solid {
     }
 }
 
-/// The pairs of surfaces that are not proved apart.
-fn meeting_pairs(found: &[Option<Solid>]) -> Vec<(usize, usize)> {
+/// Are two surfaces proved apart?
+fn are_apart(a: &Option<Solid>, b: &Option<Solid>) -> bool {
+    matches!((a, b), (Some(a), Some(b)) if a.facets.is_apart(&b.facets, 0.0))
+}
+
+/// The pairs of surfaces that are not proved this far apart.
+fn meeting_pairs(found: &[Option<Solid>], gap_mm: f64) -> Vec<(usize, usize)> {
     let mut boxes: Vec<(Aabb, usize, &Solid)> = Vec::new();
     for (number, solid) in found.iter().enumerate() {
         boxes.extend(solid.as_ref().map(|solid| (solid.facets.aabb(), number, solid)));
@@ -298,9 +369,10 @@ fn meeting_pairs(found: &[Option<Solid>]) -> Vec<(usize, usize)> {
     boxes.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x).then(a.1.cmp(&b.1)));
     parallel::flat_map(boxes.len(), |k| {
         let (own, number, solid) = &boxes[k];
-        let later = boxes[k + 1..].iter().take_while(|other| other.0.min.x <= own.max.x);
-        let meets =
-            |other: &&(Aabb, usize, &Solid)| own.intersects(&other.0) && !solid.facets.is_apart(&other.2.facets, 0.0);
+        let later = boxes[k + 1..].iter().take_while(|other| other.0.min.x <= own.max.x + gap_mm);
+        let meets = |other: &&(Aabb, usize, &Solid)| {
+            own.intersects(&other.0.grown(gap_mm)) && !solid.facets.is_apart(&other.2.facets, gap_mm)
+        };
         later.filter(meets).map(|other| (*number, other.1)).collect::<Vec<_>>()
     })
 }
