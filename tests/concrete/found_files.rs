@@ -96,6 +96,33 @@ fn specks_beside_a_stone_are_dropped_and_bodies_counted() {
     }
 }
 
+/// A speck above a specimen would be what the plates of a test meet first.
+#[test]
+fn specks_beside_a_specimen_are_dropped_and_its_bodies_counted() {
+    let specimen = block([0.0; 3], 40.0);
+    let hollow: Triangles = block([10.0; 3], 1.0).into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let speck = block([20.0, 20.0, 60.0], 0.5);
+    for (name, write) in FORMATS {
+        let found = |triangles: &Triangles| {
+            let bytes = write(triangles);
+            let files: [(&str, &[u8]); 1] = [(name, &bytes)];
+            let mut heard = Heard(Folder(&files), Vec::new());
+            let text = format!("specimen = {{ kind = 'mesh', file = '{name}' }}");
+            let specimen = Spec::from_toml_with(&text, &mut heard).unwrap().specimen;
+            (specimen.volume(), specimen.aabb().size().z, heard.1.join("; "))
+        };
+        let dropped = format!(
+            "{name}: it has 2 bodies: 1 below 0.001 of the volume of the largest were dropped, as scans have specks; 1 left"
+        );
+        assert_eq!(found(&specimen), (64_000.0, 40.0, String::new()));
+        assert_eq!(found(&[specimen.clone(), speck.clone()].concat()), (64_000.0, 40.0, dropped.clone()));
+        assert_eq!(found(&[speck.clone(), specimen.clone(), hollow.clone()].concat()), (63_999.0, 40.0, dropped));
+        let two = [specimen.clone(), block([50.0, 0.0, 0.0], 20.0)].concat();
+        let said = format!("{name}: it has 2 bodies, which are one specimen together");
+        assert_eq!(found(&two), (72_000.0, 40.0, said));
+    }
+}
+
 #[test]
 fn a_body_within_another_is_refused_with_the_numbers_of_both() {
     let outer = block([0.0; 3], 10.0);

@@ -177,6 +177,10 @@ def test_per_cent_pans_and_tables_with_headings_are_sieve_tables():
     assert mc.Grading.sieves([16, 8, "tray"], [1.0, 0.6, 0.0]) == mc.Grading.sieves([16, 8], [1.0, 0.6])
     pandas = pytest.importorskip("pandas")
     assert mc.Grading.sieves(pandas.DataFrame({"mm": sizes, "Passing (%)": [100, 60, 20, 0]})) == percent
+    # Shares that were retained, taken as passing, gave another grading without a word.
+    for heading in ["Retained (%)", "Mass retained (g)", "Weight", "Rückstand in %"]:
+        with pytest.raises(ValueError, match="and no passing; save the table"):
+            mc.Grading.sieves(pandas.DataFrame({"mm": sizes, heading: [0, 40, 40, 20]}))
     with pytest.raises(ValueError, match=r"passing goes up to 100: per cent\? Write Grading.sieves\(sieves, passing_percent="):
         mc.Grading.sieves([16, 8, 4], [100, 60, 20])
     with pytest.raises(ValueError, match=r"could not convert string .*Soil.*; Grading.table\(file\) reads the sheet"):

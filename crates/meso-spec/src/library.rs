@@ -30,7 +30,7 @@ const MOST_TOLERANCE: f64 = 0.1;
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
 /// Bodies below this share of the volume of the largest in their file are specks, as scanners leave them.
-const SPECK: f64 = 1e-3;
+pub(super) const SPECK: f64 = 1e-3;
 /// Thickness of the flattest stone that is taken, as a share of its length.
 const LEAST_THICKNESS: f64 = 1e-3;
 const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \

@@ -1,5 +1,6 @@
 //! Specimens from surface files, put into the spec as if their triangles had been written there.
 
+use super::library::SPECK;
 use super::limits::{MAX_LENGTH_MM, MIN_LENGTH_MM, within};
 use super::messages::{found, number};
 use super::tree::{Node, Value};
@@ -76,10 +77,44 @@ fn read(name: &str, scale: f64, reading: &mut Reading<'_>) -> Result<TriangleMes
         mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     mesh.vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+    let mesh = without_specks(name, mesh, reading);
     reading.watch.stage(Stage::Read, 0.2);
     let mesh = without_flat(name, mesh, reading);
     moved(name, &mesh, reading);
     Ok(mesh)
+}
+
+/// A surface without its specks, with a remark about how many bodies it has. Hollows stay, whatever their size.
+fn without_specks(name: &str, mesh: TriangleMesh, reading: &mut Reading<'_>) -> TriangleMesh {
+    let connected = mesh.component_of();
+    if connected.iter().all(|first| *first == connected[0]) {
+        return mesh;
+    }
+    let parts = mesh.components();
+    let volumes: Vec<f64> = parts.iter().map(TriangleMesh::volume).collect();
+    let bodies = volumes.iter().filter(|volume| **volume > 0.0).count();
+    let largest = volumes.iter().copied().fold(0.0, f64::max);
+    let is_speck = |volume: f64| volume > 0.0 && volume < SPECK * largest;
+    let specks = volumes.iter().filter(|volume| is_speck(**volume)).count();
+    if specks == 0 {
+        if bodies > 1 {
+            reading.files.remark(name, &format!("it has {bodies} bodies, which are one specimen together"));
+        }
+        return mesh;
+    }
+    let left = bodies - specks;
+    let remark = format!(
+        "it has {bodies} bodies: {specks} below {SPECK} of the volume of the largest were dropped, as scans have specks; {left} left"
+    );
+    reading.files.remark(name, &remark);
+    let kept = parts.iter().zip(&volumes).filter(|(_, volume)| !is_speck(**volume)).map(|(part, _)| part);
+    let mut all = TriangleMesh { vertices: Vec::new(), triangles: Vec::new() };
+    for part in kept {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(&part.vertices);
+        all.triangles.extend(part.triangles.iter().map(|triangle| triangle.map(|corner| first + corner)));
+    }
+    all
 }
 
 /// A surface that crosses itself, without its flat triangles if there are some: these lie upon their neighbours' edges.

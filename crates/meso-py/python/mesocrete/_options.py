@@ -225,11 +225,21 @@ class Specimen:
         return {"kind": "mesh", "vertices_mm": points, "triangles": np.asarray(triangles, int).tolist()}
 
 
+# Words in headings of columns that are no passing.
+_NO_PASSING = ("retain", "mass", "weight", "residue", "(g)", "(kg)", "rückstand", "refus")
+
+
 def _framed(table: Any) -> tuple[Any, Any, Any]:
     """Return sizes, shares and per cent of a DataFrame of two columns, by their order and the second heading."""
     names = list(table.columns)
     if len(names) != 2:
         message = f"the table has {len(names)} columns; give two, openings in mm and what passes, or Grading.table(file)"
+        raise ValueError(message)
+    if wrong := [word for word in _NO_PASSING if word in str(names[1]).lower()]:
+        message = (
+            f"the second column is {names[1]!r}, {wrong[0]}, and no passing; save the table, table.to_csv(\"sieves.csv\", "
+            'index=False), and read it by Grading.table("sieves.csv", d_min_mm, d_max_mm)'
+        )
         raise ValueError(message)
     sizes, passing = (list(table[name]) for name in names)
     is_percent = any(word in str(names[1]).lower() for word in ("%", "percent", "per cent"))
