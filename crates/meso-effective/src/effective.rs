@@ -199,8 +199,9 @@ impl Medium for Packing<'_> {
         self.values.shares(self.bodies, self.specimen)
     }
 
-    /// Shells that are thinner than a voxel join the grains that share it. A shell of thickness t and value D makes a grain of radius a
-    /// one of value 2 t D / a.
+    /// Shells that are thinner than a voxel join the grains that share it. A shell of thickness t and value D makes an insulating grain
+    /// of radius a one of value 2 t D / a. A grain that conducts is joined to its neighbours by itself, which the changes show, as
+    /// long as its shell adds little to it.
     fn shows_errors(&self, voxel_size_mm: f64) -> bool {
         let PhaseValues { mortar, aggregate, itz, .. } = *self.values;
         let joins = |body: &Aggregate| {
@@ -208,6 +209,7 @@ impl Medium for Packing<'_> {
             body.kind == Kind::Aggregate
                 && thickness < voxel_size_mm
                 && 2.0 * thickness * itz > CONDUCTOR * radius * mortar
+                && 2.0 * thickness * (itz - aggregate) > SHELL * radius * aggregate
         };
         itz <= mortar || itz <= aggregate || !self.bodies.iter().any(joins)
     }
@@ -215,6 +217,8 @@ impl Medium for Packing<'_> {
 
 /// Grains of more than this many times the mortar's value are good conductors.
 const CONDUCTOR: f64 = 10.0;
+/// A shell that adds more than this many times its grain's own value is not shown: docs/effective.md.
+const SHELL: f64 = 5.0;
 /// Remedy where voxels show no error.
 const JOINED: &str = "the ITZ is thinner than a voxel and joins grains; take the method lattice";
 
