@@ -4,7 +4,7 @@
 //! layer; all else is the core.
 
 use meso_concrete::exceeds;
-use meso_concrete::import::grains::Round;
+use meso_concrete::import::grains::CoreCylinder;
 use meso_concrete::import::volume::Volume;
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ pub(crate) struct Drilled {
     /// Voxels beyond the cylinder have a label of the outside.
     pub(crate) volume: Volume<u16>,
     /// The cylinder in the part of the volume.
-    pub(crate) round: Round,
+    pub(crate) round: CoreCylinder,
     /// Voxels of the cylinder.
     pub(crate) voxels: usize,
     /// Share of the core's voxels that lie beyond the cylinder, or are missing within.
@@ -92,7 +92,7 @@ pub(crate) fn find(volume: &Volume<u16>, outside: &[i64], edges_mm: [f64; 3]) ->
         array_note: None,
     };
     let centre_mm = [centre[0] - x0 as f64 * hx, centre[1] - y0 as f64 * hy];
-    let round = Round { centre_mm, radius_mm: radius };
+    let round = CoreCylinder { centre_mm, radius_mm: radius };
     Ok(Drilled { volume, round, voxels, off, pores: pores as f64 / voxels as f64 })
 }
 
@@ -133,7 +133,7 @@ mod tests {
             i64::from(is_core && !is_pore)
         };
         let found = find(&volume(core), &[0], [0.5, 0.5, 1.0]).unwrap();
-        let Round { centre_mm, radius_mm } = found.round;
+        let CoreCylinder { centre_mm, radius_mm } = found.round;
         assert!((radius_mm - 7.5).abs() < 0.05 && found.off < 0.02, "{radius_mm} {}", found.off);
         let pores = (found.pores * found.voxels as f64).round() as usize;
         assert!((490..=530).contains(&pores) && found.voxels / 10 / 7 == 101, "{pores} {}", found.voxels);

@@ -9,7 +9,7 @@ use meso_collision::math::Vec3;
 use meso_concrete::aggregate::take::ITZ_LIMIT;
 use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinition};
 use meso_concrete::import::grains::{
-    GrainSurfaces, LabelledGrain, LabelledGrains, Roles, Round, SmoothOptions, SurfacesError,
+    CoreCylinder, GrainSurfaces, LabelledGrain, LabelledGrains, Roles, SmoothOptions, SurfacesError,
 };
 use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
@@ -346,7 +346,7 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         return Err(LabelsError::Vanished);
     }
     // A cylinder's own frame begins at the corner of its box.
-    let way = round.map(|Round { centre_mm: [x, y], radius_mm }| Vec3::new(radius_mm - x, radius_mm - y, 0.0));
+    let way = round.map(|CoreCylinder { centre_mm: [x, y], radius_mm }| Vec3::new(radius_mm - x, radius_mm - y, 0.0));
     let body = |mesh: &&TriangleMesh| {
         way.map_or_else(|| Polyhedron::of_surface(mesh), |way| Polyhedron::of_surface(&moved(mesh, way)))
     };

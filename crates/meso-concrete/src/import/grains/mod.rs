@@ -7,4 +7,4 @@ mod surfaces;
 mod tetrahedra;
 
 pub use labelled::{LabelledGrain, LabelledGrains, Roles};
-pub use surfaces::{GrainSurfaces, Round, SmoothOptions, SurfacesError};
+pub use surfaces::{CoreCylinder, GrainSurfaces, SmoothOptions, SurfacesError};

@@ -35,7 +35,7 @@ impl Default for SmoothOptions {
 
 /// An upright cylinder that all grains stay in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Round {
+pub struct CoreCylinder {
     /// Its axis along x and y, mm.
     pub centre_mm: [f64; 2],
     /// Its radius, mm.
@@ -82,7 +82,7 @@ pub struct GrainSurfaces<'a> {
     parts: &'a LabelledGrains,
     spacing_mm: Vec3,
     options: SmoothOptions,
-    round: Option<Round>,
+    round: Option<CoreCylinder>,
     /// Least gap between grains, mm; 0 for half a voxel.
     gap_mm: f64,
     lattice: Lattice,
@@ -100,7 +100,7 @@ impl<'a> GrainSurfaces<'a> {
 
     /// Ends all grains at a cylinder.
     #[must_use]
-    pub fn within(mut self, round: Option<Round>) -> Self {
+    pub fn within(mut self, round: Option<CoreCylinder>) -> Self {
         self.round = round;
         self
     }
@@ -323,7 +323,7 @@ impl<'a> GrainSurfaces<'a> {
     }
 }
 
-impl Round {
+impl CoreCylinder {
     /// How far a place lies beyond the cylinder, mm; negative within.
     fn beyond(&self, x: f64, y: f64) -> f64 {
         libm::hypot(x - self.centre_mm[0], y - self.centre_mm[1]) - self.radius_mm
