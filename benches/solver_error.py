@@ -4,7 +4,7 @@ One cube is crushed with one knob turned at a time, on one thread, and compared 
 added, twice the duration. Each case is a row of `benches/results/solver_error.csv`; cases that have rows are not run again.
 `docs/images/solver-error.png` shows both errors over the processor time, and the Pareto front.
 
-    python benches/solver_error.py --command target/release/mesocrete [--seconds S]
+    python benches/solver_error.py
     python benches/solver_error.py --quick     two cases of coarse elements, kept nowhere
     python benches/solver_error.py --draw      needs matplotlib
 """
@@ -112,7 +112,7 @@ def draw():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--command", default="target/release/mesocrete")
+    parser.add_argument("--command", default="mesocrete")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--draw", action="store_true")
     options = parser.parse_args()

@@ -13,7 +13,7 @@ PAGES = {
     "mesh": ("Meshes", "`Packing.mesh` makes a mesh.", ["Mesh"]),
     "response": ("Tests", "`Mesh.solve` returns a response.", ["Response", "Frame", "Test"]),
     "bodies": ("Aggregates and polyhedra", "Bodies of a packing.", ["Aggregate", "Aggregates", "Polyhedron", "convex_hull"]),
-    "study": ("Studies", "Many cases in one call.", ["study", "Study", "mean_curves", "Curves"]),
+    "study": ("Studies", "Many cases in one call.", ["study", "Study", "fit", "Fit", "mean_curves", "Curves"]),
     "dataset": ("Data sets", "Many volumes in one call.", ["dataset", "Dataset", "scan"]),
 }
 # Dicts, by the module that defines them.

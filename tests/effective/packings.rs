@@ -74,9 +74,9 @@ fn the_error_of_a_packing_contains_the_value_at_a_quarter_of_the_size() {
         let (value, error, fine) = (entry(&found, 0, 0), found.error[0][0].unwrap(), entry(&finer, 0, 0));
         assert!((value - fine).abs() <= error, "{value} +- {error} for {fine} of {aggregate}, {itz}");
         assert!(value >= found.bounds.reuss && value <= found.bounds.voigt, "{value} {:?}", found.bounds);
-        // Changes from size to size tell nothing where shells join grains.
+        // Changes from size to size tell nothing where shells join grains that conduct little beside them.
         let is_joined = found.warnings.iter().any(|warning| warning.contains("take the method lattice"));
-        assert_eq!(is_joined, itz >= 30.0, "{:?}", found.warnings);
+        assert_eq!(is_joined, itz >= 100.0, "{:?}", found.warnings);
     }
 }
 

@@ -181,7 +181,7 @@ const CORE: [Lie; 12] = [
     }),
     ("a core of no width", |f| labels(f)["core"]["diameter_mm"] = json!(0.0)),
     ("a tenth more voxels", |f| {
-        labels(f)["core"]["voxels"] = json!(11 * labels(f)["core"]["voxels"].as_u64().unwrap() / 10)
+        labels(f)["core"]["voxels"] = json!(11 * labels(f)["core"]["voxels"].as_u64().unwrap() / 10);
     }),
     ("no voxels", |f| labels(f)["core"]["voxels"] = json!(0)),
     ("more off than there is", |f| labels(f)["core"]["off_fraction"] = json!(1.5)),

@@ -133,7 +133,7 @@ APART = """() => [...document.querySelectorAll("svg")].every((plot) => {
 })"""
 HEIGHTS = "() => [...document.querySelectorAll('section[data-moment]:not([hidden]) img')].map((image) => image.getBoundingClientRect().height)"
 WORDS = {
-    "bending": ["A notched beam along x on two rollers", "load over crack mouth", "span", "strain 6 h w / l²"],
+    "bending": ["A beam along x on two rollers", "load over crack mouth", "span", "strain 6 h w / l²"],
     "expansion": ["Expansion test: mean strain_x", "aggregate 1e-4", "time, ms", "strain_z"],
 }
 

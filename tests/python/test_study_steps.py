@@ -130,6 +130,7 @@ def test_a_fit_by_keyword_is_the_fit_of_the_command(command, tmp_path):
     subprocess.run([command, "fit", "curve.csv", "SPEC.toml", *flags], cwd=tmp_path, check=True, capture_output=True)
     options = {"seeds": 1, "steps": 0, "element_size": 5, "accept_phase_error": True}
     fit = mc.fit(rows, tmp_path / "SPEC.toml", **options, out=tmp_path / "g")
+    assert isinstance(fit, mc.Fit)
     assert fit.report == json.loads((tmp_path / "f" / "fit.json").read_text())
     cases = [sorted(path.name for path in (tmp_path / name / "cases").iterdir() if path.is_dir()) for name in "fg"]
     assert cases[0] == cases[1] and len(cases[0]) == 5

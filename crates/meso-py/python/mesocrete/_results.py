@@ -129,21 +129,6 @@ class ReducedGrain(Reduction):
     """Position in the library, from 0."""
 
 
-class CoreReport(TypedDict):
-    """A drilled core in a label volume."""
-
-    outside: list[int]
-    """Labels outside of it."""
-    diameter_mm: float
-    """Diameter of the cylinder of its volume, mm."""
-    voxels: int
-    """Voxels of this cylinder, of which the shares below are."""
-    off_fraction: float
-    """Voxels that are beyond the cylinder, or missing within, over those of the core."""
-    pores_fraction: float
-    """Share of the cylinder that has a label of the outside, such as pores; it is mortar."""
-
-
 class LabelReport(TypedDict):
     """A label volume whose grains the aggregates are."""
 
@@ -163,14 +148,14 @@ class LabelReport(TypedDict):
     """Share of the voxels that they had."""
     lost_fraction: float
     """Share of the specimen that was grains in the labels and is mortar in the model: dropped, or lost by gaps and smoothing."""
+    core: NotRequired[CoreReport | None]
+    """The drilled core that the specimen is; absent where it is the whole volume."""
     filled: int
     """Grains with hollows, mortar that one grain encloses, which were filled."""
     filled_fraction: float
     """Share of the voxels that the hollows had."""
     labels: list[int]
     """Label of every aggregate, by id."""
-    core: NotRequired[CoreReport]
-    """The drilled core that the specimen is; absent where it is the whole volume."""
 
 
 class Report(TypedDict):

@@ -501,14 +501,14 @@ class DeckMesoscale(TypedDict, total=False):
 
 
 class DeckMortarStrength(TypedDict, total=False):
-    """Strength of the mortar. One strength and one energy depend on the law, where they are not given: between the same grains a law that loses more strength to lateral tension needs a stronger mortar for the same concrete. A value that is given holds for every law."""
+    """Strength of the mortar. One strength and both energies depend on the law, where they are not given: between the same grains a law that loses more strength to lateral tension needs a stronger mortar for the same concrete. A value that is given holds for every law."""
 
     compressive_mpa: float | None
     """Compressive strength, MPa; absent: 33 with the law `meso`, 40 with other laws and in decks."""
     crushing_energy_n_per_mm: float | None
     """Energy of crushing beyond the peak, N/mm; absent: 11 with the law `meso`, 5 with other laws and in decks."""
-    fracture_energy_n_per_mm: float
-    """Fracture energy in tension, N/mm."""
+    fracture_energy_n_per_mm: float | None
+    """Fracture energy in tension, N/mm; absent: 0.06 with the law `meso`, 0.1 with other laws and in decks."""
     peak_strain: float
     """Strain at the compressive strength."""
     tensile_mpa: float
