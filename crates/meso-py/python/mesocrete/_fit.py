@@ -122,8 +122,8 @@ def fit(
         "min_gap_mm": min_gap, "time_limit_s": time_limit, "accept_phase_error": accept_phase_error,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
-    is_file = isinstance(curve, (str, os.PathLike))
-    points, file = (None, curve) if is_file else (_points(curve), None)
+    file = curve if isinstance(curve, (str, os.PathLike)) else None
+    points = _points(curve) if file is None else None
     folder = Path(out).absolute()
     state = _Fit(points, file, _tree(spec), given, _tree(materials), folder)
     try:

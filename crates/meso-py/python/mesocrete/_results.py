@@ -129,6 +129,21 @@ class ReducedGrain(Reduction):
     """Position in the library, from 0."""
 
 
+class CoreReport(TypedDict):
+    """A drilled core in a label volume."""
+
+    outside: list[int]
+    """Labels outside of it."""
+    diameter_mm: float
+    """Diameter of the cylinder of its volume, mm."""
+    voxels: int
+    """Voxels of this cylinder, of which the shares below are."""
+    off_fraction: float
+    """Voxels that are beyond the cylinder, or missing within, over those of the core."""
+    pores_fraction: float
+    """Share of the cylinder that has a label of the outside, such as pores; it is mortar."""
+
+
 class LabelReport(TypedDict):
     """A label volume whose grains the aggregates are."""
 

@@ -261,7 +261,7 @@ def study(
         axes = dict(over or {}), dict(zip) if zip else None, dict(draw) if draw is not None else None
         plan = _StudyPlan(specs, *axes, {"outputs": [], **given} if given else None, model)
     elif given or over or zip or draw is not None:
-        message = f"{os.fspath(spec)} is a study, which has its own steps and axes; change the file, or name a SPEC.toml"
+        message = f"{spec} is a study, which has its own steps and axes; change the file, or name a SPEC.toml"
         raise ValueError(message)
     name = fingerprint(then, version)
     _drive(plan, Path(out).absolute(), _Way(then, name, executor, threads, progress, retry_failed))
