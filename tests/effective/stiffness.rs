@@ -98,7 +98,7 @@ fn laminates_at_any_angle_have_the_stiffness_within_one_percent() {
     }
 }
 
-fn array(radius: f64, stone: Moduli, h: f64) -> Stiffness {
+pub(crate) fn array(radius: f64, stone: Moduli, h: f64) -> Stiffness {
     solve(&[aggregate(sphere(Vec3::new(5.1, 4.8, 5.3), radius, 3), 0.0)], &cube(10.0, true), stone, h)
 }
 

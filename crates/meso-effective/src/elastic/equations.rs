@@ -5,13 +5,14 @@
 //!
 //! The preconditioner takes each component alone: a network of links with the stiffness of the component along each axis.
 
-use super::blocks::Block;
-use super::laminate::Material;
-use super::modes::{Modes, Nodes, ROW, spread, strain_of, stress_of};
+use super::laminate::packed;
+use super::modes::{Cubic, ROW, cubic};
+use super::rows::{BlockSlab, Forces, Slab, State};
 use super::voxels::Voxels;
 use crate::grid::{End, Grid};
 use crate::links::Links;
 use crate::solver::{Equations, Multigrid, dot};
+use meso_collision::simd::widest;
 use meso_concrete::parallel;
 
 /// Layers of voxels whose forces are added up by one thread.
@@ -23,6 +24,8 @@ const RIGID: f32 = 100.0;
 pub(super) struct Elastic<'a> {
     pub(super) grid: &'a Grid,
     pub(super) voxels: &'a Voxels,
+    /// Constants of the first materials, as far as they are the same along all axes: the phases.
+    cubic: Vec<Cubic<f64>>,
     networks: [(Links, Multigrid<Links>); 3],
     /// Nodes without displacement.
     clamped: Vec<u32>,
@@ -46,7 +49,8 @@ impl<'a> Elastic<'a> {
             (links, multigrid)
         });
         let own = vec![0.0; nx * ny * nz];
-        Self { grid, voxels, networks, clamped, own, correction: vec![0.0; 3 * nx * ny * nz] }
+        let cubic = voxels.materials.iter().map_while(|material| cubic(&material.stiffness)).collect();
+        Self { grid, voxels, cubic, networks, clamped, own, correction: vec![0.0; 3 * nx * ny * nz] }
     }
 
     fn nodes(&self) -> usize {
@@ -57,18 +61,27 @@ impl<'a> Elastic<'a> {
     pub(super) fn nodal_forces(&self, u: &[f64], mean: &[f64; 6], out: &mut [f64]) {
         let [nx, ny, nz] = self.grid.counts;
         let (layer, nodes) = (nx * ny, self.nodes());
-        let slabs = parallel::map(nz.div_ceil(SLAB), |slab| self.slab(slab, u, mean));
+        let (x, rest) = out.split_at_mut(nodes);
+        let (y, z) = rest.split_at_mut(nodes);
+        let parts = [x, y, z].map(|of| of.chunks_mut(SLAB * layer));
+        let [x, y, z] = parts;
+        let slab = |((x, y), z)| Forces { own: [x, y, z], above: [0, 1, 2].map(|_| vec![0.0; layer]) };
+        let mut slabs: Vec<Forces> = x.zip(y).zip(z).map(slab).collect();
+        let state = self.state(u, mean);
+        parallel::each_mut(&mut slabs, |slab, forces| {
+            let layers = slab * SLAB..nz.min((slab + 1) * SLAB);
+            if self.voxels.blocks.is_empty() {
+                widest(Slab { state, layers, forces });
+            } else {
+                widest(BlockSlab { state, layers, forces });
+            }
+        });
+        let above: Vec<_> = slabs.into_iter().map(|slab| slab.above).collect();
         parallel::chunks_mut(out, layer, |number, out| {
             let (component, k) = (number / nz, number % nz);
-            let (slab, above) = (k / SLAB, if k == 0 { nz } else { k });
-            let part = |slab: usize, k: usize| {
-                let layers = slabs[slab].len() / (3 * layer);
-                &slabs[slab][(component * layers + k - slab * SLAB) * layer..][..layer]
-            };
-            out.copy_from_slice(part(slab, k));
             if k % SLAB == 0 {
-                let below = part((above - 1) / SLAB, above);
-                out.iter_mut().zip(below).for_each(|(out, force)| *out += force);
+                let below = if k == 0 { above.len() - 1 } else { k / SLAB - 1 };
+                out.iter_mut().zip(&above[below][component]).for_each(|(out, force)| *out += force);
             }
         });
         for node in &self.clamped {
@@ -76,73 +89,9 @@ impl<'a> Elastic<'a> {
         }
     }
 
-    /// Forces of a slab on its layers of nodes, component by component.
-    fn slab(&self, slab: usize, u: &[f64], mean: &[f64; 6]) -> Vec<f64> {
-        let [nx, ny, nz] = self.grid.counts;
-        let (layer, first) = (nx * ny, slab * SLAB);
-        let last = nz.min(first + SLAB);
-        let layers = last - first + 1;
-        let mut forces = vec![0.0; 3 * layers * layer];
-        for k in first..last {
-            for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
-                let nodes = self.forces_of([i, j, k], u, mean);
-                for (node, place) in corners([nx, ny], i, j).into_iter().enumerate() {
-                    let start = (k - first + (node >> 2)) * layer + place;
-                    (0..3).for_each(|component| forces[component * layers * layer + start] += nodes[component][node]);
-                }
-            }
-        }
-        forces
-    }
-
-    /// Forces of a voxel or block on its nodes.
-    fn forces_of(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Nodes {
-        match self.block(at) {
-            Some(block) => block.forces(&self.nodes_of(at, u), mean),
-            None => spread(&self.stress(at, u, mean), self.grid.spacing.into()),
-        }
-    }
-
-    /// The block at a place of a grid of blocks.
-    pub(super) fn block(&self, at: [usize; 3]) -> Option<&Block> {
-        self.voxels.blocks.get(self.number(at))
-    }
-
-    /// Stress of a voxel by modes.
-    pub(super) fn stress(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
-        stress_of(self.material(at), &self.strain(at, u, mean))
-    }
-
-    pub(super) fn material(&self, at: [usize; 3]) -> &Material {
-        &self.voxels.materials[self.number(at)]
-    }
-
-    /// Number of the material or block at a place.
-    fn number(&self, [i, j, k]: [usize; 3]) -> usize {
-        let [nx, ny, _] = self.grid.counts;
-        self.voxels.of[(k * ny + j) * nx + i] as usize
-    }
-
-    /// Strain of a voxel by modes.
-    pub(super) fn strain(&self, at: [usize; 3], u: &[f64], mean: &[f64; 6]) -> Modes {
-        let mut strain = strain_of(&self.nodes_of(at, u), self.grid.spacing.into());
-        strain.iter_mut().zip(mean).for_each(|(row, mean)| row[0] += mean);
-        strain
-    }
-
-    /// Displacements at the nodes of a voxel or block.
-    pub(super) fn nodes_of(&self, [i, j, k]: [usize; 3], u: &[f64]) -> Nodes {
-        let [nx, ny, nz] = self.grid.counts;
-        let above = if k + 1 == nz { 0 } else { k + 1 };
-        let corners = corners([nx, ny], i, j);
-        [0, 1, 2].map(|component| {
-            let block = &u[component * self.nodes()..][..self.nodes()];
-            let mut values = [0.0; 8];
-            for (node, place) in corners.into_iter().enumerate() {
-                values[node] = block[if node < 4 { k } else { above } * nx * ny + place];
-            }
-            values
-        })
+    /// Displacements and a mean strain on the grid.
+    pub(super) fn state<'b>(&'b self, u: &'b [f64], mean: &'b [f64; 6]) -> State<'b> {
+        State { grid: self.grid, voxels: self.voxels, cubic: &self.cubic, u, mean }
     }
 }
 
@@ -166,8 +115,10 @@ impl Equations for Elastic<'_> {
             let own = &r[component * nodes..][..nodes];
             let to = &mut self.correction[component * nodes..][..nodes];
             self.own.iter_mut().zip(own).for_each(|(to, from)| *to = *from as f32);
-            let reaction = -own.iter().sum::<f64>() / count;
-            self.clamped.iter().for_each(|node| self.own[*node as usize] = reaction as f32);
+            if !self.clamped.is_empty() {
+                let reaction = -own.iter().sum::<f64>() / count;
+                self.clamped.iter().for_each(|node| self.own[*node as usize] = reaction as f32);
+            }
             to.copy_from_slice(multigrid.cycle(links, &self.own));
             if self.clamped.is_empty() {
                 continue;
@@ -180,21 +131,12 @@ impl Equations for Elastic<'_> {
     }
 }
 
-/// Places in their layer of a voxel's nodes.
-fn corners([nx, ny]: [usize; 2], i: usize, j: usize) -> [usize; 8] {
-    let next = |i: usize, n: usize| if i + 1 == n { 0 } else { i + 1 };
-    let (right, back) = (next(i, nx), next(j, ny) * nx);
-    let below = [j * nx + i, j * nx + right, back + i, back + right];
-    [below[0], below[1], below[2], below[3], below[0], below[1], below[2], below[3]]
-}
-
 /// Links between nodes with the stiffness of `component` along each axis.
 fn links(grid: &Grid, voxels: &Voxels, component: usize, is_clamped: &(impl Fn(usize) -> bool + Sync)) -> Links {
     let [nx, ny, nz] = grid.counts;
-    let diagonal = |row: usize| row * 6 - row * row.saturating_sub(1) / 2;
     let across = [0, 1, 2].map(|axis| {
         let over = (grid.area(axis) / (4.0 * grid.spacing[axis])) as f32;
-        let entry = diagonal(ROW[component][axis]);
+        let entry = packed(ROW[component][axis], ROW[component][axis]);
         let stiffness = |number: usize| voxels.materials[voxels.of[number] as usize].stiffness[entry];
         let largest = voxels.materials.iter().map(|material| material.stiffness[entry]).fold(0.0, f32::max);
         let before = |at: usize, n: usize| if at == 0 { n - 1 } else { at - 1 };

@@ -30,11 +30,12 @@ impl StressField {
     pub(super) fn new(elastic: &Elastic<'_>, u: &[f64], mean: &[f64; 6], strain: usize) -> Self {
         let grid = elastic.grid;
         let [nx, ny, nz] = grid.counts;
+        let state = elastic.state(u, mean);
         let mut stress = vec![[0.0; 6]; nx * ny * nz];
         parallel::chunks_mut(&mut stress, nx * ny, |k, layer| {
             for (number, to) in layer.iter_mut().enumerate() {
-                let stress = elastic.stress([number % nx, number / nx, k], u, mean);
-                *to = OF_VTK.map(|row| stress[row][0] as f32);
+                let stress = state.mean_stress([number % nx, number / nx, k]);
+                *to = OF_VTK.map(|row| stress[row] as f32);
             }
         });
         Self { strain, counts: grid.counts, origin_mm: grid.origin.into(), spacing_mm: grid.spacing.into(), stress }

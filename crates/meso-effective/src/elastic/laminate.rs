@@ -17,6 +17,13 @@ use meso_collision::math::Vec3;
 pub(super) type Packed = [f32; 21];
 pub(super) type Matrix6 = [[f64; 6]; 6];
 
+/// Place of an entry of a symmetric matrix.
+#[inline(always)]
+pub(super) const fn packed(i: usize, j: usize) -> usize {
+    let (row, column) = if i < j { (i, j) } else { (j, i) };
+    row * (11 - row) / 2 + column
+}
+
 /// Stiffness and eigenstress of a voxel.
 #[derive(Clone, Copy)]
 pub(super) struct Material {

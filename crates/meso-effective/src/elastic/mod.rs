@@ -5,6 +5,7 @@ mod equations;
 mod field;
 mod laminate;
 mod modes;
+mod rows;
 mod task;
 mod voxels;
 

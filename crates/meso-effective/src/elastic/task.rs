@@ -2,7 +2,7 @@
 
 use super::equations::Elastic;
 use super::field::StressField;
-use super::modes::WEIGHTS;
+use super::rows::LayerSums;
 use super::voxels::Voxels;
 use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
@@ -13,6 +13,7 @@ use crate::resolution::Resolution;
 use crate::shares::volume_fractions;
 use crate::solver::{Energy, Equations, solve_equations};
 use crate::surfaces::{Phase, Surface};
+use meso_collision::simd::widest;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
@@ -520,24 +521,8 @@ impl Strained for Elastic<'_> {
     fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums {
         let [nx, ny, nz] = self.grid.counts;
         let volume = self.grid.volume() / (nx * ny * nz) as f64;
-        let layers = parallel::map(nz, |k| {
-            let mut sums = [0.0; 8];
-            for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
-                let at = [i, j, k];
-                if let Some(block) = self.block(at) {
-                    let own = block.sums(&self.nodes_of(at, u), mean);
-                    sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / volume);
-                    continue;
-                }
-                let (strain, stress) = (self.strain(at, u, mean), self.stress(at, u, mean));
-                for row in 0..6 {
-                    sums[row] += stress[row][0];
-                    sums[6] += (0..8).map(|mode| WEIGHTS[mode] * stress[row][mode] * strain[row][mode]).sum::<f64>();
-                    sums[7] += f64::from(self.material(at).eigenstress[row]) * strain[row][0];
-                }
-            }
-            sums
-        });
+        let state = self.state(u, mean);
+        let layers = parallel::map(nz, |layer| widest(LayerSums { state, layer }));
         let sum = |which: usize| layers.iter().map(|layer| layer[which]).sum::<f64>() * volume;
         Sums { stress: [0, 1, 2, 3, 4, 5].map(sum), energy: sum(6), eigen: sum(7) }
     }
