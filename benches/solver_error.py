@@ -49,7 +49,7 @@ def cases():
         yield f"voxels {size}", "voxels", size, ["--method", "voxel"]
     yield "steady", "control", 3.0, ["--control", "steady"]
     for size, share in ((4.0, 0.5), (5.0, 0.5), (2.4, 0.5)):
-        yield f"size {size}, duration x {share}", "both", size, ["--duration", repr(share * DURATION)]
+        yield f"size {size}; duration x {share}", "both", size, ["--duration", repr(share * DURATION)]
     yield "size 1.6", "element size", 1.6, []
     yield REFERENCE, "reference", 1.6, ["--time-step", repr(0.5 * STEP * 1.6)]
 
