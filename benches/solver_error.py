@@ -85,6 +85,11 @@ def front(points):
     return best
 
 
+def error_of(row, truth, key):
+    """Error of a figure, %; an error below 0.01 % is drawn there."""
+    return max(100.0 * abs(float(row[key]) / float(truth[key]) - 1.0), 0.01)
+
+
 def draw():
     """Draw both errors over the time."""
     import matplotlib.pyplot as plt
@@ -95,15 +100,13 @@ def draw():
     for axis, (key, label) in zip(axes, (("peak_mpa", "peak"), ("to_half_mm", "displacement from the peak to half of it")), strict=True):
         points = {}
         for row in table.values():
-            error = 100.0 * abs(float(row[key]) / float(truth[key]) - 1.0)
-            points.setdefault(row["knob"], []).append((float(row["cpu_s"]), max(error, 0.01)))
+            points.setdefault(row["knob"], []).append((float(row["cpu_s"]), error_of(row, truth, key)))
         for knob, own in points.items():
             axis.plot(*zip(*sorted(own), strict=True), "o", label=knob)
         found = [point for own in points.values() for point in own]
         axis.step(*zip(*front(found), strict=True), where="post", color="0.4", lw=1, label="Pareto front")
         default = table["size 3.0"]
-        error = 100.0 * abs(float(default[key]) / float(truth[key]) - 1.0)
-        axis.plot(float(default["cpu_s"]), max(error, 0.01), "s", ms=12, mfc="none", mec="k", label="defaults at 3 mm")
+        axis.plot(float(default["cpu_s"]), error_of(default, truth, key), "s", ms=12, mfc="none", mec="k", label="defaults at 3 mm")
         axis.set(xscale="log", yscale="log", xlabel="processor time, s", ylabel=f"error of the {label}, %")
         axis.grid(alpha=0.3)
     axes[0].legend(fontsize=8)

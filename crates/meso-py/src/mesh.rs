@@ -8,7 +8,7 @@ use crate::response::{self, Asked, Meshed, Named, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
 use crate::tree::plain;
-use crate::views::{call_view, cell_type};
+use crate::views::{call_view, cell_type, screenshot_of};
 use meso_ask::{Giver, deck_refusal};
 use meso_concrete::thousands;
 use meso_core::Model;
@@ -382,9 +382,7 @@ impl PyMesh {
         path: Bound<'py, PyAny>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
-        options.set_item("screenshot", path)?;
-        call_view("plot_mesh", slf, Some(&options))
+        screenshot_of("plot_mesh", slf, path, options)
     }
 
     /// The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`).

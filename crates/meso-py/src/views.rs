@@ -14,6 +14,18 @@ pub(crate) fn call_view<'py, T>(
     subject.py().import("mesocrete._views")?.getattr(function)?.call((subject.as_any(),), options)
 }
 
+/// Calls the plotting `function` with its options, so that it writes the picture to `path`.
+pub(crate) fn screenshot_of<'py, T>(
+    function: &str,
+    subject: &Bound<'py, T>,
+    path: Bound<'py, PyAny>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let options = options.map_or_else(|| Ok(PyDict::new(subject.py())), |given| given.copy())?;
+    options.set_item("screenshot", path)?;
+    call_view(function, subject, Some(&options))
+}
+
 /// A function that makes a table of columns: a dict as it is, or a frame of the library that `frame` names, which is imported now.
 pub(crate) fn framing<'py>(py: Python<'py>, frame: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     py.import("mesocrete._frames")?.getattr("framing")?.call1((frame,))

@@ -20,7 +20,7 @@ use crate::pickle;
 use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
 use crate::tree::plain;
-use crate::views::{call_view, framing};
+use crate::views::{call_view, framing, screenshot_of};
 use crate::{arrays, files};
 use meso_concrete::thousands;
 use meso_core::check::Check;
@@ -523,9 +523,7 @@ impl PyPacking {
         path: Bound<'py, PyAny>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
-        options.set_item("screenshot", path)?;
-        call_view("plot_packing", slf, Some(&options))
+        screenshot_of("plot_packing", slf, path, options)
     }
 
     /// Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`).
