@@ -4,6 +4,7 @@ use crate::command::Folder;
 use crate::layer_errors::LayerErrors;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
+use meso_core::mesh::VolumeMesher;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, Tools, figures};
 use meso_core::specimen::Specimen;

@@ -32,7 +32,7 @@ fn a_section_is_drawn_and_refusals_name_the_way_out() {
         (&["-o", "x.npy", "--voxel-size-mm", "0"], "--voxel-size-mm is 0; it must lie within"),
         (&["-o", "x.npy", "--box", "0,0,0,50,1,1"], "--box is [0.0, 0.0, 0.0] to [50.0, 1.0, 1.0]; its lower corner"),
         (&["-o", "x.npy", "--of", "itz"], "--of is only for --what share"),
-        (&["-o", "-", "-o", "small.json"], "small.json: unknown image format"),
+        (&["-o", "-", "-o", "small.json"], "'small.json' for '--output <FILE>': unknown image format"),
     ] {
         let run = folder.run(&[&["image", "small.json"][..], flags].concat());
         assert_eq!(run.code, 2, "{flags:?}: {}", run.stderr);

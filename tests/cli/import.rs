@@ -142,7 +142,7 @@ fn volumes_without_grains_and_wrong_flags_are_refused() {
         (&["--voxel-size-mm", "1,2"], 2, "--voxel-size-mm takes one length, or three"),
         (&["--step", "20"], 2, "--step is 20; it must be 1 to 8 voxels"),
         (&["--aggregate", "1", "--mortar", "0"], 2, "cannot be used with"),
-        (&["-o", "x.inp"], 2, "x.inp: unknown format"),
+        (&["-o", "x.inp"], 2, "'x.inp' for '--output <FILE>': unknown format"),
     ] {
         let run = folder.run(&[&["import", "scan.npy", "-fo", "y.json"][..], flags].concat());
         assert_eq!(run.code, code, "{flags:?}: {}", run.stderr);

@@ -69,7 +69,8 @@ fn a_report_is_a_page_by_name() {
     let run = folder.run(&["report", "small.json", "-o", "page.pdf"]);
     assert_eq!(run.code, 2);
     assert!(
-        run.stderr.contains("page.pdf: a report is a page or its figures; its name must end in .html or .json"),
+        run.stderr
+            .contains("'page.pdf' for '--output <FILE>': unknown report; the extension must be one of .html, .json"),
         "{}",
         run.stderr
     );

@@ -181,8 +181,8 @@ fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--fit", "plain", "--method", "voxel"], 2, "--fit is plain; only the method lattice takes it"),
         (&["small.json", "--element-size-mm", "90"], 2, "--element-size-mm is 90; it must lie within"),
         (&["small.json", "--materials", "soft.toml"], 2, "materials.mortar.youngs_modulus_mpa is -5"),
-        (&["small.json", "--checkpoint", "-1"], 2, "--checkpoint must be a number of seconds"),
-        (&["small.json", "--checkpoint", "1e300"], 2, "--checkpoint must be a number of seconds"),
+        (&["small.json", "--checkpoint", "-1"], 2, "for '--checkpoint <S>': it must be a number of seconds"),
+        (&["small.json", "--checkpoint", "1e300"], 2, "for '--checkpoint <S>': it must be a number of seconds"),
         (&["small.json", "--resume"], 1, "there is no out/checkpoint.bin to resume from"),
         (
             &["small.json", "--device", "gpu", "--method", "voxel"],

@@ -2,7 +2,7 @@
 
 use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::{Materials, Plasticity, Strength};
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, VolumeMesher};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;

@@ -5,7 +5,7 @@ use meso_concrete::OutOfRange;
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::formats::MeshFormat;
-use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose};
+use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Tools};
 use meso_core::trial::{Sample, TrialError};
 use meso_core::{Model, Spec};
 use meso_solve::footing::Footing;
@@ -30,6 +30,12 @@ pub struct DeckSettled {
     pub deck: DeckOptions,
     /// How to get the ITZ, if the mesh has none by default.
     pub hint: Option<String>,
+    /// Whether a deck is written.
+    is_written: bool,
+}
+
+fn has_deck(formats: &[MeshFormat]) -> bool {
+    formats.iter().any(|format| format.is_deck())
 }
 
 impl DeckAsk {
@@ -50,35 +56,28 @@ impl DeckAsk {
         self.options().has_curve()
     }
 
-    /// Refuses an analysis that no packing can have in these formats, before any work; a file is read first.
+    /// Refuses options that no packing can have in these formats, before any work. A file is read first.
     ///
     /// # Errors
-    /// The option of the deck.
-    pub fn accept_formats(&self, mut formats: impl Iterator<Item = MeshFormat>) -> Result<(), AskError> {
+    /// The option.
+    pub fn accept(&self, formats: &[MeshFormat]) -> Result<(), AskError> {
+        self.mesh.options(self.purpose(), &Itz::default())?;
         if self.analysis.is_none() {
             return Ok(());
         }
         let deck = self.options();
-        formats.try_for_each(|format| format.check(&deck)).map_err(|error| self.wrong_option(&error))?;
+        self.accept_formats(&deck, formats)?;
         deck.follows().map_err(|error| self.wrong_test(&error))
-    }
-
-    /// Refuses options that suit no packing.
-    ///
-    /// # Errors
-    /// The option.
-    pub fn accept(&self) -> Result<(), AskError> {
-        self.mesh.options(self.purpose(), &Itz::default()).map(drop)
     }
 
     /// Refuses options that suit no packing of `spec`, and looks for no gmsh. A default size is no option.
     ///
     /// # Errors
     /// The option.
-    pub fn accept_for(&self, spec: &Spec, writes_deck: bool) -> Result<(), AskError> {
+    pub fn accept_for(&self, spec: &Spec, formats: &[MeshFormat]) -> Result<(), AskError> {
         let options = self.mesh.options(self.purpose(), &spec.itz)?;
         if self.mesh.materials.is_some() {
-            self.accept_deck(&self.deck(spec, &options)?, &options, writes_deck)?;
+            self.accept_deck(&self.deck(spec, &options)?, &options, formats)?;
         }
         match options.validate(&spec.specimen) {
             Err(MeshError::Option(wrong))
@@ -90,24 +89,58 @@ impl DeckAsk {
         }
     }
 
-    /// Everything for packings of `spec`; options of decks are refused where no deck is written.
+    /// Everything for packings of `spec` in these formats; options of decks are refused where no deck is written.
     ///
     /// # Errors
     /// Options that do not fit, a mesh beyond the memory, and a missing gmsh.
-    pub fn settle(&self, spec: &Spec, writes_deck: bool, machine: &Machine<'_>) -> Result<DeckSettled, AskError> {
+    pub fn settle(&self, spec: &Spec, formats: &[MeshFormat], machine: &Machine<'_>) -> Result<DeckSettled, AskError> {
         let footing = self.mesh.settle(self.purpose(), spec, machine)?;
         let options = &footing.options;
         let size = self.mesh.given.giver().option("element_size_mm");
         machine.accept_in_memory("the mesh", options.bytes(&spec.specimen), (&size, options.element_size_mm))?;
         let deck = self.deck(spec, options)?;
-        self.accept_deck(&deck, options, writes_deck)?;
+        self.accept_deck(&deck, options, formats)?;
+        self.accept_formats(&deck, formats)?;
         deck.suits(&spec.specimen).map_err(|error| self.wrong_test(&error))?;
-        Ok(DeckSettled { hint: self.hint(spec, options.itz), footing, deck })
+        let is_written = has_deck(formats);
+        Ok(DeckSettled { hint: self.hint(spec, options.itz), footing, deck, is_written })
+    }
+
+    /// Everything for `model`, which is there.
+    ///
+    /// # Errors
+    /// Those of [`DeckAsk::settle`], and a method that cannot mesh its bodies.
+    pub fn settle_for(
+        &self,
+        model: &Model,
+        formats: &[MeshFormat],
+        machine: &Machine<'_>,
+    ) -> Result<DeckSettled, AskError> {
+        self.mesh.accept(self.purpose(), model, machine.tools.watch)?;
+        self.settle(&model.spec, formats, machine)
+    }
+
+    /// Meshes `model`, and puts its supports and loads into the deck. The phase is the one that is farthest off its volume.
+    ///
+    /// # Errors
+    /// Those of meshing; a deck that the mesh cannot have.
+    pub fn answer(
+        &self,
+        settled: &mut DeckSettled,
+        model: &Model,
+        tools: &Tools<'_>,
+    ) -> Result<(Mesh, Option<PhaseOff>), AskError> {
+        let (mesh, off) = self.mesh.mesh(&settled.footing, model, tools)?;
+        self.load(settled, &mesh, model, off)?;
+        if settled.is_written {
+            settled.deck.validate(&mesh).map_err(|error| self.wrong_option(&error))?;
+        }
+        Ok((mesh, off))
     }
 
     /// Refuses options of decks without effect: on this deck, or because none is written.
-    fn accept_deck(&self, deck: &DeckOptions, mesh: &MeshOptions, is_written: bool) -> Result<(), AskError> {
-        if is_written {
+    fn accept_deck(&self, deck: &DeckOptions, mesh: &MeshOptions, formats: &[MeshFormat]) -> Result<(), AskError> {
+        if has_deck(formats) {
             let has_hexahedra = mesh.method.name() == MethodName::Voxel;
             return deck.validate_effects(has_hexahedra).map_err(|error| self.wrong_option(&error));
         }
@@ -119,6 +152,10 @@ impl DeckAsk {
             }
             None => Ok(()),
         }
+    }
+
+    fn accept_formats(&self, deck: &DeckOptions, formats: &[MeshFormat]) -> Result<(), AskError> {
+        formats.iter().try_for_each(|format| format.check(deck)).map_err(|error| self.wrong_option(&error))
     }
 
     /// Contents of a deck of `spec`, checked as far as that takes no mesh.
@@ -145,12 +182,8 @@ impl DeckAsk {
         })
     }
 
-    /// Puts the supports and loads of the test on `mesh` into the deck, and the heading. `off` is the phase that is farthest
-    /// off its volume.
-    ///
-    /// # Errors
-    /// A test that the mesh cannot have.
-    pub fn load(
+    /// Puts the supports and loads of the test on `mesh` into the deck, and the heading.
+    fn load(
         &self,
         settled: &mut DeckSettled,
         mesh: &Mesh,
@@ -164,7 +197,7 @@ impl DeckAsk {
     }
 
     /// A value of a deck out of its range, in the giver's spelling.
-    pub fn wrong_option(&self, error: &OutOfRange) -> AskError {
+    fn wrong_option(&self, error: &OutOfRange) -> AskError {
         AskError::Usage(self.given.refusal(error))
     }
 

@@ -9,7 +9,9 @@ use meso_concrete::{OutOfRange, Ranges};
 use meso_core::import::{ending, volume};
 use meso_core::mesh::MethodName;
 use meso_core::{Model, Spec, Watch, spec};
-use meso_effective::results::{FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file};
+use meso_effective::results::{
+    FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file, write_figures, write_page,
+};
 use meso_effective::{
     Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
     effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
@@ -18,6 +20,7 @@ use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Effective diffusivity, conductivity and stiffness, each with its error.
@@ -169,6 +172,39 @@ pub enum Subject<'a> {
     Labels(&'a LabelSpecimen),
 }
 
+impl<'a> Subject<'a> {
+    fn facts(self) -> Facts<'a> {
+        match self {
+            Self::Packing(model) => Facts::Packing(&model.spec),
+            Self::Labels(specimen) => Facts::Labels(specimen),
+        }
+    }
+}
+
+/// Properties of one specimen, with their fields.
+#[derive(Default)]
+pub struct Properties {
+    /// Each property, and the seconds that it took.
+    pub found: Vec<(Found, f64)>,
+    fields: Vec<PropertyField>,
+}
+
+impl Properties {
+    /// Hands every file to `fill`, by its name.
+    ///
+    /// # Errors
+    /// The first of `fill`.
+    pub fn write<E>(&self, mut fill: impl FnMut(&str, &Filling<'_>) -> Result<(), E>) -> Result<(), E> {
+        let Self { found, fields } = self;
+        fields.iter().try_for_each(|field| fill(&field.file(), &|out| field.write(out)))?;
+        fill(FIGURES, &|out| write_figures(found, out))?;
+        fill(PAGE, &|out| write_page(found, fields, out))
+    }
+}
+
+/// Writes the content of a file.
+pub type Filling<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
+
 /// The table of refusals.
 const ASK: Ranges = Ranges("effective");
 
@@ -226,6 +262,30 @@ impl EffectiveAsk {
             Ok(EffectiveTask { work, values: values.clone(), division, bytes })
         };
         self.what.properties().into_iter().map(task).collect()
+    }
+
+    /// Settles, and solves every property.
+    ///
+    /// # Errors
+    /// Those of [`EffectiveAsk::settle`], a task beyond the memory, and equations that do not converge.
+    pub fn answer(
+        &self,
+        of: Subject<'_>,
+        values: PhaseTables,
+        giver: Giver<'_>,
+        machine: &Machine<'_>,
+    ) -> Result<Properties, AskError> {
+        let wrong = |error| Self::fault(&error, giver);
+        let tasks = self.settle(of.facts(), values).map_err(wrong)?;
+        tasks.iter().try_for_each(|task| task.accept(machine, giver))?;
+        let mut properties = Properties::default();
+        for task in tasks {
+            let begun = machine.tools.watch.seconds();
+            let (found, fields) = task.solve(of, machine.tools.watch).map_err(wrong)?;
+            properties.found.push((found, machine.tools.watch.seconds() - begun));
+            properties.fields.extend(fields);
+        }
+        Ok(properties)
     }
 
     /// Values of the phases: of a file, of tables, or the usual ones.

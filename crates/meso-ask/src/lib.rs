@@ -27,7 +27,9 @@ mod strains;
 
 pub use axes::Axes;
 pub use deck::{DeckAsk, DeckSettled};
-pub use effective::{EffectiveAsk, EffectiveTask, Facts, Input, PhaseTables, PhasesGiven, Subject, What};
+pub use effective::{
+    EffectiveAsk, EffectiveTask, Facts, Filling, Input, PhaseTables, PhasesGiven, Properties, Subject, What,
+};
 pub use error::AskError;
 pub use fit::FitAsk;
 pub use given::{Given, Options};
@@ -37,4 +39,4 @@ pub use mesh::MeshAsk;
 pub use mesh_figures::{MeshFigures, strict_doubt};
 pub use options::{FRAMES, deck_refusal};
 pub use over::Over;
-pub use solve::{SolveAsk, TestGiven, accept_effects};
+pub use solve::{SolveAsk, TestGiven};

@@ -1,15 +1,15 @@
-//! The machine that a request is done on: its free memory, and the program that some meshes need.
+//! What a front lends to the work of a request: free memory, the program that some meshes need, and its ear.
 
 use crate::AskError;
-use meso_core::mesh::MeshError;
+use meso_core::mesh::Tools;
 
-/// What a front knows of its machine, before any work.
-#[derive(Clone, Copy)]
+/// What a front lends to the work of a request.
+#[derive(Clone, Copy, Default)]
 pub struct Machine<'a> {
     /// Free memory, bytes; `None` if the system does not say.
     pub memory: Option<u64>,
-    /// Looks for gmsh.
-    pub gmsh: &'a dyn Fn() -> Result<(), MeshError>,
+    /// gmsh, and who hears how far the work is.
+    pub tools: Tools<'a>,
 }
 
 impl Machine<'_> {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn a_mesh_beyond_the_memory_is_refused_with_a_size_that_fits() {
-        let machine = Machine { memory: Some(2_000_000_000), gmsh: &|| Ok(()) };
+        let machine = Machine { memory: Some(2_000_000_000), ..Machine::default() };
         let accept = |bytes| machine.accept_in_memory("the mesh", bytes, ("--element-size-mm", 2.0));
         assert_eq!(accept(1e6), Ok(()));
         let said = "the mesh takes about 16.0 GB of memory, and 2.0 GB are free; take --element-size-mm 4.4 or more";

@@ -3,7 +3,7 @@
 use crate::{AskError, Given, Giver, Machine};
 use meso_core::aggregate::Itz;
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, MeshError, MeshOptions, MeshTable, MethodName, Purpose, Room};
+use meso_core::mesh::{self, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Room, Tools};
 use meso_core::{Model, Spec, Watch};
 use meso_solve::footing::{self, Footing};
 use std::sync::OnceLock;
@@ -32,13 +32,7 @@ impl MeshAsk {
     ///
     /// # Errors
     /// A packing of which no size keeps the phases.
-    pub fn try_sizes(
-        &self,
-        purpose: Purpose,
-        spec: &Spec,
-        leaves_room: bool,
-        watch: &dyn Watch,
-    ) -> Result<(), AskError> {
+    fn try_sizes(&self, purpose: Purpose, spec: &Spec, leaves_room: bool, watch: &dyn Watch) -> Result<(), AskError> {
         if self.given.options.is_auto() && self.tried.get().is_none() {
             let found = footing::element_size(&self.table(), purpose, spec, leaves_room, watch);
             let size = found.map_err(|error| self.wrong(&error))?;
@@ -64,18 +58,33 @@ impl MeshAsk {
         options.validate(&spec.specimen).map_err(|error| self.wrong(&error))?;
         options.accepts_shape(&spec.shape).map_err(|error| self.wrong(&error))?;
         if options.method.name() == MethodName::Conforming {
-            (machine.gmsh)().map_err(|error| self.wrong(&error))?;
+            machine.tools.gmsh.check().map_err(|error| self.wrong(&error))?;
         }
         Ok(Footing { purpose, options, accepts_phase_error: self.accept_phase_error })
     }
 
     /// Refuses a method that cannot mesh the bodies of `model`, before gmsh is looked for: a label volume's spec has no shape.
+    /// Then finds the size that `auto` means.
     ///
     /// # Errors
-    /// The method.
-    pub fn accept(&self, purpose: Purpose, model: &Model) -> Result<(), AskError> {
+    /// The method; a packing of which no size keeps the phases.
+    pub fn accept(&self, purpose: Purpose, model: &Model, watch: &dyn Watch) -> Result<(), AskError> {
         let options = self.options(purpose, &model.spec.itz)?;
-        mesh::accepts(&model.aggregates, &options).map_err(|error| self.wrong(&error))
+        mesh::accepts(&model.aggregates, &options).map_err(|error| self.wrong(&error))?;
+        self.try_sizes(purpose, &model.spec, false, watch)
+    }
+
+    /// Meshes `model`, and finds the phase that is farthest off its exact volume.
+    ///
+    /// # Errors
+    /// Those of [`Footing::mesh`].
+    pub fn mesh(
+        &self,
+        footing: &Footing,
+        model: &Model,
+        tools: &Tools<'_>,
+    ) -> Result<(Mesh, Option<PhaseOff>), AskError> {
+        footing.mesh(model, tools).map_err(|error| self.wrong(&error))
     }
 
     /// Finds the size that `auto` means, and sets the gaps that the mesh needs and `spec` leaves open; returns a line about
@@ -98,7 +107,7 @@ impl MeshAsk {
     }
 
     /// An error of meshing in the giver's spelling; wrong options are wrong usage.
-    pub fn wrong(&self, error: &MeshError) -> AskError {
+    pub(crate) fn wrong(&self, error: &MeshError) -> AskError {
         let giver = self.given.giver();
         let text = error.message(|key| giver.option(key));
         match error {

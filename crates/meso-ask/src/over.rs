@@ -1,5 +1,6 @@
 //! Values over those of a spec.
 
+use crate::AskError;
 use crate::flags::of_schema::Flag;
 use crate::given::{Given, Options};
 use meso_core::packing::Strategy;
@@ -57,6 +58,22 @@ impl Over {
 }
 
 impl Given<Over> {
+    /// Lays the values over those of `spec`, and lets `leave_room` set the gaps that its mesh needs.
+    ///
+    /// # Errors
+    /// A spec that cannot be, and those of `leave_room`.
+    pub fn settle<T>(
+        &self,
+        spec: &mut Spec,
+        leave_room: impl FnOnce(&mut Spec) -> Result<T, AskError>,
+    ) -> Result<T, AskError> {
+        let valid = |spec: &Spec| spec.validate().map_err(|error| AskError::Usage(self.spec_error(&error)));
+        self.options.lay(spec);
+        valid(spec)?;
+        let left = leave_room(spec)?;
+        valid(spec).map(|()| left)
+    }
+
     /// An error of a spec, in the giver's spelling where its value was laid over the spec's own.
     pub fn spec_error(&self, error: &SpecError) -> String {
         let key = error.key.strip_prefix("placement.").unwrap_or(&error.key);

@@ -1,12 +1,12 @@
 //! A test of a mesh, before there is one.
 
 use crate::{AskError, FRAMES, Given, Giver, Machine, MeshAsk, flags::names};
-use meso_concrete::{OutOfRange, Ranges};
 use meso_core::aggregate::Itz as Shells;
-use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
-use meso_core::{Spec, Watch};
+use meso_core::mesh::{CellKind, ItzForm, Mesh, MethodName, Order, Purpose};
+use meso_core::{Model, Spec, Watch};
 use meso_solve::footing::Footing;
-use meso_solve::{Control, Geometry, Smoothing, SolveError, Test, TestKind};
+use meso_solve::results::sample_of;
+use meso_solve::{Geometry, Run, Smoothing, SolveError, Test};
 
 /// Friction of brushes and teflon (van Mier et al. 1997).
 const BRUSH: f64 = 0.005;
@@ -42,23 +42,6 @@ pub struct SolveAsk {
     pub is_first: bool,
 }
 
-/// Refuses values of a test that have no effect on it.
-///
-/// # Errors
-/// The key, its value and the tests that take it.
-pub fn accept_effects(test: &Test) -> Result<(), OutOfRange> {
-    let ranges = Ranges("test");
-    let friction = test.friction.unwrap_or_default();
-    let rubs = test.friction.is_none() || test.rubs();
-    ranges.require("friction", friction, rubs, "only tests whose plates rub take it")?;
-    let is_pressed = matches!(
-        test.kind,
-        TestKind::Compression | TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic | TestKind::Splitting
-    );
-    let widens = test.control != Control::LateralStrain || is_pressed || !test.supports.is_empty();
-    ranges.require("control", names::of(&test.control), widens, "only tests that press a specimen all through take it")
-}
-
 impl SolveAsk {
     /// The test with the options over it.
     pub fn test(&self) -> Test {
@@ -86,8 +69,7 @@ impl SolveAsk {
         }
         if let (Some(materials), Some(_)) = (&self.mesh.materials, &self.base) {
             let test = self.test();
-            let valid = meso_solve::validate(materials, &test).and_then(|()| Ok(accept_effects(&test)?));
-            valid.map_err(|error| self.wrong(&error))?;
+            meso_solve::validate(materials, &test).map_err(|error| self.wrong(&error))?;
         }
         let options = self.mesh.options(self.purpose(), &Shells::default())?;
         let is_voxel = options.method.name() == MethodName::Voxel;
@@ -126,6 +108,32 @@ impl SolveAsk {
         steps.map(|_| footing).map_err(|error| self.wrong(&error.into()))
     }
 
+    /// The mesh of `model`, which is there; see [`SolveAsk::settle`].
+    ///
+    /// # Errors
+    /// Those of [`SolveAsk::settle`], and a method that cannot mesh its bodies.
+    pub fn settle_for(&self, model: &Model, machine: &Machine<'_>) -> Result<Footing, AskError> {
+        self.mesh.accept(self.purpose(), model, machine.tools.watch)?;
+        self.settle(&model.spec, machine)
+    }
+
+    /// The test of `mesh` before its first step; `tell` receives doubts about the mesh.
+    ///
+    /// # Errors
+    /// A mesh that cannot be tested.
+    pub fn begin<'m>(
+        &self,
+        mesh: &'m Mesh,
+        model: &Model,
+        footing: &Footing,
+        tell: impl FnMut(&String),
+    ) -> Result<Run<'m>, AskError> {
+        let sample = sample_of(mesh, model, &footing.options);
+        sample.doubts().iter().for_each(tell);
+        let materials = self.mesh.materials.clone().unwrap_or_default();
+        Run::new(sample, &materials, &self.test()).map_err(|error| self.wrong(&error))
+    }
+
     /// Finds the size that `auto` means, and sets the gaps that the mesh needs and `spec` leaves open.
     ///
     /// # Errors
@@ -135,7 +143,7 @@ impl SolveAsk {
     }
 
     /// An error of the engine as wrong usage: a value of a file has its name, unless an option changed it.
-    pub fn wrong(&self, error: &SolveError) -> AskError {
+    fn wrong(&self, error: &SolveError) -> AskError {
         let SolveError::Value(value) = error else { return AskError::Usage(error.to_string()) };
         let (is_test, key) = (value.table == "test", value.key.as_str());
         let is_given = self.given.has(key) || key == "friction" && self.brush;

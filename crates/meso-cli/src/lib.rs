@@ -5,6 +5,7 @@
 
 mod commands;
 mod failure;
+mod formats;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod gpu;
 mod inputs;
@@ -56,7 +57,7 @@ pub fn validate(args: impl IntoIterator<Item = OsString>) -> Result<(), String> 
         // Help and version are no errors.
         Err(error) => return if error.use_stderr() { Err(error.to_string()) } else { Ok(()) },
     };
-    cli.command.validate().map_err(|failure| failure.message().to_owned())
+    cli.command.unread().map_err(|failure| failure.message().to_owned())
 }
 
 /// Reads a STUDY.toml that names no other file, and plans it, as `mesocrete study` does before its work: the files that each
@@ -66,7 +67,7 @@ pub fn validate(args: impl IntoIterator<Item = OsString>) -> Result<(), String> 
 /// The message about an invalid study.
 #[doc(hidden)]
 pub fn validate_study(text: &str) -> Result<Vec<Vec<std::path::PathBuf>>, String> {
-    commands::study::validate(text).map_err(|failure| failure.message().to_owned())
+    commands::study::unread(text).map_err(|failure| failure.message().to_owned())
 }
 
 fn dispatch(command: Command, datasets: Option<&Datasets<'_>>) -> Result<u8, Failure> {

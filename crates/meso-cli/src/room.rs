@@ -2,18 +2,18 @@
 
 use crate::failure::Failure;
 use meso_ask::{Machine, sizes};
-use meso_core::mesh::MeshError;
+use meso_core::mesh::Tools;
 use meso_files::{free, whole};
 use std::path::Path;
 
-/// This machine, whose gmsh `gmsh` looks for.
-pub(crate) fn machine<'a>(gmsh: &'a dyn Fn() -> Result<(), MeshError>) -> Machine<'a> {
-    Machine { memory: free::memory(), gmsh }
+/// This machine, with these tools.
+pub(crate) fn machine(tools: Tools<'_>) -> Machine<'_> {
+    Machine { memory: free::memory(), tools }
 }
 
 /// Refuses an image that takes more memory than is free.
 pub(crate) fn accept_image(work: &str, bytes: f64) -> Result<(), Failure> {
-    let machine = machine(&|| Ok(()));
+    let machine = machine(Tools::default());
     Ok(machine.accept_bytes(work, bytes, |_| "cut a part out of the image".to_owned())?)
 }
 

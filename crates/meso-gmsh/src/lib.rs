@@ -56,11 +56,7 @@ impl Gmsh {
         command
     }
 
-    /// Tests whether gmsh is there and runs.
-    ///
-    /// # Errors
-    /// [`MeshError::MissingGmsh`], with the output of a gmsh that does not run, and [`MeshError::Files`].
-    pub fn check(&self) -> Result<(), MeshError> {
+    fn look(&self) -> Result<(), MeshError> {
         let running = in_new_folder()?;
         let asked = self.outcome(self.command().arg("--version"), &running, &|| false)?;
         if asked.status.success() {
@@ -69,12 +65,13 @@ impl Gmsh {
         Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, asked.said)))
     }
 
-    /// Fills `surfaces` with tetrahedra until `stop` says so; the bytes of gmsh's output.
-    ///
-    /// # Errors
-    /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and
-    /// [`MeshError::Gmsh`] with the output of a gmsh that failed.
-    pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
+    /// This gmsh, which ends where `stop` says so: its errors are [`MeshError::MissingGmsh`], [`MeshError::Stopped`],
+    /// [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`] with the output of a gmsh that failed.
+    pub fn until<'a>(&'a self, stop: &'a (dyn Fn() -> bool + Sync)) -> Until<'a> {
+        Until { gmsh: self, stop }
+    }
+
+    fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
         let running = in_new_folder()?;
         let in_folder = |error| files(running.folder(), error);
         let create = |name| running.in_folder(|folder| File::create(folder.join(name)));
@@ -127,7 +124,28 @@ impl Gmsh {
     }
 }
 
+/// gmsh, which ends where its user stops.
+pub struct Until<'a> {
+    gmsh: &'a Gmsh,
+    stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl VolumeMesher for Until<'_> {
+    fn check(&self) -> Result<(), MeshError> {
+        self.gmsh.check()
+    }
+
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+        self.gmsh.run_until(surfaces, self.stop)
+    }
+}
+
 impl VolumeMesher for Gmsh {
+    /// [`MeshError::MissingGmsh`] has the output of a gmsh that does not run.
+    fn check(&self) -> Result<(), MeshError> {
+        self.look()
+    }
+
     fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
         self.run_until(surfaces, &|| false)
     }

@@ -16,7 +16,7 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
+use meso_core::mesh::{Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, VolumeMesher, figures};
 use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use meso_solve::footing::{self, Footing};
@@ -86,9 +86,11 @@ pub(crate) fn build(
     let of = Arc::clone(&model);
     let footing = Footing { purpose, options: options.clone(), accepts_phase_error: accept_phase_error };
     let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
+        let stops = || !watch.goes_on();
+        let gmsh = gmsh.until(&stops);
         let fill = |surfaces: &Surfaces| {
             watch.has_files();
-            gmsh.run_until(surfaces, &|| !watch.goes_on())
+            gmsh.fill(surfaces)
         };
         footing.mesh(&model, &Tools { gmsh: &fill, watch }).map(|(mesh, _)| mesh)
     })?;

@@ -8,7 +8,6 @@ use crate::run::{Broken, Terms, Watch, beside_python_keeping, beside_python_on, 
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
-use meso_ask::accept_effects;
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
@@ -17,7 +16,7 @@ use meso_core::{Model, Watch as _};
 use meso_files::Beside;
 use meso_gpu::{Choice, Lease};
 use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
-use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
+use meso_solve::{Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyIndexError, PyUserWarning};
 use pyo3::prelude::*;
@@ -93,8 +92,7 @@ impl Asked {
         let mut test = Test { kind, ..given };
         let taken = test.take_tables(|name| Beside(Path::new("")).text(name));
         taken.map_err(|error| wrong(&error.into()))?;
-        let valid = meso_solve::validate(&materials, &test).and_then(|()| Ok(accept_effects(&test)?));
-        valid.map_err(|error| wrong(&error))?;
+        meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
     }
 
@@ -241,9 +239,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let watching =
         Watching { watch, strain: asked.test.strain(), frames: RefCell::default(), shooting: Shooting::default() };
     let response = run.to_end(watch, &watching);
-    // A run that diverged holds no numbers now.
-    let diverged = matches!(response.result.ended, Ended::Diverged(_) | Ended::Failed(_));
-    let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
+    let last = Snapshot::last(&run, &response.result.ended).map(Arc::new);
     let solve = watch.seconds() - begun;
     let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
     let (taken, frames) = (watching.shooting.taken(), watching.frames.into_inner());

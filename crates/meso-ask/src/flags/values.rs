@@ -8,6 +8,12 @@ pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "it must be a number, with a point for the decimals".to_owned())
 }
 
+/// A time between two actions.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=1e9).contains(seconds));
+    seconds.ok_or_else(|| "it must be a number of seconds from 0 to 1e9".to_owned())
+}
+
 /// A seed.
 pub fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0, u64::MAX)

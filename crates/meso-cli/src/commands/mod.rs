@@ -105,15 +105,14 @@ pub(crate) enum Command {
 
 impl Command {
     /// Refuses flags that no file can make right.
-    pub(crate) fn validate(&self) -> Result<(), Failure> {
+    pub(crate) fn unread(&self) -> Result<(), Failure> {
         match self {
-            Self::Pack(args) => args.validate(),
-            Self::Mesh(args) => args.validate(),
-            Self::Solve(args) => args.validate(),
-            Self::Convert(args) => args.validate(),
-            Self::Report(args) => args.validate(),
-            Self::Image(args) => args.validate(),
-            Self::Import(args) => args.validate(),
+            Self::Pack(args) => args.unread().map(drop),
+            Self::Mesh(args) => args.unread().map(drop),
+            Self::Solve(args) => args.unread().map(drop),
+            Self::Convert(args) => args.settle(),
+            Self::Image(args) => args.options().map(drop),
+            Self::Import(args) => args.options().map(drop),
             _ => Ok(()),
         }
     }

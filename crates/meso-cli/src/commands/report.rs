@@ -2,6 +2,7 @@
 
 use super::shared::{Threads, Writing};
 use crate::failure::Failure;
+use crate::formats::{Formats, Named};
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
@@ -16,8 +17,8 @@ pub(crate) struct Args {
     /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// Page to write (.html), or the statistics alone (.json); `-` writes the page to standard output
-    #[arg(short, long, value_name = "FILE", required_unless_present = "cite")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "cite", value_parser = Named::<Content>::parser())]
+    output: Option<Named<Content>>,
     /// Print a paragraph for the methods section of a paper, with the figures of this model and what to cite
     #[arg(long, conflicts_with = "output")]
     cite: bool,
@@ -42,9 +43,8 @@ fn cite(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
-fn write(args: &Args, output: &Path) -> Result<u8, Failure> {
-    let content = content(output)?;
-    let target = Target::new(output, args.writing.force)?;
+fn write(args: &Args, Named { path, format: content }: &Named<Content>) -> Result<u8, Failure> {
+    let target = Target::new(path, args.writing.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 5.0));
     let model = inputs::model(&args.model, &watch)?;
@@ -63,30 +63,25 @@ fn write(args: &Args, output: &Path) -> Result<u8, Failure> {
     Ok(0)
 }
 
-impl Args {
-    /// Refuses flags that no file can make right.
-    pub(super) fn validate(&self) -> Result<(), Failure> {
-        self.output.as_deref().map_or(Ok(()), |output| content(output).map(drop))
-    }
-}
-
 /// Content that the output's name asks for.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum Content {
     Page,
     Figures,
 }
 
-fn content(path: &Path) -> Result<Content, Failure> {
-    let ends_in = |wanted| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
-    if path == Path::new("-") || ends_in("html") {
-        return Ok(Content::Page);
+impl Formats for Content {
+    const STREAM: Self = Self::Page;
+    const KIND: &'static str = "report";
+
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_lowercase();
+        [("html", Self::Page), ("json", Self::Figures)].into_iter().find(|(own, _)| *own == extension).map(|(_, of)| of)
     }
-    if ends_in("json") {
-        return Ok(Content::Figures);
+
+    fn known() -> Vec<&'static str> {
+        vec!["html", "json"]
     }
-    let message = "a report is a page or its figures; its name must end in .html or .json";
-    Err(Failure::Usage(format!("{}: {message}", path.display())))
 }
 
 fn write_figures(figures: &Statistics, out: &mut dyn Write) -> io::Result<()> {

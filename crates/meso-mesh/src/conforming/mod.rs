@@ -42,6 +42,14 @@ const TRIES: [f64; 3] = [1.0, 0.97, 0.94];
 
 /// Fills closed surfaces with tetrahedra: gmsh, or a stand-in of tests.
 pub trait VolumeMesher: Sync {
+    /// Tests whether it is there and runs.
+    ///
+    /// # Errors
+    /// [`MeshError::MissingGmsh`], and faults of files.
+    fn check(&self) -> Result<(), MeshError> {
+        Ok(())
+    }
+
     /// gmsh's output, MSH 4.1 in binary, for the input that [`Surfaces::write`] gives. The parts of a large specimen are asked
     /// for at the same time.
     ///

@@ -411,6 +411,12 @@ impl Summary {
         })
     }
 
+    /// Warnings that the end of the test brings; those of the mesh came before the first step.
+    pub fn late_warnings(&self) -> impl Iterator<Item = String> {
+        let late = self.warnings.iter().skip(self.mesh_warnings).cloned();
+        self.dynamic_before_the_peak().into_iter().chain(late)
+    }
+
     /// Kinetic energy that is no longer small.
     fn warn_of_speed(&mut self) {
         let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);

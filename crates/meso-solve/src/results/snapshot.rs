@@ -1,8 +1,6 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
-use crate::march::Frame;
-use crate::march::Mean;
-use crate::march::Run;
+use crate::march::{Ended, Frame, Mean, Run};
 use meso_mesh::Mesh;
 use meso_view::vtk::mesh::{self as vtu_mesh, Field};
 use serde::{Deserialize, Serialize};
@@ -83,9 +81,9 @@ impl Snapshot {
         Self { moment, displacement, stress, damage, tension, compression, opening_mm }
     }
 
-    /// Fields of `run` as it stands, with the number 0.
-    pub fn now(run: &Run) -> Self {
-        Self::of(&Frame::new(run, 0))
+    /// Fields at the end of `run`, with the number 0; a run that diverged holds no numbers then.
+    pub fn last(run: &Run, ended: &Ended) -> Option<Self> {
+        (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Self::of(&Frame::new(run, 0)))
     }
 
     /// Writes it as a `.vtu` of `mesh`, which it belongs to.

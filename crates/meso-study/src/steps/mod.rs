@@ -10,8 +10,7 @@ use crate::{Keep, NameError, Names, RECORD, of_packing};
 use meso_ask::files::Reader;
 use meso_ask::{AskError, Giver, Machine};
 use meso_core::formats::{Format, SurfaceOptions};
-use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{MeshError, Tools};
+use meso_core::mesh::Tools;
 use meso_core::{Model, Spec, Watch};
 use meso_files::free;
 use meso_files::whole::{Keeper, Unit};
@@ -104,11 +103,10 @@ impl Steps {
     /// # Errors
     /// The option, in the giver's spelling.
     pub fn accept(&self, spec: &Spec, gmsh: &Gmsh, devices: &Devices<'_>) -> Result<(), AskError> {
-        on_machine(gmsh, |machine| {
-            self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, machine))?;
-            self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec))?;
-            self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, machine, devices))
-        })
+        let machine = Machine { memory: free::memory(), tools: Tools { gmsh, ..Tools::default() } };
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, &machine))?;
+        self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec))?;
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, &machine, devices))
     }
 
     /// Names of the files of the packing and its mesh.
@@ -191,20 +189,10 @@ impl<K> Doing<'_, K> {
     }
 
     fn on_machine<T>(&self, work: impl FnOnce(&Machine<'_>) -> T) -> T {
-        on_machine(self.gmsh, work)
+        let stops = || self.watch.stops();
+        let tools = Tools { gmsh: &self.gmsh.until(&stops), watch: self.watch };
+        work(&Machine { memory: free::memory(), tools })
     }
-
-    /// Meshes with gmsh at hand.
-    fn meshing<T>(&self, work: impl FnOnce(&Tools<'_>) -> T) -> T {
-        let watch = self.watch;
-        let fill =
-            |surfaces: &Surfaces| -> Result<Vec<u8>, MeshError> { self.gmsh.run_until(surfaces, &|| watch.stops()) };
-        work(&Tools { gmsh: &fill, watch })
-    }
-}
-
-fn on_machine<T>(gmsh: &Gmsh, work: impl FnOnce(&Machine<'_>) -> T) -> T {
-    work(&Machine { memory: free::memory(), gmsh: &|| gmsh.check() })
 }
 
 /// A file of the packing.

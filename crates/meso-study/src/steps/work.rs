@@ -15,10 +15,9 @@ use meso_core::materials::Materials;
 use meso_core::mesh::MeshTable;
 use meso_core::spec::options_from_value;
 use meso_core::{Model, Spec, Watch};
-use meso_effective::results::{FIGURES, PAGE, write_figures, write_page};
 use meso_files::whole::{Keeper, Unit};
-use meso_solve::results::{Moment, Outcome, ResultFile, Shooting, Snapshot, Source, TestSeconds, figures, sample_of};
-use meso_solve::{Ended, Frame, Observer, Row, Run, Test};
+use meso_solve::results::{Moment, Outcome, ResultFile, Shooting, Snapshot, Source, TestSeconds, figures};
+use meso_solve::{Ended, Frame, Observer, Row, Test};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::io::{self, Write};
@@ -87,17 +86,16 @@ impl MeshStep {
         let step = Self { ask, outputs, compress: section.switch("compress")?, strict: section.switch("strict")? };
         let known = [keys::<MeshTable>(), keys::<DeckOptions>()].concat();
         section.end(&known.iter().map(String::as_str).collect::<Vec<_>>())?;
-        step.ask.accept()?;
-        step.ask.accept_formats(step.outputs.iter().map(|(_, format)| *format))?;
+        step.ask.accept(&step.formats())?;
         Ok(step)
     }
 
-    fn writes_deck(&self) -> bool {
-        self.outputs.iter().any(|(_, format)| format.is_deck())
+    fn formats(&self) -> Vec<MeshFormat> {
+        self.outputs.iter().map(|(_, format)| *format).collect()
     }
 
     pub(super) fn accept(&self, spec: &Spec, machine: &Machine<'_>) -> Result<(), AskError> {
-        self.ask.settle(spec, self.writes_deck(), machine).map(drop)
+        self.ask.settle(spec, &self.formats(), machine).map(drop)
     }
 
     pub(super) fn leave_room(&self, spec: &mut Spec, watch: &dyn Watch) -> Result<(), AskError> {
@@ -133,19 +131,12 @@ impl MeshStep {
         folder: &Path,
         doing: &Doing<'_, K>,
     ) -> Result<Value, AskError> {
-        let (ask, watch) = (&self.ask, doing.watch);
-        ask.mesh.accept(ask.purpose(), model)?;
-        ask.mesh.try_sizes(ask.purpose(), &model.spec, false, watch)?;
-        let mut settled = doing.on_machine(|machine| ask.settle(&model.spec, self.writes_deck(), machine))?;
-        let fits = self.outputs.iter().try_for_each(|(_, format)| format.check(&settled.deck));
-        fits.map_err(|error| ask.wrong_option(&error))?;
-        let meshed = doing.meshing(|tools| settled.footing.mesh(model, tools));
-        let (mesh, off) = meshed.map_err(|error| ask.mesh.wrong(&error))?;
-        ask.load(&mut settled, &mesh, model, off)?;
+        let (settled, (mesh, off)) = doing.on_machine(|machine| {
+            let mut settled = self.ask.settle_for(model, &self.formats(), machine)?;
+            let mesh = self.ask.answer(&mut settled, model, &machine.tools)?;
+            Ok::<_, AskError>((settled, mesh))
+        })?;
         let deck = &settled.deck;
-        if self.writes_deck() {
-            deck.validate(&mesh).map_err(|error| ask.wrong_option(&error))?;
-        }
         let mut unit = Unit::unforced(doing.keeper);
         for (name, format) in &self.outputs {
             for file in format.files(&folder.join(name), &mesh, deck) {
@@ -233,19 +224,16 @@ impl SolveStep {
         doing: &Doing<'_, K>,
     ) -> Result<Tested, AskError> {
         let (ask, watch) = (&self.ask, doing.watch);
-        let (started, purpose) = (watch.seconds(), ask.purpose());
-        ask.mesh.accept(purpose, model)?;
-        ask.mesh.try_sizes(purpose, &model.spec, false, watch)?;
-        let footing = doing.on_machine(|machine| ask.settle(&model.spec, machine))?;
-        let begun = watch.seconds();
-        let meshed = doing.meshing(|tools| footing.mesh(model, tools));
-        let (mesh, _) = meshed.map_err(|error| ask.mesh.wrong(&error))?;
-        let mut seconds = TestSeconds { mesh: watch.seconds() - begun, ..TestSeconds::default() };
-        let (test, materials) = (ask.test(), ask.mesh.materials.clone().unwrap_or_default());
-        let (source, sample) = (Source::of(model, &footing.options), sample_of(&mesh, model, &footing.options));
-        sample.doubts().iter().for_each(|doubt| doing.warn(doubt));
-        let begun = watch.seconds();
-        let mut run = Run::new(sample, &materials, &test).map_err(|error| ask.wrong(&error))?;
+        let (started, mut seconds) = (watch.seconds(), TestSeconds::default());
+        let (footing, mesh) = doing.on_machine(|machine| {
+            let footing = ask.settle_for(model, machine)?;
+            let begun = watch.seconds();
+            let (mesh, _) = ask.mesh.mesh(&footing, model, &machine.tools)?;
+            seconds.mesh = watch.seconds() - begun;
+            Ok::<_, AskError>((footing, mesh))
+        })?;
+        let (source, begun) = (Source::of(model, &footing.options), watch.seconds());
+        let mut run = ask.begin(&mesh, model, &footing, |doubt| doing.warn(doubt))?;
         let attached = if ask.on_device { (doing.devices)(&self.device, Some(&mut run))? } else { Attached::default() };
         attached.doubt.iter().for_each(|doubt| doing.warn(doubt));
         let filming = Filming {
@@ -262,15 +250,11 @@ impl SolveStep {
         if result.ended == Ended::Stopped {
             return Err(AskError::Run("stopped".to_owned()));
         }
-        let diverged = matches!(result.ended, Ended::Diverged(_) | Ended::Failed(_));
-        let last = (!diverged).then(|| Snapshot::now(&run));
+        let last = Snapshot::last(&run, &result.ended);
         // The device is given back once nothing of the run is left there.
         drop((run, attached));
         seconds.total = watch.seconds() - started;
-        let fast = result.dynamic_before_the_peak();
-        // Warnings of the mesh came before the first step.
-        let late = result.warnings.iter().skip(result.mesh_warnings);
-        fast.iter().chain(late).for_each(|doubt| doing.warn(doubt));
+        result.late_warnings().for_each(|doubt| doing.warn(&doubt));
         result.errors.iter().for_each(|error| doing.tell("error", error));
         result.flagged().iter().for_each(|found| doing.warn(found));
         let Filming { unit, frames, failed, shooting, .. } = filming;
@@ -360,23 +344,12 @@ impl EffectiveStep {
         folder: &Path,
         doing: &Doing<'_, K>,
     ) -> Result<Value, AskError> {
-        let wrong = |error| EffectiveAsk::fault(&error, self.giver);
-        let tasks = self.ask.settle(Facts::Packing(&model.spec), self.values.clone()).map_err(wrong)?;
-        tasks.iter().try_for_each(|task| doing.on_machine(|machine| task.accept(machine, self.giver)))?;
-        let (mut found, mut fields) = (Vec::new(), Vec::new());
-        for task in tasks {
-            let begun = doing.watch.seconds();
-            let (result, theirs) = task.solve(Subject::Packing(model), doing.watch).map_err(wrong)?;
-            found.push((result, doing.watch.seconds() - begun));
-            fields.extend(theirs);
-        }
+        let (subject, values) = (Subject::Packing(model), self.values.clone());
+        let found = doing.on_machine(|machine| self.ask.answer(subject, values, self.giver, machine))?;
         let mut unit = Unit::unforced(doing.keeper);
-        for field in &fields {
-            fill(&mut unit, &folder.join(field.file()), |out| field.write(out))?;
-        }
-        fill(&mut unit, &folder.join(FIGURES), |out| write_figures(&found, out))?;
-        fill(&mut unit, &folder.join(PAGE), |out| write_page(&found, &fields, out))?;
+        found.write(|name, write| fill(&mut unit, &folder.join(name), write))?;
         commit(unit)?;
+        let found = found.found;
         found.iter().flat_map(|(of, _)| of.warnings()).for_each(|warning| doing.warn(warning));
         let found: Vec<Value> = found.iter().map(|(of, _)| tree(of)).collect::<Result<_, _>>()?;
         Ok(of_effective(&found.into()))

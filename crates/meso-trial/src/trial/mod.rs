@@ -393,7 +393,16 @@ impl Test {
             let accepted = format!("only {of} has it; leave it out, or take that kind of test");
             TEST.require(key, value.unwrap_or_default(), has || value.is_none(), accepted)?;
         }
-        Ok(())
+        let rubs = self.friction.is_none() || self.rubs();
+        TEST.require("friction", self.friction.unwrap_or_default(), rubs, "only tests whose plates rub take it")?;
+        let widens = self.control != Control::LateralStrain || self.presses() || !self.supports.is_empty();
+        TEST.require("control", word(&self.control), widens, "only tests that press a specimen all through take it")
+    }
+
+    /// Whether plates of the named test press a specimen all through.
+    fn presses(&self) -> bool {
+        use TestKind::{Biaxial, Compression, Cyclic, Splitting, Triaxial};
+        matches!(self.kind, Compression | Triaxial | Biaxial | Cyclic | Splitting)
     }
 
     fn validate_turns(&self) -> Result<(), OutOfRange> {

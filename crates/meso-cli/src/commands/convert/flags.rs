@@ -2,6 +2,7 @@
 
 use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
+use crate::formats::Named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use meso_core::formats::Format;
 use meso_core::images::Images;
@@ -11,9 +12,9 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A saved model (.json or .json.gz); `-` is standard input
     pub(super) model: PathBuf,
-    #[arg(short, long, value_name = "FILE", required = true)]
+    #[arg(short, long, value_name = "FILE", required = true, value_parser = Named::<Format>::parser())]
     #[arg(help = format!("File to write, its format by the extension: {}; `-` is standard output. May be repeated", known(".")))]
-    pub(super) output: Vec<PathBuf>,
+    pub(super) output: Vec<Named<Format>>,
     /// Format on standard output
     #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_names())]
     pub(super) format: Format,

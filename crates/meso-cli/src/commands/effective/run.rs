@@ -6,12 +6,12 @@ use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_ask::{EffectiveAsk, Facts, Giver, Input, Subject};
+use meso_ask::{Giver, Input, Subject};
 use meso_core::Model;
+use meso_core::mesh::Tools;
 use meso_core::watch::Stage;
-use meso_effective::results::{FIGURES, Found, PAGE, write_figures, write_page};
-use meso_effective::{Effective, EffectiveError, LabelSpecimen, Stiffness};
-use std::time::Instant;
+use meso_effective::results::Found;
+use meso_effective::{Effective, LabelSpecimen, Stiffness};
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     args.threads.run(|| on_these_threads(args))?
@@ -19,7 +19,6 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let giver = Giver::Flags;
-    let wrong = |error: &EffectiveError| Failure::from(EffectiveAsk::fault(error, giver));
     let values = args.ask.values(args.input(), giver, &inputs::text)?;
     let force = args.writing.force;
     let names = args.ask.files();
@@ -28,24 +27,14 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
     let specimen = Specimen::read(args, &watch)?;
-    let tasks = args.ask.settle(specimen.facts(), values).map_err(|error| wrong(&error))?;
-    tasks.iter().try_for_each(|task| task.accept(&room::machine(&|| Ok(())), giver))?;
-    let (mut found, mut fields) = (Vec::new(), Vec::new());
-    for task in tasks {
-        let begun = Instant::now();
-        let (result, theirs) = task.solve(specimen.subject(), &watch).map_err(|error| wrong(&error))?;
-        found.push((result, begun.elapsed().as_secs_f64()));
-        fields.extend(theirs);
-    }
+    let machine = room::machine(Tools { watch: &watch, ..Tools::default() });
+    let properties = args.ask.answer(specimen.subject(), values, giver, &machine);
     watch.finish();
+    let properties = properties?;
     let mut unit = Unit::default();
-    for field in &fields {
-        unit.fill(&target(&field.file())?, force, |out| field.write(out))?;
-    }
-    unit.fill(&target(FIGURES)?, force, |out| write_figures(&found, out))?;
-    unit.fill(&target(PAGE)?, force, |out| write_page(&found, &fields, out))?;
+    properties.write(|name, write| unit.fill(&target(name)?, force, write))?;
     unit.commit()?;
-    found.iter().for_each(|(of, _)| tell(of, args.writing.quiet));
+    properties.found.iter().for_each(|(of, _)| tell(of, args.writing.quiet));
     if !args.writing.quiet {
         names.iter().for_each(|name| stderr::line(format!("wrote {}", args.output.join(name).display())));
     }
@@ -75,13 +64,6 @@ impl Specimen {
         let spacing_mm = given.or(volume.spacing_mm).unwrap_or([1.0; 3]);
         let periodic = args.ask.periodic.map_or([false; 3], |axes| axes.flags());
         Ok(Self::Labels(LabelSpecimen { volume, spacing_mm, periodic }))
-    }
-
-    fn facts(&self) -> Facts<'_> {
-        match self {
-            Self::Packing(model) => Facts::Packing(&model.spec),
-            Self::Labels(specimen) => Facts::Labels(specimen),
-        }
     }
 
     fn subject(&self) -> Subject<'_> {

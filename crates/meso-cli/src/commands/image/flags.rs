@@ -2,6 +2,8 @@
 
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::{names, values};
+use crate::formats::Named;
+use meso_core::formats::ImageFormat;
 use meso_core::voxel_image::{ImageOptions, Quantity, ShareOf};
 use std::path::PathBuf;
 
@@ -11,8 +13,8 @@ pub(crate) struct Args {
     pub(super) model: PathBuf,
     /// File to write, its format by the extension: .npy, .tif, .vti; of a section .png and .svg, too; `-` writes the
     /// .npy to standard output. May be repeated
-    #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
+    #[arg(short, long, value_name = "FILE", required = true, value_parser = Named::<ImageFormat>::parser())]
+    pub(super) output: Vec<Named<ImageFormat>>,
     /// Edge of a voxel, mm; along periodic axes it must divide the specimen's length
     #[arg(long, value_name = "H", default_value_t = ImageOptions::default().voxel_size_mm, value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]

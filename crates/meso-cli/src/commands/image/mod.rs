@@ -2,7 +2,6 @@
 
 mod flags;
 mod run;
-mod settings;
 
 pub(crate) use flags::Args;
 pub(crate) use run::run;

@@ -2,6 +2,8 @@
 
 use crate::commands::shared::{Threads, Writing};
 use crate::commands::values;
+use crate::formats::Named;
+use meso_core::formats::Format;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -9,8 +11,8 @@ pub(crate) struct Args {
     /// A label volume (.tif, .npy, .vti): one integer a grain or a phase
     pub(super) volume: PathBuf,
     /// File to write, as `convert` does: .json, .json.gz, .vtu, .stl and so on. May be repeated
-    #[arg(short, long, value_name = "FILE", default_value = "model.json")]
-    pub(super) output: Vec<PathBuf>,
+    #[arg(short, long, value_name = "FILE", default_value = "model.json", value_parser = Named::<Format>::parser())]
+    pub(super) output: Vec<Named<Format>>,
     /// Edge of a voxel, mm; or three, along x, y, z [default: the file's, or else 1]
     #[arg(long, value_name = "H", value_delimiter = ',', value_parser = values::number)]
     #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]

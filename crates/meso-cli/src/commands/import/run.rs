@@ -2,12 +2,15 @@
 
 use super::flags::Args;
 use crate::failure::Failure;
+use crate::formats::Named;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
 use crate::{inputs, room, stderr};
+use meso_ask::Giver;
 use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::formats::SurfaceOptions;
+use meso_core::import::grains::{Roles, SmoothOptions};
 use meso_core::labelled::{LabelOptions, LabelsError, of_labels};
 use meso_core::packing::LabelReport;
 use meso_core::watch::Stage;
@@ -17,8 +20,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    args.validate()?;
-    let (options, plan) = (args.options()?, args.plan()?);
+    let (options, plan) = (args.options()?, Named::targets(&args.output, args.writing.force)?);
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.volume])?;
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Take, 1.0)]);
     let volume = inputs::volume(&args.volume, args.array.as_deref())?;
@@ -41,6 +43,34 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         outputs::wrote(plan.iter().map(|(target, _)| target));
     }
     Ok(if is_short(labels, args.gap_mm) && args.strict { SHORT } else { 0 })
+}
+
+impl Args {
+    /// The grains that are asked for. Refuses flags that are wrong with any file.
+    pub(crate) fn options(&self) -> Result<LabelOptions, Failure> {
+        let option = |key| Giver::Flags.option(key);
+        let voxel_size_mm = match self.voxel_size_mm[..] {
+            [] => None,
+            [h] => Some([h; 3]),
+            [x, y, z] => Some([x, y, z]),
+            _ => {
+                let message = format!("{} takes one length, or three along x, y, z", option("voxel_size_mm"));
+                return Err(Failure::Usage(message));
+            }
+        };
+        let options = LabelOptions {
+            voxel_size_mm,
+            roles: Roles { mortar: self.mortar.clone(), aggregate: self.aggregate.clone() },
+            outside: self.outside.clone(),
+            least_voxels: self.least_voxels as usize,
+            largest_grain: self.largest_grain,
+            gap_mm: self.gap_mm,
+            itz_thickness_mm: self.itz_thickness_mm,
+            surfaces: SmoothOptions { step: self.step, smoothing: self.smoothing, tolerance: self.tolerance },
+        };
+        options.validate().map_err(|error| Failure::Usage(Giver::Flags.refusal(&error)))?;
+        Ok(options)
+    }
 }
 
 /// Exit code of a result that `--strict` refuses.

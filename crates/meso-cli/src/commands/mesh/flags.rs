@@ -2,6 +2,8 @@
 
 use crate::commands::meshing::Meshing;
 use crate::commands::shared::{Threads, Writing};
+use crate::formats::Named;
+use meso_core::formats::MeshFormat;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -10,8 +12,8 @@ pub(crate) struct Args {
     pub(super) model: PathBuf,
     /// File to write, its format by the extension: .inp, .k, .cdb, .vtu, .pvtu (pieces beside it), .msh, .xdmf; `-` is standard output
     /// (.inp). May be repeated
-    #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
+    #[arg(short, long, value_name = "FILE", required = true, value_parser = Named::<MeshFormat>::parser())]
+    pub(super) output: Vec<Named<MeshFormat>>,
     #[command(flatten)]
     pub(super) threads: Threads,
     /// Compress the data of a .vtu (zlib)

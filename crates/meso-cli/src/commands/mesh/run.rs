@@ -2,16 +2,16 @@
 
 use super::flags::Args;
 use super::report::MeshReport;
-use crate::commands::meshing;
 use crate::failure::{Failure, SHORT};
+use crate::formats::Named;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_ask::{DeckSettled, strict_doubt};
+use meso_ask::{DeckAsk, DeckSettled, strict_doubt};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
-use meso_core::mesh::{Mesh, PhaseOff};
+use meso_core::mesh::{Mesh, PhaseOff, Tools};
 use meso_core::watch::Stage;
 use std::io::Write;
 use std::path::Path;
@@ -21,28 +21,22 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let ask = args.meshing.ask()?;
-    let plan = args.plan(&ask)?;
-    ask.accept_formats(plan.iter().map(|(_, format)| *format))?;
+    let (ask, formats) = (args.meshing.ask()?, args.formats());
+    let target = |output: &Named<_>| Ok((target(output, args.writing.force, &ask)?, output.format));
+    let plan = args.output.iter().map(target).collect::<Result<Vec<_>, Failure>>()?;
+    ask.accept(&formats)?;
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
-    let writes_deck = plan.iter().any(|(_, format)| format.is_deck());
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
     let model = inputs::model(&args.model, &watch)?;
-    ask.mesh.accept(ask.purpose(), &model)?;
-    ask.mesh.try_sizes(ask.purpose(), &model.spec, false, &watch)?;
-    let gmsh = args.meshing.mesh.gmsh();
-    let mut settings = ask.settle(&model.spec, writes_deck, &room::machine(&|| gmsh.check()))?;
-    plan.iter().try_for_each(|(_, format)| format.check(&settings.deck)).map_err(|error| ask.wrong_option(&error))?;
-    let mesh = meshing::build(&ask.mesh, &settings.footing, &model, &gmsh, args.writing.quiet, &watch);
+    let gmsh = args.meshing.mesh.gmsh(args.writing.quiet);
+    let machine = room::machine(Tools { gmsh: &gmsh, watch: &watch });
+    let mut settings = ask.settle_for(&model, &formats, &machine)?;
+    let answer = ask.answer(&mut settings, &model, &machine.tools);
     watch.finish();
-    let (mesh, off) = mesh?;
-    ask.load(&mut settings, &mesh, &model, off)?;
+    let (mesh, off) = answer?;
     let deck = &settings.deck;
-    if writes_deck {
-        deck.validate(&mesh).map_err(|error| ask.wrong_option(&error))?;
-    }
     let mut unit = Unit::default();
     let fill_all = || {
         let mut outputs = plan.iter();
@@ -68,6 +62,33 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, deck));
     }
     Ok(if args.strict { exit_code(off) } else { 0 })
+}
+
+impl Args {
+    /// The request as far as no file is read.
+    pub(crate) fn unread(&self) -> Result<DeckAsk, Failure> {
+        let ask = self.meshing.unread();
+        ask.accept(&self.formats())?;
+        Ok(ask)
+    }
+
+    fn formats(&self) -> Vec<MeshFormat> {
+        self.output.iter().map(|output| output.format).collect()
+    }
+}
+
+/// Destination of a mesh, inspected before any work is done.
+pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> Result<Target, Failure> {
+    let Named { path, format } = output;
+    if *format == MeshFormat::Pvtu {
+        // The number of pieces is not known yet, but an existing first one would be in the way.
+        Target::new(&MeshFormat::piece_path(path, 0), force)?;
+    }
+    let target = Target::new(path, force)?;
+    if *format == MeshFormat::Inp && ask.has_curve() && matches!(target, Target::File { .. }) {
+        Target::new(&DeckOptions::curve_path(path), force)?;
+    }
+    Ok(target)
 }
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.

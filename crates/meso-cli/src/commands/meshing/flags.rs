@@ -1,5 +1,6 @@
 //! Flags of a mesh and of its deck, as users type them.
 
+use super::gmsh::Announced;
 use crate::commands::file_or::FileOr;
 use crate::commands::names;
 use crate::failure::Failure;
@@ -49,9 +50,9 @@ impl MeshFlags {
         }
     }
 
-    /// The program gmsh.
-    pub(crate) fn gmsh(&self) -> Gmsh {
-        Gmsh::program(&self.gmsh)
+    /// The program gmsh, which is silent if the command is `quiet`.
+    pub(crate) fn gmsh(&self, quiet: bool) -> Announced {
+        Announced { gmsh: Gmsh::program(&self.gmsh), quiet }
     }
 
     /// The files that are read.

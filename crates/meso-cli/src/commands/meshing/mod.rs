@@ -1,7 +1,6 @@
-//! Meshes and decks, alike for `mesh`, `pack` and `solve`: the [`flags`], and the [`run`].
+//! Meshes and decks, alike for `mesh`, `pack` and `solve`: the [`flags`], and [`gmsh`].
 
 mod flags;
-mod run;
+mod gmsh;
 
 pub(super) use flags::{MeshFlags, Meshing};
-pub(super) use run::build;

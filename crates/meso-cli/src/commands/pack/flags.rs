@@ -1,8 +1,10 @@
 //! Flags of `mesocrete pack`.
 
+use super::plan::Content;
 use crate::commands::meshing::Meshing;
 use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
+use crate::formats::Named;
 use meso_ask::{Given, Over};
 use meso_core::images::Images;
 use std::path::PathBuf;
@@ -13,8 +15,8 @@ pub(crate) struct Args {
     pub(super) spec: Option<PathBuf>,
     /// File to write, its format by the extension: .json, .json.gz, .vtu, .vtp, .stl, .step, .glb, .ply, .obj, .csv; a
     /// page: .html; meshes: .inp, .k, .cdb, .msh, .pvtu, .xdmf; `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Vec<PathBuf>,
+    #[arg(short, long, value_name = "FILE", value_parser = Named::<Content>::parser())]
+    pub(super) output: Vec<Named<Content>>,
     #[command(flatten)]
     pub(super) over: Given<Over>,
     #[command(flatten)]

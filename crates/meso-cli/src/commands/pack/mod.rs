@@ -3,7 +3,6 @@
 mod flags;
 mod plan;
 mod run;
-mod settings;
 
 pub(crate) use flags::Args;
 pub(crate) use run::run;

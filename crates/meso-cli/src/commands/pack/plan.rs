@@ -3,9 +3,10 @@
 use super::flags::Args;
 use crate::commands::mesh;
 use crate::failure::Failure;
+use crate::formats::{Formats, Named};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use meso_ask::{DeckAsk, Giver};
+use meso_ask::DeckAsk;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::mesh::Mesh;
@@ -13,7 +14,6 @@ use meso_core::packing::{Report, Seconds};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, page};
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Content of one output.
@@ -25,55 +25,54 @@ pub(super) enum Content {
     Page,
 }
 
-impl Content {
-    /// Whether it takes the options of a deck.
-    pub(super) fn is_deck(self) -> bool {
-        matches!(self, Self::Mesh(format) if format.is_deck())
+impl Formats for Content {
+    const STREAM: Self = Self::Packing(Format::Json);
+    const KIND: &'static str = "format";
+
+    fn of(path: &Path) -> Option<Self> {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+            return Some(Self::Page);
+        }
+        let packing = Format::from_path(path).map(Self::Packing);
+        packing.or_else(|| MeshFormat::from_path(path).map(Self::Mesh))
+    }
+
+    fn known() -> Vec<&'static str> {
+        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
+        Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect()
     }
 }
 
 impl Args {
     /// The files to write, or the usual ones.
-    fn paths(&self) -> Cow<'_, [PathBuf]> {
-        let usual = ["model.json", "model.vtu", "model.inp", "model.html"];
-        if self.output.is_empty() { usual.map(PathBuf::from).to_vec().into() } else { (&self.output).into() }
+    fn outputs(&self) -> Vec<Named<Content>> {
+        let usual = ["model.json", "model.vtu", "model.inp", "model.html"].map(PathBuf::from);
+        if self.output.is_empty() { usual.into_iter().flat_map(Named::of).collect() } else { self.output.clone() }
     }
 
-    /// The contents of the files to write, by their extensions.
-    pub(super) fn contents(&self) -> Result<Vec<Content>, Failure> {
-        self.paths().iter().map(|path| content(path)).collect()
+    /// Formats of the meshes to write.
+    pub(super) fn mesh_formats(&self) -> Vec<MeshFormat> {
+        let mesh = |output: Named<Content>| if let Content::Mesh(format) = output.format { Some(format) } else { None };
+        self.outputs().into_iter().filter_map(mesh).collect()
     }
 
     /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
     pub(super) fn plan(&self, ask: &DeckAsk) -> Result<Plan, Failure> {
-        let (paths, contents) = (self.paths(), self.contents()?);
-        let target = |(path, content): (&PathBuf, &Content)| match content {
-            Content::Packing(_) | Content::Page => Target::new(path, self.writing.force),
-            Content::Mesh(format) => mesh::target(path, *format, self.writing.force, ask),
+        let force = self.writing.force;
+        let target = |Named { path, format: content }: Named<Content>| {
+            let target = match content {
+                Content::Packing(_) | Content::Page => Target::new(&path, force),
+                Content::Mesh(format) => mesh::target(&Named { path, format }, force, ask),
+            };
+            Ok((target?, content))
         };
-        let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
-        let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
-        let all: Vec<&Target> = targets.iter().chain(&summary).collect();
+        let outputs = self.outputs().into_iter().map(target).collect::<Result<Vec<_>, Failure>>()?;
+        let summary = self.summary_json.as_ref().map(|path| Target::new(path, force)).transpose()?;
+        let all: Vec<&Target> = outputs.iter().map(|(target, _)| target).chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
         let surfaces = SurfaceOptions { compress: self.compress, images: self.images, ..SurfaceOptions::default() };
-        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
+        Ok(Plan { outputs, summary, force, surfaces })
     }
-}
-
-fn content(path: &Path) -> Result<Content, Failure> {
-    if path == Path::new("-") {
-        return Ok(Content::Packing(Format::Json));
-    }
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
-        return Ok(Content::Page);
-    }
-    let packing = Format::from_path(path).map(Content::Packing);
-    packing.or_else(|| MeshFormat::from_path(path).map(Content::Mesh)).ok_or_else(|| {
-        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
-        let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect();
-        let known = known.join(", .");
-        Failure::Usage(format!("{}: unknown format; the extension must be one of .{known}", path.display()))
-    })
 }
 
 /// Destinations of all outputs.
@@ -112,10 +111,6 @@ impl Plan {
         })
     }
 
-    pub(super) fn has_deck(&self) -> bool {
-        self.outputs.iter().any(|(_, content)| content.is_deck())
-    }
-
     pub(super) fn has_mesh(&self) -> bool {
         self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
@@ -138,8 +133,6 @@ impl Plan {
                     unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
                 }
                 (Content::Mesh(format), Some((mesh, deck))) => {
-                    let suits = deck.validate(mesh).and_then(|()| format.check(deck));
-                    suits.map_err(|error| Failure::Usage(Giver::Flags.refusal(&error)))?;
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
                 }
                 (Content::Mesh(_), None) | (Content::Page, _) => {}

@@ -1,12 +1,14 @@
 //! The work of `mesocrete pack`: a spec becomes a packed specimen and its files.
 
 use super::flags::Args;
-use crate::commands::{mesh, meshing};
+use crate::commands::mesh;
 use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
 use crate::progress::{PACK, Watch};
-use crate::{room, stderr};
-use meso_ask::DeckSettled;
+use crate::{inputs, room, stderr};
+use meso_ask::DeckAsk;
 use meso_concrete::thousands;
+use meso_core::Spec;
+use meso_core::mesh::Tools;
 use meso_core::packing::{PhaseReport, Report, StopReason};
 use meso_core::watch::Stage;
 
@@ -16,8 +18,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let ask = args.meshing.ask()?;
-    let plan = args.plan(&ask)?;
-    ask.accept_formats(plan.meshes().map(|(_, format)| format))?;
+    let (plan, formats) = (args.plan(&ask)?, args.mesh_formats());
+    ask.accept(&formats)?;
     let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
     let mut watch = Watch::of_files(args.writing.quiet, &stages);
     let spec = match args.spec(&ask, &watch) {
@@ -28,27 +30,22 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         }
         spec => spec?,
     };
-    let gmsh = args.meshing.mesh.gmsh();
-    let settle = || ask.settle(&spec, plan.has_deck(), &room::machine(&|| gmsh.check()));
+    let gmsh = args.meshing.mesh.gmsh(args.writing.quiet);
+    let settle = || ask.settle(&spec, &formats, &room::machine(Tools { gmsh: &gmsh, watch: &watch }));
     let mut settings = plan.has_mesh().then(settle).transpose()?;
     if settings.is_none() {
-        ask.accept_for(&spec, false)?;
+        ask.accept_for(&spec, &formats)?;
     }
     // Before the work: a hopeless target is reported while nothing is lost.
     watch.aside(|| spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}"))));
     watch.keeps_the_best();
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
-    let written = model.map_err(|error| args.name_flag(&error)).and_then(|model| {
-        let build = |settings: &DeckSettled| {
-            meshing::build(&ask.mesh, &settings.footing, &model, &gmsh, args.writing.quiet, &watch)
-        };
-        let built = settings.as_ref().map(build).transpose();
-        if let (Some(settings), Ok(Some((mesh, off)))) = (&mut settings, &built) {
-            ask.load(settings, mesh, &model, *off)?;
-        }
-        let mesh = built.map(|built| built.map(|(mesh, _)| mesh));
+    let written = model.map_err(|error| Failure::Usage(args.over.spec_error(&error))).and_then(|model| {
+        let tools = Tools { gmsh: &gmsh, watch: &watch };
+        let answer = settings.as_mut().map(|settings| ask.answer(settings, &model, &tools)).transpose();
         // A packing is not lost with its mesh.
+        let mesh = answer.map(|answer| answer.map(|(mesh, _)| mesh));
         let deck = mesh.as_ref().ok().and_then(Option::as_ref).zip(settings.as_ref().map(|settings| &settings.deck));
         plan.write(&model, deck, &watch)?;
         Ok((model, mesh))
@@ -71,6 +68,30 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     mesh?;
     Ok(exit_code(&model.report, args.strict))
+}
+
+impl Args {
+    /// The request as far as no file is read. Refuses flags that are wrong with any file.
+    pub(crate) fn unread(&self) -> Result<DeckAsk, Failure> {
+        let (ask, formats) = (self.meshing.unread(), self.mesh_formats());
+        ask.accept(&formats)?;
+        if self.spec.is_none() {
+            let spec = self.spec(&ask, &Watch::of_files(true, &[]))?;
+            ask.accept_for(&spec, &formats)?;
+        }
+        Ok(ask)
+    }
+
+    /// The spec's file, with the changes of the flags.
+    fn spec(&self, ask: &DeckAsk, watch: &Watch) -> Result<Spec, Failure> {
+        let read = |path| inputs::spec(path, watch, self.over.options.time_limit_s);
+        let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), read)?;
+        let leave_room = |spec: &mut Spec| ask.mesh.leave_room(ask.purpose(), spec, watch);
+        if let Some(said) = self.over.settle(&mut spec, leave_room)?.filter(|_| !self.writing.quiet) {
+            watch.aside(|| stderr::line(said));
+        }
+        Ok(spec)
+    }
 }
 
 /// The result in lines; every size class where `verbose`, else the one that is furthest off. The default specimen says

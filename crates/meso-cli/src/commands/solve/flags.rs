@@ -28,7 +28,7 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with = "friction")]
     pub(super) brush: bool,
     /// Write checkpoint.bin every S seconds, for --resume
-    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(super) checkpoint: Option<f64>,
     /// Resume from the checkpoint.bin in DIR; give the same flags as before

@@ -3,7 +3,6 @@
 mod flags;
 mod folder;
 mod run;
-mod settings;
 mod watch;
 
 pub(crate) use flags::Args;

@@ -1,21 +1,24 @@
 //! The work of `mesocrete solve`: from a model, a spec or nothing to the stress-strain curve.
 
-use super::flags::Args;
+use super::flags::{Args, TestText};
 use super::folder::{Folder, Kept, Note};
 use super::watch::Watching;
-use crate::commands::{meshing, names};
+use crate::commands::names;
 use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::gpu::{self, Choice};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{gpu, inputs, interrupt, room, stderr};
-use meso_ask::SolveAsk;
+use crate::{inputs, interrupt, room, stderr};
+use meso_ask::files::{self, is_toml};
+use meso_ask::{MeshAsk, SolveAsk, TestGiven};
 use meso_concrete::{short, thousands};
-use meso_core::mesh::Mesh;
+use meso_core::mesh::{Mesh, Tools};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
 use meso_solve::footing::Footing;
-use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
-use meso_solve::{Control, Ended, Response, Run, Sample, Test};
+use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds};
+use meso_solve::{Control, Ended, Response, Run, Test};
+use std::path::Path;
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -25,23 +28,18 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let started = Instant::now();
     let ask = args.ask()?;
-    args.accept(&ask)?;
-    let (test, materials) = (ask.test(), ask.mesh.materials.clone().unwrap_or_default());
-    let device = args.device()?;
+    let device = gpu::find(&args.device)?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
     let mut seconds = TestSeconds::default();
     let Some((model, footing)) = args.model(&ask, &mut seconds)? else { return Ok(INTERRUPTED) };
     let mesh = args.divide(&ask, &model, &footing, &mut seconds)?;
-    let options = &footing.options;
-    let source = Source::of(&model, options);
-    let sample = sample_of(&mesh, &model, options);
+    let (source, begun) = (Source::of(&model, &footing.options), Instant::now());
+    let mut run = ask.begin(&mesh, &model, &footing, warn)?;
     drop(model);
-    warn_before(&sample);
-    let begun = Instant::now();
-    let mut run = Run::new(sample, &materials, &test).map_err(|error| ask.wrong(&error))?;
     let written = kept.map_or_else(|| Ok(Note::default()), |kept| resume(&mut run, kept))?;
     folder.go_on(written, !args.resume)?;
+    let test = ask.test();
     args.announce(&test, &run, &mesh);
     if let Some(device) = &device {
         gpu::attach(&mut run, device, args.writing.quiet)?;
@@ -56,22 +54,61 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
+    /// The request, with the content of the files. Refuses flags that cannot be meant, before any work.
+    fn ask(&self) -> Result<SolveAsk, Failure> {
+        let (base, from) = match &self.test {
+            TestText::Named(kind) => (Test { kind: *kind, ..Test::default() }, TestGiven::Named),
+            TestText::File(path) => (files::test(path, &inputs::text)?, TestGiven::File(path.display().to_string())),
+        };
+        self.accepted(self.mesh.ask()?, Some(base), from)
+    }
+
+    /// The request as far as no file is read.
+    pub(crate) fn unread(&self) -> Result<SolveAsk, Failure> {
+        let base = match self.test {
+            TestText::Named(kind) => Some(Test { kind, ..Test::default() }),
+            TestText::File(_) => None,
+        };
+        self.accepted(self.mesh.unread(), base, TestGiven::default())
+    }
+
+    fn accepted(&self, mesh: MeshAsk, base: Option<Test>, from: TestGiven) -> Result<SolveAsk, Failure> {
+        let (on_device, is_first) = (self.device != Choice::Cpu, self.model.is_none());
+        let ask = SolveAsk { mesh, base, from, given: self.given.clone(), brush: self.brush, on_device, is_first };
+        ask.accept()?;
+        if self.output == Path::new("-") {
+            let message = "--output - is standard output, but a test writes several files; name a folder";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        match self.over.asked().next().filter(|_| !self.packs()) {
+            Some(key) => Err(Failure::Usage(format!(
+                "{} has no effect on a saved model; leave it out, or give a SPEC.toml",
+                self.over.giver().option(key)
+            ))),
+            None => Ok(ask),
+        }
+    }
+
+    /// Whether there is no saved model yet.
+    fn packs(&self) -> bool {
+        self.model.as_deref().is_none_or(is_toml)
+    }
+
     /// The specimen, and how it is meshed; none where the user stopped the packing.
     fn model(&self, ask: &SolveAsk, seconds: &mut TestSeconds) -> Result<Option<(Model, Footing)>, Failure> {
-        let gmsh = self.mesh.gmsh();
-        let settle = |spec: &Spec| ask.settle(spec, &room::machine(&|| gmsh.check()));
+        let gmsh = self.mesh.gmsh(self.writing.quiet);
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
-            ask.mesh.accept(ask.purpose(), &model)?;
-            ask.mesh.try_sizes(ask.purpose(), &model.spec, false, &watch)?;
-            let footing = settle(&model.spec)?;
+            let footing = ask.settle_for(&model, &room::machine(Tools { gmsh: &gmsh, watch: &watch }))?;
             return Ok(Some((model, footing)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
-        let spec = self.spec(ask, &watch)?;
-        let footing = settle(&spec)?;
+        let read = |path| inputs::spec(path, &watch, self.over.options.time_limit_s);
+        let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
+        self.over.settle(&mut spec, |spec| ask.leave_room(spec, &watch))?;
+        let footing = ask.settle(&spec, &room::machine(Tools { gmsh: &gmsh, watch: &watch }))?;
         if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), short(100.0 * spec.fraction), spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
@@ -109,7 +146,8 @@ impl Args {
             stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Mesh, 1.0)]);
-        let mesh = meshing::build(&ask.mesh, footing, model, &self.mesh.gmsh(), self.writing.quiet, &watch);
+        let gmsh = self.mesh.gmsh(self.writing.quiet);
+        let mesh = ask.mesh.mesh(footing, model, &Tools { gmsh: &gmsh, watch: &watch });
         watch.finish();
         let (mesh, _) = mesh?;
         seconds.mesh = begun.elapsed().as_secs_f64();
@@ -164,8 +202,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let ended = &response.result.ended;
     let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
-    // A run that diverged holds no numbers now.
-    let last = (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Snapshot::now(run));
+    let last = Snapshot::last(run, ended);
     let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let (frames, taken) = (folder.frames(), folder.taken());
     let outcome = Outcome { mesh, response, source, frames: &frames, taken: &taken, last: last.as_ref(), seconds };
@@ -187,17 +224,13 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     }
 }
 
-/// Prints warnings about the mesh, before the first step.
-fn warn_before(sample: &Sample) {
-    sample.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+fn warn(doubt: &String) {
+    stderr::line(format!("warning: {doubt}"));
 }
 
 /// Prints the curve's figures, then warnings and errors.
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
-    if let Some(text) = result.dynamic_before_the_peak() {
-        stderr::line(format!("warning: {text}"));
-    }
     if !quiet && result.is_free() {
         stderr::line(result.headline());
     } else if !quiet {
@@ -212,9 +245,7 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
             result.added_mass_percent
         ));
     }
-    // Warnings of the mesh were printed before the first step.
-    let late = result.warnings.iter().skip(result.mesh_warnings);
-    late.for_each(|warning| stderr::line(format!("warning: {warning}")));
+    result.late_warnings().for_each(|doubt| warn(&doubt));
     result.errors.iter().for_each(|error| stderr::line(format!("error: {error}")));
     if result.ended == Ended::Stopped {
         let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;

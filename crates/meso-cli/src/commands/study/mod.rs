@@ -179,7 +179,7 @@ fn shared_threads(jobs: Option<u16>, threads: Option<u16>) -> Option<u16> {
 
 /// Reads the text of a study that names no other file, and plans it: the files of every case, as the study names them. It
 /// opens no file and runs no program.
-pub(crate) fn validate(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
+pub(crate) fn unread(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
     let Some(file) = StudyFile::alone(text)? else { return Ok(Vec::new()) };
     let plan = file.plan_alone()?;
     let files = |case| Ok(file.steps(case, &inputs::text)?.files().map(PathBuf::from).collect());

@@ -36,7 +36,8 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
     let (is_explicit, speed) = (analysis.is_explicit() && !geometry_only, options.impact_speed_mm_per_s);
     let test = options.test().filter(|_| !geometry_only);
     let has_strain = *analysis == Analysis::Elastic || test.as_ref().is_some_and(Test::has_path);
-    let rubs = *analysis == Analysis::Impact || test.as_ref().is_some_and(Test::rubs);
+    // A test refuses a friction that has no effect on it.
+    let rubs = *analysis == Analysis::Impact || test.is_some();
     let value = |given: Option<f64>| given.map(|value| value.to_string());
     let explicit = "only a test that breaks, and an impact, take it";
     for (key, value, has_effect, accepted) in [
