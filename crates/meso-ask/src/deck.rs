@@ -175,8 +175,10 @@ impl DeckAsk {
     fn hint(&self, spec: &Spec, itz: ItzForm) -> Option<String> {
         let [low, high] = spec.itz.thickness_mm;
         (self.mesh.table().itz.is_none() && itz == ItzForm::None && high > 0.0).then(|| {
+            let giver = self.mesh.given.giver();
+            let (cohesive, lattice) = (giver.choice("itz", "cohesive"), giver.choice("method", "lattice"));
             format!(
-                "no ITZ in the mesh: shells of {low} to {high} mm are thinner than its elements. --itz cohesive or --method lattice \
+                "no ITZ in the mesh: shells of {low} to {high} mm are thinner than its elements. {cohesive} or {lattice} \
                  includes them"
             )
         })

@@ -34,6 +34,16 @@ impl Giver<'_> {
         }
     }
 
+    /// A value of the option with this key, as its user types it.
+    pub fn choice(self, key: &str, value: &str) -> String {
+        let option = self.option(key);
+        match self {
+            Self::Flags => format!("{option} {value}"),
+            Self::Keywords | Self::Keyword(_) => format!("{option}=\"{value}\""),
+            Self::Section(_) | Self::Table(_) => format!("{option} = \"{value}\""),
+        }
+    }
+
     /// A refusal in the user's spelling: the option, its value and the accepted range.
     pub fn refusal(self, wrong: &OutOfRange) -> String {
         format!("{} {}", self.option(&wrong.key), wrong.fault())
@@ -53,6 +63,10 @@ mod tests {
         assert_eq!(of(Giver::Keywords), "voxel_size is 0; it must be a positive number");
         assert_eq!(of(Giver::Keyword("effective")), "effective[\"voxel_size\"] is 0; it must be a positive number");
         assert_eq!(Giver::Section("solve").option("duration_s"), "[solve] duration");
+        let choice = |giver: Giver<'_>| giver.choice("method", "lattice");
+        assert_eq!(choice(Giver::Flags), "--method lattice");
+        assert_eq!(choice(Giver::Keywords), "method=\"lattice\"");
+        assert_eq!(choice(Giver::Section("mesh")), "[mesh] method = \"lattice\"");
         assert_eq!(Giver::Table("test").option("duration_s"), "[test] duration_s");
         assert_eq!(of(Giver::Section("effective")), "[effective] voxel_size_mm is 0; it must be a positive number");
     }

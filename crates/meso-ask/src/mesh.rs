@@ -112,17 +112,25 @@ impl MeshAsk {
         let text = error.message(|key| giver.option(key));
         match error {
             MeshError::Option(wrong) => AskError::Usage(giver.refusal(wrong)),
-            MeshError::MissingGmsh { .. } => AskError::Run(match giver {
-                Giver::Keywords | Giver::Keyword(_) => {
-                    format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\"")
-                }
-                _ => format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"),
-            }),
+            MeshError::MissingGmsh { .. } => {
+                let lattice = giver.choice("method", "lattice");
+                AskError::Run(match giver {
+                    Giver::Keywords | Giver::Keyword(_) => {
+                        format!("{text} for this Python or on the PATH, or take {lattice}")
+                    }
+                    _ => {
+                        // A file names no program.
+                        let program = Giver::Flags.option("gmsh");
+                        format!("{text} and put it on the PATH or name it with {program}, or take {lattice}")
+                    }
+                })
+            }
             MeshError::PhaseError { .. } => {
                 AskError::Run(format!("{text}; {} accepts it", giver.option("accept_phase_error")))
             }
             MeshError::NearTouching { .. } => {
-                AskError::Run(format!("{text}; `mesocrete pack --method conforming` leaves such gaps by itself"))
+                let method = giver.choice("method", "conforming");
+                AskError::Run(format!("{text}; a packing that is made with {method} leaves such gaps by itself"))
             }
             _ => AskError::Run(text),
         }

@@ -1,6 +1,6 @@
 //! Figures of a mesh: its size, its phases against the exact ones, its worst elements, and doubts about its deck.
 
-use crate::DeckSettled;
+use crate::{DeckSettled, Giver};
 use meso_core::Model;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, PhaseOff};
@@ -79,9 +79,10 @@ impl MeshFigures {
 const STRICT_PHASE_ERROR: f64 = 0.01;
 
 /// The doubt about a phase that a strict run does not accept.
-pub fn strict_doubt(off: Option<PhaseOff>) -> Option<String> {
+pub fn strict_doubt(off: Option<PhaseOff>, giver: Giver<'_>) -> Option<String> {
     off.filter(|off| off.is_beyond(STRICT_PHASE_ERROR)).map(|off| {
         let (phase, error) = (off.phase.name(), 100.0 * off.error());
-        format!("{phase} has {error:+.1} % of its exact volume, where --strict allows 1 %")
+        let strict = giver.option("strict");
+        format!("{phase} has {error:+.1} % of its exact volume, where {strict} allows 1 %")
     })
 }

@@ -149,10 +149,8 @@ impl MeshStep {
             writeln!(out)
         })?;
         commit(unit)?;
-        if let Some(doubt) = strict_doubt(off).filter(|_| self.strict) {
-            doing.warn(&doubt);
-            let why = "a phase is more than 1 % off its exact volume, which [mesh] strict refuses; mesh.json has it";
-            return Err(AskError::Run(why.to_owned()));
+        if let Some(doubt) = strict_doubt(off, self.ask.mesh.given.giver()).filter(|_| self.strict) {
+            return Err(AskError::Run(format!("{doubt}; mesh.json has all phases")));
         }
         tree(&figures).map(|figures| of_summary(&figures))
     }

@@ -7,7 +7,7 @@ use crate::formats::Named;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_ask::{DeckAsk, DeckSettled, strict_doubt};
+use meso_ask::{DeckAsk, DeckSettled, Giver, strict_doubt};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
@@ -93,7 +93,7 @@ pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> 
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
 fn exit_code(off: Option<PhaseOff>) -> u8 {
-    strict_doubt(off).map_or(0, |doubt| {
+    strict_doubt(off, Giver::Flags).map_or(0, |doubt| {
         stderr::line(format!("warning: {doubt}"));
         SHORT
     })
