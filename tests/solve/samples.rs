@@ -46,7 +46,7 @@ impl Meshed {
     /// Volume of the cells, mm3.
     pub(crate) fn mesh_volume_mm3(&self) -> f64 {
         let volumes = PhaseVolumes::of_mesh(&self.mesh);
-        Phase::ALL.into_iter().map(|phase| volumes.of(phase)).sum()
+        Phase::SOLID.into_iter().map(|phase| volumes.of(phase)).sum()
     }
 
     /// Edge of a cube.

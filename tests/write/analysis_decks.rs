@@ -460,7 +460,7 @@ fn a_mesh_report_has_the_mass_scaling_of_each_phase() {
     let volumes = PhaseVolumes::of_mesh(&mesh);
     let (mut before, mut after) = (0.0, 0.0);
     for (phase, elastic) in [(Phase::Aggregate, materials.aggregate), (Phase::Mortar, materials.mortar)] {
-        let told = scaling.phases.iter().find(|told| told.phase == phase.name()).unwrap();
+        let told = scaling.phases.iter().find(|told| told.phase == phase.set_name()).unwrap();
         let factor = (step * elastic.wave_speed_mm_per_s()).powi(2) * 3.0;
         assert!((told.factor / factor - 1.0).abs() < 1e-9 && told.scaled == 1.0, "{told:?} {factor}");
         let mass = volumes.of(phase) * elastic.density_t_per_mm3;

@@ -74,8 +74,8 @@ pub(crate) fn modulus_of(deck: &str, files: &[(&str, &str)], area: f64) -> Optio
 /// Hashin-Shtrikman bounds of Young's modulus from the mesh's own fractions: Z(z) = (sum f_i / (k_i + z))^-1 - z, with
 /// z from the softest and the stiffest phase; E = 9 K G / (3 K + G).
 pub(crate) fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
-    let fractions = Phase::ALL.map(|phase| volumes.of(phase) / volumes.total());
-    let moduli = Phase::ALL.map(|phase| {
+    let fractions = Phase::SOLID.map(|phase| volumes.of(phase) / volumes.total());
+    let moduli = Phase::SOLID.map(|phase| {
         let elastic = materials.elastic(phase);
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))

@@ -81,7 +81,7 @@ const STRICT_PHASE_ERROR: f64 = 0.01;
 /// The doubt about a phase that a strict run does not accept.
 pub fn strict_doubt(off: Option<PhaseOff>, giver: Giver<'_>) -> Option<String> {
     off.filter(|off| off.is_beyond(STRICT_PHASE_ERROR)).map(|off| {
-        let (phase, error) = (off.phase.name(), 100.0 * off.error());
+        let (phase, error) = (off.phase.set_name(), 100.0 * off.error());
         let strict = giver.option("strict");
         format!("{phase} has {error:+.1} % of its exact volume, where {strict} allows 1 %")
     })

@@ -12,6 +12,7 @@ pub mod import;
 mod out_of_range;
 pub mod parallel;
 mod parts;
+mod phase;
 mod physical_range;
 mod printable;
 mod room;
@@ -23,6 +24,7 @@ pub mod watch;
 
 pub use out_of_range::{OutOfRange, Ranges, exceeds};
 pub use parts::{Parts, mark_caps};
+pub use phase::Phase;
 pub use physical_range::PhysicalRange;
 pub use printable::printable;
 pub use room::Room;

@@ -1,6 +1,7 @@
 //! Elastic constants of the phases.
 
-use crate::surfaces::{ByPhase, Phase};
+use crate::surfaces::ByPhase;
+use meso_concrete::Phase;
 use meso_concrete::{OutOfRange, Ranges};
 use serde::{Deserialize, Serialize};
 

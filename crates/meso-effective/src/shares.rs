@@ -1,6 +1,6 @@
 //! Exact volumes of the phases.
 
-use crate::surfaces::Phase;
+use meso_concrete::Phase;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;

@@ -2,36 +2,9 @@
 
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::parallel;
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{Phase, parallel};
 use serde::{Deserialize, Serialize};
-
-/// A phase of concrete.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Phase {
-    Mortar,
-    Itz,
-    Aggregate,
-    Void,
-    Fibre,
-}
-
-impl Phase {
-    pub(crate) const ALL: [Self; 5] = [Self::Mortar, Self::Itz, Self::Aggregate, Self::Void, Self::Fibre];
-
-    /// Phase of a body within its ITZ.
-    pub(crate) fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::Aggregate => Self::Aggregate,
-            Kind::Void => Self::Void,
-            Kind::Fibre => Self::Fibre,
-        }
-    }
-
-    pub(crate) fn name(self) -> &'static str {
-        ["mortar", "itz", "aggregate", "void", "fibre"][self as usize]
-    }
-}
 
 /// A value for each phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -61,7 +61,7 @@ impl PhaseOff {
     /// that is no number is the farthest of all.
     pub fn between(meshed: &PhaseVolumes, exact: &PhaseVolumes, whole: f64) -> Option<Self> {
         let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
-        let wanted = Phase::ALL.into_iter().map(off).filter(|off| exceeds(off.exact, 0.0));
+        let wanted = Phase::SOLID.into_iter().map(off).filter(|off| exceeds(off.exact, 0.0));
         wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
     }
 
@@ -99,7 +99,7 @@ impl PhaseOff {
 fn ways_out(phase: Phase, options: &MeshOptions, are_faceted: bool) -> Ways {
     let (before, after) = match phase {
         Phase::Fibre => ("an ", " of at most half the fibres' diameter"),
-        Phase::Aggregate | Phase::Itz | Phase::Mortar => ("a smaller ", ""),
+        _ => ("a smaller ", ""),
     };
     let method = match (options.method.name(), are_faceted) {
         (MethodName::Voxel, true) => Some("the method lattice or conforming"),

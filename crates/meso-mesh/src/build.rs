@@ -152,7 +152,7 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
     let bodies = images.all.as_slice();
     let inside = |&owner: &u32| match owner {
         NO_BODY => Phase::Mortar,
-        owner => Phase::inside(bodies[owner as usize].kind),
+        owner => Phase::of(bodies[owner as usize].kind),
     };
     let mut phase: Vec<Phase> = mesh.owner.iter().map(inside).collect();
     if options.itz == ItzForm::Solid {

@@ -43,7 +43,7 @@ impl Facets {
         let planes: Vec<Plane> = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
         let eights = EightPlanes::all(&planes);
         let dents = (!a.body.is_convex()).then(|| a.body.skin(shell));
-        Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, eights, dents, round, shell }
+        Self { phase: Phase::of(a.kind), aabb: a.body.aabb(), planes, eights, dents, round, shell }
     }
 
     /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 
 const KINDS: [CellKind; 3] = [CellKind::Tetrahedron, CellKind::QuadraticTetrahedron, CellKind::Hexahedron];
-const PHASES: [Phase; 4] = Phase::ALL;
+const PHASES: [Phase; 4] = Phase::SOLID;
 
 /// Error of a pickle that holds nothing of ours.
 pub(crate) fn damaged(what: &str) -> PyErr {

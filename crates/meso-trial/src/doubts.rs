@@ -24,7 +24,7 @@ impl Sample<'_> {
     pub fn flags(&self) -> Vec<String> {
         let coarse = self.phase_off().filter(|off| off.is_beyond(PhaseOff::ACCEPTED));
         let coarse = coarse.map(|off| {
-            let (phase, percent) = (off.phase.name().to_ascii_lowercase(), 100.0 * off.error());
+            let (phase, percent) = (off.phase.name(), 100.0 * off.error());
             format!("mesh too coarse: {phase} {percent:+.0} %")
         });
         let joined = (self.joined_pairs() > 0).then(|| "aggregates joined".to_owned());

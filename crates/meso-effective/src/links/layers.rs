@@ -1,9 +1,10 @@
 //! Surfaces of bodies with the values on both sides.
 
 use crate::phases::PhaseValues;
-use crate::surfaces::{Phase, Surface};
+use crate::surfaces::Surface;
 use meso_collision::geometry::{Plane, Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::Phase;
 use meso_concrete::aggregate::Aggregate;
 
 /// A region whose surface separates two phases.

@@ -9,8 +9,8 @@
 
 use super::domain::Domain;
 use crate::error::EffectiveError;
-use crate::surfaces::Phase;
 use meso_collision::math::Vec3;
+use meso_concrete::Phase;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::Watch;

@@ -4,8 +4,9 @@
 //! node has cells or cohesive elements.
 
 use super::images::{ImageClasses, NodeImage, images, positions};
-use super::mesh::{Mesh, NO_BODY, Phase};
+use super::mesh::{Mesh, NO_BODY};
 use super::sides::Sides;
+use meso_concrete::Phase;
 
 /// The owner of a node that no cell has, while it is not known.
 const NOBODY: u32 = u32::MAX - 1;

@@ -2,55 +2,7 @@
 
 use super::notes::Notes;
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::Kind;
-use meso_concrete::parallel;
-
-/// The material a cell is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u8)]
-pub enum Phase {
-    /// The matrix.
-    Mortar = 0,
-    /// The shell between an aggregate's outer and inner surface.
-    Itz = 1,
-    /// The inside of an aggregate.
-    Aggregate = 2,
-    /// A fibre. Surfaces of voids have the number 3 in a file; meshes have no cells there.
-    Fibre = 4,
-}
-
-impl Phase {
-    /// All phases, in the order decks list them.
-    pub const ALL: [Self; 4] = [Self::Aggregate, Self::Itz, Self::Mortar, Self::Fibre];
-
-    /// The body inside its ITZ; cells of voids are left out before a mesh is returned.
-    pub(crate) fn inside(kind: Kind) -> Self {
-        match kind {
-            Kind::Aggregate | Kind::Void => Self::Aggregate,
-            Kind::Fibre => Self::Fibre,
-        }
-    }
-
-    /// Its name in messages.
-    pub(crate) fn in_words(self) -> &'static str {
-        match self {
-            Self::Mortar => "mortar",
-            Self::Itz => "ITZ",
-            Self::Aggregate => "phase of the aggregates",
-            Self::Fibre => "phase of the fibres",
-        }
-    }
-
-    /// The name of its element set and of its material.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mortar => "MORTAR",
-            Self::Itz => "ITZ",
-            Self::Aggregate => "AGGREGATE",
-            Self::Fibre => "FIBRE",
-        }
-    }
-}
+use meso_concrete::{Phase, parallel};
 
 /// The shape of a mesh's cells, with the numbering of their nodes.
 ///

@@ -45,7 +45,7 @@ impl MassScaling {
     pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
         let materials = materials.in_mesh(mesh);
         let cells = Sums::of_cells(mesh, &materials, time_step_s);
-        let solid = Phase::ALL.map(|phase| cells[phase as usize].named(phase));
+        let solid = Phase::SOLID.map(|phase| cells[phase as usize].named(phase));
         let joints = Sums::of_cohesive(mesh, &materials, time_step_s).named(Phase::Itz);
         let phases: Vec<PhaseScaling> = solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
         let mass = |with: fn(&PhaseScaling) -> f64| phases.iter().map(|phase| phase.mass_t * with(phase)).sum::<f64>();
@@ -130,7 +130,7 @@ impl Sums {
 
     fn named(&self, phase: Phase) -> PhaseScaling {
         PhaseScaling {
-            phase: phase.name(),
+            phase: phase.set_name(),
             elements: self.elements,
             scaled: self.scaled as f64 / self.elements as f64,
             factor: self.scaled_mass / self.mass,

@@ -59,6 +59,7 @@ impl PhaseVolumes {
             Phase::Mortar => self.mortar,
             Phase::Itz => self.itz,
             Phase::Aggregate => self.aggregate,
+            Phase::Void => 0.0,
             Phase::Fibre => self.fibre,
         }
     }

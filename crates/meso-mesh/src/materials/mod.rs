@@ -277,7 +277,8 @@ impl Materials {
         match phase {
             Phase::Mortar => &self.mortar,
             Phase::Itz => &self.itz,
-            Phase::Aggregate => &self.aggregate,
+            // No cell is a void.
+            Phase::Aggregate | Phase::Void => &self.aggregate,
             Phase::Fibre => &self.fibre,
         }
     }
@@ -285,7 +286,7 @@ impl Materials {
     /// The strength of `phase` as `law` has it; aggregates and fibres have none, those of [`Stone`] are the test's own.
     pub fn strength(&self, phase: Phase, law: LawName) -> Option<Strength> {
         match phase {
-            Phase::Aggregate | Phase::Fibre => None,
+            Phase::Aggregate | Phase::Void | Phase::Fibre => None,
             Phase::Mortar => Some(self.mortar_strength.of(law)),
             Phase::Itz => Some(self.itz_strength(law)),
         }

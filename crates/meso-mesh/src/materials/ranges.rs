@@ -39,7 +39,7 @@ impl Materials {
     /// # Errors
     /// Names the first value outside its range.
     pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
-        Phase::ALL.into_iter().try_for_each(|phase| elastic(&phase.name().to_ascii_lowercase(), self.elastic(phase)))
+        Phase::SOLID.into_iter().try_for_each(|phase| elastic(phase.name(), self.elastic(phase)))
     }
 
     /// Checks the strengths and energies of the mortar, and the ITZ's share of them.
@@ -72,7 +72,7 @@ impl Materials {
         let least = PEAK_OVER_ELASTIC * compressive_mpa / modulus;
         let accepted = || {
             let elastic = format!("its strength of {compressive_mpa} MPa over its modulus of {modulus} MPa");
-            format!("{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}", phase.name())
+            format!("{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}", phase.set_name())
         };
         MATERIALS.require("mortar_strength.peak_strain", peak_strain, peak_strain >= least, accepted())
     }

@@ -206,7 +206,7 @@ impl Response {
             strains_at_end: strains_at_end(run),
             broken_stone: broken_stone(run),
             phase_error: off.map(|off| off.error()),
-            phase_error_of: off.map(|off| off.phase.name().to_ascii_lowercase()),
+            phase_error_of: off.map(|off| off.phase.name().to_owned()),
             flags: run.sample.flags(),
             ended,
             warnings: run.sample.doubts(),
@@ -295,7 +295,7 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
         let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
         let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
         PhaseResult {
-            name: phase.name().to_ascii_lowercase(),
+            name: phase.name().to_owned(),
             volume_fraction: volumes.of(phase) / run.sample.volume_mm3,
             exact_fraction: run.sample.exact.map(exact),
             dissipated_mj: groups.map(|group| group.dissipated).sum(),
@@ -307,7 +307,7 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
     let is_there = |&phase: &Phase| {
         run.sample.mesh.phase.contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces)
     };
-    Phase::ALL.into_iter().filter(is_there).map(result).collect()
+    Phase::SOLID.into_iter().filter(is_there).map(result).collect()
 }
 
 /// Whether the dissipated energy fell by more than the balance allows: a law gave energy back.
@@ -515,9 +515,9 @@ impl Summary {
                  compressive_mpa"
             ));
         }
-        for phase in Phase::ALL {
+        for phase in Phase::SOLID {
             let (width, limits) = (run.outline.widest_mm[phase as usize], run.common.widest_mm(phase));
-            let name = phase.name().to_ascii_lowercase();
+            let name = phase.name();
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {
                     self.warnings.push(format!(

@@ -10,7 +10,7 @@ use meso_mesh::{Mesh, Phase};
 use serde::{Deserialize, Serialize};
 
 /// Numbers of phases, one beyond the largest; 3 is no phase of a mesh.
-pub const PHASES: usize = 5;
+pub const PHASES: usize = Phase::ALL.len();
 /// Number of strains: one for each phase, then one for each phase below the layer at the surface.
 pub const STRAINS: usize = 2 * PHASES;
 
@@ -189,7 +189,6 @@ fn through(rows: &[[f64; 2]], x: f64) -> f64 {
 
 /// Courses by the numbers of phases, as they were given; 3 is no phase of a mesh.
 type Zone<'a> = [Option<&'a Course>; PHASES];
-const PHASE_KEYS: [&str; PHASES] = ["mortar", "itz", "aggregate", "", "fibre"];
 
 impl Expansion {
     /// Courses in the layer or the whole specimen, then below the layer.
@@ -274,7 +273,7 @@ impl Expansion {
             for phase in [Phase::Itz, Phase::Fibre] {
                 let (number, has) = (phase as usize, mesh.phase.contains(&phase));
                 let strains = zone[number].and_then(Course::words).filter(|_| !has);
-                let (key, why) = (PHASE_KEYS[number], "the mesh has no element of that phase; leave it out");
+                let (key, why) = (Phase::ALL[number].name(), "the mesh has no element of that phase; leave it out");
                 strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
             }
         }
@@ -285,7 +284,7 @@ impl Expansion {
     pub fn words(&self) -> String {
         let [own, below] = self.zones().map(|zone| {
             let part = |(phase, course): (&str, Option<&Course>)| Some(format!("{phase} {}", course?.words()?));
-            PHASE_KEYS.into_iter().zip(zone).filter_map(part).collect::<Vec<_>>().join(", ")
+            Phase::ALL.into_iter().map(Phase::name).zip(zone).filter_map(part).collect::<Vec<_>>().join(", ")
         });
         let layer = self.layer_mm.map(|depth| format!(" in a layer of {depth} mm")).unwrap_or_default();
         let own = (!own.is_empty()).then_some(own + &layer);

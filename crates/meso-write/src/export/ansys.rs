@@ -35,7 +35,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
         component(&mut lines, name, "NODE", sides.members(bit).map(|node| u64::from(node) + 1))?;
     }
     for phase in present(mesh) {
-        component(&mut lines, phase.name(), "ELEM", of_phase(mesh, phase))?;
+        component(&mut lines, phase.set_name(), "ELEM", of_phase(mesh, phase))?;
     }
     lines.line("FINISH")?;
     lines.finish()

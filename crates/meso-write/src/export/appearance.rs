@@ -19,18 +19,12 @@ pub const CLASSES: [[u8; 3]; 6] = [
     [0x8f, 0xb8, 0xb0],
     [0xb3, 0x9d, 0xdb],
 ];
-/// The phase of voids, which meshes do not have.
-pub(crate) const VOID: u8 = 3;
 /// The mortar's name and colour.
 pub(super) const MORTAR: (&str, [u8; 3]) = ("mortar", PALETTE[0]);
 
 /// The number in the field `phase` and the label of voxels inside a body: 2 aggregate, 3 void, 4 fibre.
 pub(crate) fn phase(kind: Kind) -> u8 {
-    match kind {
-        Kind::Aggregate => Phase::Aggregate as u8,
-        Kind::Void => VOID,
-        Kind::Fibre => Phase::Fibre as u8,
-    }
+    Phase::of(kind) as u8
 }
 
 /// The name of a body. Images of an aggregate share it.

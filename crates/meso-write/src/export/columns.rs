@@ -6,12 +6,7 @@ use std::io::Write;
 
 /// Number of a phase's part, section and material.
 pub(super) fn part(phase: Phase) -> u64 {
-    match phase {
-        Phase::Aggregate => 1,
-        Phase::Itz => 2,
-        Phase::Mortar => 3,
-        Phase::Fibre => 4,
-    }
+    Phase::SOLID.into_iter().zip(1..).find(|(solid, _)| *solid == phase).map_or(0, |(_, part)| part)
 }
 
 /// Places of an element's nodes on a card; a wedge of 6 repeats the third node of either face.
@@ -22,7 +17,7 @@ pub(super) fn places(nodes: usize) -> &'static [usize] {
 /// Phases that a mesh has, cohesive elements as ITZ.
 pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
     let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();
-    Phase::ALL.into_iter().filter(has)
+    Phase::SOLID.into_iter().filter(has)
 }
 
 impl<W: Write> Lines<W> {

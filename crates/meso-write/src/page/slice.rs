@@ -1,6 +1,6 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
-use crate::export::appearance::{CLASSES, PALETTE, VOID, fill};
+use crate::export::appearance::{CLASSES, PALETTE, fill};
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
@@ -47,7 +47,7 @@ pub(super) fn class_style(colour: impl Fn(usize) -> [u8; 3]) -> String {
 
 /// Styles of voids and fibres.
 pub(super) fn inclusion_style() -> String {
-    fill("vo", PALETTE[usize::from(VOID)]) + &fill("fi", PALETTE[Phase::Fibre as usize])
+    fill("vo", PALETTE[Phase::Void as usize]) + &fill("fi", PALETTE[Phase::Fibre as usize])
 }
 
 /// One section across `axis` at `at` mm, as a file of its own.

@@ -101,12 +101,12 @@ impl MeshReport {
                 Phase::Itz if self.0.smeared => 0.0,
                 phase => of_specimen(meshed, phase),
             };
-            (phase.name().to_lowercase(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, *phase))])
+            (phase.name().to_owned(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, *phase))])
         };
         let is_there = |(_, [share, wanted]): &(String, [f64; 2])| *share > 0.0 || *wanted > 0.0;
         let voids = self.0.voids_mm3.map(|volumes| volumes.map(|volume| volume / self.0.specimen_volume_mm3));
         let voids = voids.map(|shares| ("void".to_owned(), shares));
-        Phase::ALL.iter().map(share).filter(is_there).chain(voids).collect()
+        Phase::SOLID.iter().map(share).filter(is_there).chain(voids).collect()
     }
 
     /// A row for each phase.

@@ -91,7 +91,7 @@ pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Resul
     let given = materials.mortar_strength.of(LAW).fracture_energy_n_per_mm;
     let share = opening * strength.fracture_energy_n_per_mm / given;
     let least = 0.8 * ft * ft / e / share;
-    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phase.name());
+    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phase.set_name());
     MATERIALS.require("mortar_strength.fracture_energy_n_per_mm", given, given >= least, accepted).map_err(in_deck)
 }
 

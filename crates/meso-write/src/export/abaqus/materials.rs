@@ -17,7 +17,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     let materials = &options.materials.in_mesh(mesh);
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
-        elastic(lines, phase.name(), materials.elastic(phase))?;
+        elastic(lines, phase.set_name(), materials.elastic(phase))?;
         if let Some(strains) = options.loads.as_ref().and_then(|loads| loads.strains) {
             lines.line("*EXPANSION, ZERO=0.0")?;
             lines.line(format!("{},", real(strains[phase as usize])))?;
@@ -30,7 +30,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
         cohesive(lines, materials, options.damages())?;
     }
     for phase in present(mesh) {
-        lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.name()))?;
+        lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.set_name()))?;
     }
     if mesh.cohesive.is_empty() {
         return Ok(());

@@ -38,7 +38,7 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
 }
 
 fn element_output(lines: &mut Lines<impl Write>, phase: Phase, variables: &str) -> io::Result<()> {
-    lines.line(format!("*ELEMENT OUTPUT, ELSET={}", phase.name()))?;
+    lines.line(format!("*ELEMENT OUTPUT, ELSET={}", phase.set_name()))?;
     lines.line(variables)
 }
 

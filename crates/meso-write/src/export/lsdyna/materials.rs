@@ -38,7 +38,7 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
         if strength < low || strength > high {
             let accepted = format!(
                 "*MAT_159 generates parameters for {low} to {high} MPa, and {} has {strength} MPa; take cdpm or rel3",
-                phase.name()
+                phase.set_name()
             );
             return Err(DECK.error("lsdyna_law", "cscm", accepted));
         }
@@ -56,7 +56,7 @@ pub(super) fn write(
     let materials = options.materials.in_mesh(mesh);
     let is_solid = |phase: Phase| phase != Phase::Itz || mesh.cohesive.is_empty();
     for phase in present(mesh) {
-        one_part(cards, phase.name(), part(phase))?;
+        one_part(cards, phase.set_name(), part(phase))?;
         let own = if is_solid(phase) { formulation(mesh.kind, options.reduced_integration) } else { joint(mesh.kind) };
         section(cards, part(phase), own)?;
         match materials.strength(phase, LAW).filter(|_| options.has_curves()) {
