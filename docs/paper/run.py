@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the compression tests of docs/paper.md, one folder a case, and draws them.
+"""Runs the compression tests of docs/measured/paper.md, one folder a case, and draws them.
 
     cargo build --release && python3 docs/paper/run.py OUT             everything at the paper's size: a night on two cores, 30 GB
     python3 docs/paper/run.py OUT --small                              50 mm cubes: less than two hours

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the tests of docs/validation.md with one set of parameters, one folder a case, and judges them.
+"""Runs the tests of docs/measured/validation.md with one set of parameters, one folder a case, and judges them.
 
     cargo build --release && python3 docs/validation/run.py OUT             everything: a night on two cores
     python3 docs/validation/run.py OUT --jobs 4 --seconds 300               what five minutes give, the most important first

@@ -48,7 +48,7 @@ fn scaled(points: &[Vec3], power: i32) -> Points {
     points.iter().map(|p| p.map(|x| libm::scalbn(x, power))).collect()
 }
 
-/// The longest distance from the first point, as docs/accuracy.md measures a pair.
+/// The longest distance from the first point, as docs/measured/accuracy.md measures a pair.
 fn size(a: &[Vec3], b: &[Vec3]) -> f64 {
     a.iter().chain(b).map(|p| (p - a[0]).norm()).fold(0.0, f64::max)
 }

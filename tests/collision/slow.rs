@@ -1,5 +1,5 @@
 //! The slow tier: `cargo test --release -p meso-collision --test collision -- --ignored slow`. It takes a million pairs;
-//! `PAIRS=10000000` before the command takes as many as `docs/accuracy.md` tells of.
+//! `PAIRS=10000000` before the command takes as many as `docs/measured/accuracy.md` tells of.
 
 use super::dice::Dice;
 use super::families;

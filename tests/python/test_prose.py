@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "measured").glob("*.md")])
 PAGES = sorted((ROOT / "site" / "pages").glob("*.md"))
 GALLERY = sorted((ROOT / "site" / "gallery").glob("*.py"))
 # Further texts for users: of crates, of the benchmark, of data, of the paper.

@@ -110,7 +110,7 @@ def test_a_page_becomes_a_notebook_of_the_same_code():
 
 def test_every_page_is_in_the_navigation():
     config = (ROOT / "site" / "mkdocs.yml").read_text(encoding="utf-8")
-    pages = {path.name for folder in ("docs", "site/pages") for path in (ROOT / folder).glob("*.md")}
+    pages = {path.name for folder in ("docs", "docs/measured", "site/pages") for path in (ROOT / folder).glob("*.md")}
     pages |= {"benchmark.md", *builder().ROOT_PAGES.values()}
     assert pages == set(re.findall(r"[\w-]+\.md", config))
     assert "# GALLERY" in config and "# REFERENCE" in config, "the pages that are written have their places"

@@ -158,7 +158,7 @@ pub(crate) fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     Ok(std::fs::read(folder.path().join("volumes.msh")).unwrap())
 }
 
-/// Keywords of the explicit decks that CalculiX 2.20 cannot read; docs/decks-measured.md lists them, too.
+/// Keywords of the explicit decks that CalculiX 2.20 cannot read; docs/measured/decks-measured.md lists them, too.
 const UNKNOWN_TO_CALCULIX: [&str; 15] = [
     "*COHESIVESECTION",
     "*CONCRETECOMPRESSIONDAMAGE",

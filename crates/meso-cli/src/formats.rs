@@ -68,3 +68,30 @@ macro_rules! formats {
 formats!(Format, Json, "format");
 formats!(MeshFormat, Inp, "mesh format");
 formats!(ImageFormat, Npy, "image format");
+
+/// Content of an output of `mesocrete pack`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Content {
+    Packing(Format),
+    Mesh(MeshFormat),
+    /// Pictures and figures.
+    Page,
+}
+
+impl Formats for Content {
+    const STREAM: Self = Self::Packing(Format::Json);
+    const KIND: &'static str = "format";
+
+    fn of(path: &Path) -> Option<Self> {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+            return Some(Self::Page);
+        }
+        let packing = Format::from_path(path).map(Self::Packing);
+        packing.or_else(|| MeshFormat::from_path(path).map(Self::Mesh))
+    }
+
+    fn known() -> Vec<&'static str> {
+        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
+        Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect()
+    }
+}

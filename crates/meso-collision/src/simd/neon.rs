@@ -18,7 +18,7 @@ impl Neon {
 impl Simd for Neon {
     type F32 = F32x4;
     type F64 = F64x2;
-    // By instructions under qemu, many pairs in lockstep take more than one by one: docs/accuracy.md.
+    // By instructions under qemu, many pairs in lockstep take more than one by one: docs/measured/accuracy.md.
     const LOCKSTEP_PAYS: bool = false;
 
     #[inline(always)]

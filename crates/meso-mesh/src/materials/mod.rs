@@ -1,7 +1,7 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
 //! The defaults are chosen for the paper's concrete of 35 MPa: they are nobody's measured values, and the method paper's own
-//! Table 3 is not available. docs/materials.md has the source of each, docs/validation.md the tests that they meet. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
+//! Table 3 is not available. docs/materials.md has the source of each, docs/measured/validation.md the tests that they meet. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
 mod cdpm2;
@@ -151,7 +151,7 @@ impl Default for Materials {
 impl Default for Plasticity {
     /// Abaqus' own defaults but for a little viscosity, the dilation angle and K_c. Tests of one point have 0.64 to 0.80
     /// (Lubliner et al. 1989): mortar of such a K_c, or that dilates by 30 degrees, confines itself between stiff grains, and
-    /// specimens do not soften as tests do (docs/validation.md).
+    /// specimens do not soften as tests do (docs/measured/validation.md).
     fn default() -> Self {
         Self {
             dilation_angle_deg: 15.0,

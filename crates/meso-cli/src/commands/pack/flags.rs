@@ -1,10 +1,9 @@
 //! Flags of `mesocrete pack`.
 
-use super::plan::Content;
 use crate::commands::meshing::Meshing;
 use crate::commands::names;
 use crate::commands::shared::{Threads, Writing};
-use crate::formats::Named;
+use crate::formats::{Content, Named};
 use meso_ask::{Given, Over};
 use meso_core::images::Images;
 use std::path::PathBuf;

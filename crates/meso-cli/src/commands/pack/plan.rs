@@ -3,7 +3,7 @@
 use super::flags::Args;
 use crate::commands::mesh;
 use crate::failure::Failure;
-use crate::formats::{Formats, Named};
+use crate::formats::{Content, Named};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use meso_ask::DeckAsk;
@@ -15,33 +15,6 @@ use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, page};
 use std::path::{Path, PathBuf};
-
-/// Content of one output.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Content {
-    Packing(Format),
-    Mesh(MeshFormat),
-    /// Pictures and figures.
-    Page,
-}
-
-impl Formats for Content {
-    const STREAM: Self = Self::Packing(Format::Json);
-    const KIND: &'static str = "format";
-
-    fn of(path: &Path) -> Option<Self> {
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
-            return Some(Self::Page);
-        }
-        let packing = Format::from_path(path).map(Self::Packing);
-        packing.or_else(|| MeshFormat::from_path(path).map(Self::Mesh))
-    }
-
-    fn known() -> Vec<&'static str> {
-        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
-        Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect()
-    }
-}
 
 impl Args {
     /// The files to write, or the usual ones.
