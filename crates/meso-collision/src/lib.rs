@@ -16,6 +16,8 @@ pub mod prefetch;
 pub mod round_bodies;
 #[doc(hidden)]
 pub mod simd;
+#[doc(hidden)]
+pub mod stop;
 
 #[cfg(test)]
 mod random;

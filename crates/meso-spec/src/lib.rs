@@ -33,6 +33,7 @@ pub use mix_design::MixDesign;
 
 use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Watch};
 use meso_place::Placement;
 use serde::{Deserialize, Serialize};
@@ -189,12 +190,15 @@ impl Spec {
             reading.watch.target(fraction);
         }
         let table = sieves::inline(&mut tree, reading.files)?;
-        library::inline(&mut tree, &mut reading)?;
-        surface::inline(&mut tree, &mut reading)?;
+        let limit = library::inline(&mut tree, &mut reading)?;
+        let (to_read, watch) = (library::Limit::of(&tree, reading.time_limit_s), reading.watch);
+        stop::until(to_read.waiting(watch), || surface::inline(&mut tree, &mut reading))
+            .map_err(|_| to_read.late("the specimen's surface was read", "a reduced surface"))??;
         let is_given = |table: &str, key: &str| tree.child(table).is_some_and(|table| table.child(key).is_some());
         let (vertices_given, size_given) = (is_given("shape", "vertices"), is_given("grading", "size"));
         let mix = mix_design::take(&mut tree)?;
-        let mut spec: Self = read::read(&tree)?;
+        let mut spec: Self = stop::until(limit.waiting(reading.watch), || read::read(&tree))
+            .map_err(|_| limit.late("the library's grains were proved", library::GRAINS))??;
         if spec.grading.classes_mm.is_empty() {
             spec.grading.classes_mm = spec.grading.usual_classes();
         }

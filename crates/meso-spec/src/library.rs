@@ -13,7 +13,8 @@ use meso_concrete::import;
 use meso_concrete::import::harmonics::{self, Harmonics};
 use meso_concrete::import::polygon::Polygons;
 use meso_concrete::short;
-use meso_concrete::watch::Waiting;
+use meso_concrete::stop::{self, Late};
+use meso_concrete::watch::{Waiting, Watch};
 use serde::Deserialize;
 use std::fmt;
 
@@ -39,17 +40,15 @@ const ROUND: &str = "it is a ball or an ellipsoid, saved as the ends of its axes
                      STL and name that file, or set shape.kind to \"sphere\" or \"ellipsoid\"";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold. With `shape.hull` each is the
-/// convex hull of its body. With the kind `harmonics` the files hold coefficients.
+/// convex hull of its body. With the kind `harmonics` the files hold coefficients. The time limit counts for grains of files,
+/// which are not proved yet, and is returned for them.
 ///
 /// # Errors
 /// Names the key, the file and the fault; an error [is late](SpecError::is_late) where the time limit was over before all
 /// grains were read.
-pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), SpecError> {
-    let (limit_s, limit_line) = match reading.time_limit_s {
-        Some(limit) => (Some(limit), None),
-        None => own_limit(tree),
-    };
-    let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
+pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<Limit, SpecError> {
+    let limit = Limit::of(tree, reading.time_limit_s);
+    let Some(shape) = tree.child_mut("shape") else { return Ok(Limit::NONE) };
     let hull = shape.take("hull").map(|(_, node)| node);
     let is_harmonic = shape.child("kind").is_some_and(|kind| kind.value == Value::Text(HARMONICS.to_owned()));
     let is_library = !is_harmonic && (shape.child("library").is_some() || shape.child("path").is_some());
@@ -70,7 +69,7 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
     let Some((key, Node { value, line })) = library else {
         let message = "counts only for a library, the grains of a file; leave it out";
         let unused = |node: Node| Err(SpecError { line: node.line, ..SpecError::value(HULL, message) });
-        return if is_harmonic { Err(SpecError::value(PATH, NO_FOLDER)) } else { hull.map_or(Ok(()), unused) };
+        return if is_harmonic { Err(SpecError::value(PATH, NO_FOLDER)) } else { hull.map_or(Ok(Limit::NONE), unused) };
     };
     let key = if key == "path" { PATH } else { KEY };
     let takes_hull = match hull {
@@ -86,17 +85,11 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
         return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(key, message) });
     };
     let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
-    let deadline = limit_s.map_or(f64::INFINITY, |limit| reading.watch.began() + limit);
-    let waiting = Waiting { watch: reading.watch, deadline };
-    let mut reader = Reader { files: &mut *reading.files, takes_hull, form, tolerance, waiting, is_late: false };
-    let grains = reader.grains(&name).map_err(|reason| {
-        if reader.is_late {
-            let limit = number(limit_s.unwrap_or(f64::INFINITY));
-            let message = format!("is {limit}, which was over while {key} {name:?} was read: {reason}");
-            return SpecError { is_late: true, line: limit_line, ..SpecError::value(TIME_LIMIT, message) };
-        }
-        SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) }
-    })?;
+    let mut reader = Reader { files: &mut *reading.files, takes_hull, form, tolerance };
+    let late = |Late| limit.late(&format!("{key} {name:?} was read"), GRAINS);
+    let grains = stop::until(limit.waiting(reading.watch), || reader.grains(&name)).map_err(late)?;
+    let named = |reason| SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) };
+    let grains = grains.map_err(named)?;
     let kind = if is_harmonic { None } else { shape.take("kind") };
     shape.take("kind");
     if let Value::Table(entries) = &mut shape.value {
@@ -104,18 +97,50 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
         entries.push(("grains".to_owned(), node(Value::Array(grains.collect()), line)));
         entries.push(kind.unwrap_or_else(|| ("kind".to_owned(), node(Value::Text("library".to_owned()), line))));
     }
-    Ok(())
+    Ok(limit)
 }
 
-/// The time limit of the spec itself, where it is a number, and its line.
-fn own_limit(tree: &Node) -> (Option<f64>, Option<usize>) {
-    let given = tree.child("placement").and_then(|placement| placement.child("time_limit_s"));
-    let limit = given.and_then(|given| match given.value {
-        Value::Integer(n) => Some(n as f64),
-        Value::Float(x) => Some(x),
-        _ => None,
-    });
-    (limit, given.and_then(|given| given.line))
+/// What saves the time that grains of files take.
+pub(super) const GRAINS: &str = "reduced grains";
+
+/// The time limit of a reading.
+#[derive(Clone, Copy)]
+pub(super) struct Limit {
+    seconds: Option<f64>,
+    /// Its line, where it is the spec's own.
+    line: Option<usize>,
+}
+
+impl Limit {
+    const NONE: Self = Self { seconds: None, line: None };
+
+    /// The one that is given, or the spec's own where that is a number.
+    pub(super) fn of(tree: &Node, given: Option<f64>) -> Self {
+        if given.is_some() {
+            return Self { seconds: given, line: None };
+        }
+        let own = tree.child("placement").and_then(|placement| placement.child("time_limit_s"));
+        let seconds = own.and_then(|own| match own.value {
+            Value::Integer(n) => Some(n as f64),
+            Value::Float(x) => Some(x),
+            _ => None,
+        });
+        Self { seconds, line: own.and_then(|own| own.line) }
+    }
+
+    /// The wait that it allows for.
+    pub(super) fn waiting(self, watch: &dyn Watch) -> Waiting<'_> {
+        Waiting { watch, deadline: self.seconds.map_or(f64::INFINITY, |limit| watch.began() + limit) }
+    }
+
+    /// The error of a limit that was over while something was done.
+    pub(super) fn late(self, done: &str, reduced: &str) -> SpecError {
+        let limit = number(self.seconds.unwrap_or(f64::INFINITY));
+        let message = format!(
+            "is {limit}, which was over while {done}: no time was left for it; raise the limit, or save {reduced} first"
+        );
+        SpecError { is_late: true, line: self.line, ..SpecError::value(TIME_LIMIT, message) }
+    }
 }
 
 /// Takes the distance that a surface may be reduced to, as a share of its length.
@@ -244,9 +269,6 @@ struct Reader<'a> {
     form: Form,
     /// Share of its length within which a surface is reduced; absent: scans alone.
     tolerance: Option<f64>,
-    waiting: Waiting<'a>,
-    /// Whether the time was over before the last grain.
-    is_late: bool,
 }
 
 impl Reader<'_> {
@@ -496,10 +518,7 @@ impl Reader<'_> {
 
     /// A closed surface, in fewer triangles where it has many; the hull of a convex one, or of any where hulls are taken.
     fn grain(&mut self, place: Place<'_>, surface: TriangleMesh) -> Result<Inlined, String> {
-        if self.waiting.watch.seconds() >= self.waiting.deadline {
-            self.is_late = true;
-            return Err("no time was left for it; raise the limit, or save reduced grains first".to_owned());
-        }
+        stop::point();
         let hull = surface.hull().map_err(|error| error.to_string())?;
         if self.takes_hull {
             return self.hull(place, &hull, surface.triangles.len());

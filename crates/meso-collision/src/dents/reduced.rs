@@ -9,6 +9,7 @@
 use super::SelfCrossing;
 use crate::geometry::{TriangleMesh, Triangles};
 use crate::math::{Aabb, Mat3, Vec3};
+use crate::stop;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -93,6 +94,7 @@ impl<'a> Proof<'a> {
     }
 
     fn holds(&mut self, triangle: &[Vec3; 3], divisions: u32) -> bool {
+        stop::point();
         let [a, b, c] = triangle;
         let middle = (a + b + c) / 3.0;
         let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
@@ -266,6 +268,7 @@ impl Reduction {
         while let Some(&Reverse((error, a, b, changes))) = self.queue.peek()
             && f64::from_bits(error) <= enough
         {
+            stop::point();
             self.queue.pop();
             if changes == self.changes_of(a, b) {
                 self.collapse(a, b, most);

@@ -4,6 +4,7 @@ use super::closed::{is_beside, seen};
 use crate::geometry::{TriangleMesh, Triangles};
 use crate::gjk;
 use crate::math::Vec3;
+use crate::stop;
 use robust::orient2d;
 
 /// A surface whose triangles are compared with each other.
@@ -23,6 +24,7 @@ impl SelfCrossing<'_> {
 
     /// The triangle `a` and the first one after it that crosses it, if there is one.
     pub fn of(&self, a: u32) -> Option<[[Vec3; 3]; 2]> {
+        stop::point();
         let crosses = |&b: &u32| b > a && self.cross(a, b);
         self.facets.around(a).filter(crosses).min().map(|b| [a, b].map(|t| *self.facets.of(t)))
     }

@@ -6,6 +6,7 @@
 
 use crate::geometry::{Polyhedron, Triangles};
 use crate::math::{Aabb, Vec3};
+use crate::stop;
 use std::collections::BTreeMap;
 
 /// The skin goes on beyond a rim by so many thicknesses of the shell. It decides on depths where it meets the cap at 14 degrees
@@ -171,6 +172,7 @@ impl Skin {
     /// From `x` to the skin, mm: positive inside, negative outside. A point beyond a cap is as deep as the nearest point of
     /// the cap's plane.
     pub fn depth(&self, x: &Vec3) -> f64 {
+        stop::point();
         let x = self.within(x);
         let distance = self.nearest(&x).map_or(f64::INFINITY, |(_, distance)| distance);
         if self.surface.contains(&x) { distance } else { -distance }
