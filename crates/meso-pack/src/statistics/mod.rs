@@ -3,6 +3,7 @@
 //! None of it is computed unless it is asked for. Samples are drawn from portable streams in fixed batches and summed
 //! in batch order: the figures are the same on any number of threads.
 
+mod budget;
 mod correlation;
 mod distribution;
 mod index;
@@ -11,6 +12,7 @@ mod phases;
 mod shape;
 mod wall;
 
+pub use budget::Sampled;
 pub use correlation::Correlation;
 pub use distribution::Distribution;
 pub use phases::PhaseFigures;
@@ -18,6 +20,7 @@ pub use shape::{Orientation, Shapes, Zingg};
 pub use wall::WallEffect;
 
 use crate::model::Model;
+use budget::Budget;
 use index::Index;
 use meso_collision::gjk::GjkError;
 use meso_concrete::aggregate::Aggregate;
@@ -46,11 +49,13 @@ pub struct StatisticsOptions {
     pub points: u32,
     /// Width of a layer of the wall effect, mm; at least a thousandth of the specimen.
     pub layer_mm: f64,
+    /// Whether all aggregates with dents are measured, and all lines looked at, however many triangles these have.
+    pub whole: bool,
 }
 
 impl Default for StatisticsOptions {
     fn default() -> Self {
-        Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0 }
+        Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0, whole: false }
     }
 }
 
@@ -103,6 +108,9 @@ pub struct Statistics {
     /// Voids and fibres, where there are some; all other figures are of the aggregates alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<PhaseFigures>,
+    /// How many aggregates were measured; absent where it is all of them, as without dents of many triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<Sampled>,
 }
 
 impl Statistics {
@@ -123,12 +131,15 @@ impl Statistics {
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
+        let budget = Budget::of(aggregates, options);
+        let sampled = budget.told(aggregates.len(), options);
+        let options = &StatisticsOptions { lines: budget.lines, ..*options };
         let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
-        let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
+        let (shapes, orientation) = (Shapes::of(aggregates, budget.shapes), Orientation::of(aggregates));
         watch.stage(Stage::Measure, 0.2);
         let wall_effect = wall::wall_effect(&sample);
         watch.stage(Stage::Measure, 0.35);
-        let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
+        let nearest_distance_mm = nearest::nearest_distances(model, &images, budget.nearest)?;
         watch.stage(Stage::Measure, 0.7);
         let correlation = correlation::correlation(&sample);
         watch.stage(Stage::Measure, 1.0);
@@ -142,6 +153,7 @@ impl Statistics {
             nearest_distance_mm,
             correlation,
             phases: PhaseFigures::all(&model.inclusions, container.volume()),
+            sampled,
         })
     }
 }

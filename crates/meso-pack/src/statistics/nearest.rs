@@ -10,17 +10,17 @@ use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
 
-/// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. In a periodic specimen
-/// images count as others, an aggregate's own among them.
-pub(super) fn nearest_distances(model: &Model, images: &Images) -> Result<Option<Distribution>, GjkError> {
-    let (count, specimen) = (model.aggregates.len(), &model.spec.specimen);
-    let mut found = distances(&images.aggregates, count, &images.index)?;
+/// Distances from one of every `step` aggregates to the nearest other one, mm; `None` where there is no other. In a periodic
+/// specimen images count as others, an aggregate's own among them.
+pub(super) fn nearest_distances(model: &Model, images: &Images, step: usize) -> Result<Option<Distribution>, GjkError> {
+    let (asked, specimen) = (Asked { count: model.aggregates.len().div_ceil(step), step }, &model.spec.specimen);
+    let mut found = distances(&images.aggregates, asked, &images.index)?;
     let mut margin = images.margin;
     // An image further off than those at hand may be nearer than the nearest of them.
     while !specimen.period().is_none() && found.iter().any(|distance| *distance > margin - outmost(model)) {
         margin *= 2.0;
         let wider = Images::near(model, margin);
-        found = distances(&wider.aggregates, count, &wider.index)?;
+        found = distances(&wider.aggregates, asked, &wider.index)?;
     }
     Ok(Distribution::of(found.into_iter().filter(|distance| distance.is_finite())))
 }
@@ -32,12 +32,19 @@ fn outmost(model: &Model) -> f64 {
     model.aggregates.iter().map(|aggregate| beyond(aggregate.body.aabb())).fold(0.0, f64::max)
 }
 
-/// From each of the first `count` aggregates; infinite where there is no other.
-fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Vec<f64>, GjkError> {
+/// The aggregates that look for their neighbours: so many, one of every `step`.
+#[derive(Clone, Copy)]
+struct Asked {
+    count: usize,
+    step: usize,
+}
+
+/// From each of those asked; infinite where there is no other.
+fn distances(aggregates: &[Aggregate], asked: Asked, index: &Index) -> Result<Vec<f64>, GjkError> {
     if aggregates.len() < 2 {
-        return Ok(vec![f64::INFINITY; count]);
+        return Ok(vec![f64::INFINITY; asked.count]);
     }
-    parallel::try_map(count, |a| nearest(aggregates, index, a as u32))
+    parallel::try_map(asked.count, |k| nearest(aggregates, index, (k * asked.step) as u32))
 }
 
 /// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.

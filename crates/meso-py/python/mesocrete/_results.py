@@ -321,6 +321,19 @@ class PhaseFigures(TypedDict):
     """Directions of the longest axes; absent for voids, which have none."""
 
 
+class Sampled(TypedDict):
+    """How many of a packing's aggregates were measured, where these have many triangles. They are spread evenly over all sizes."""
+
+    aggregates: int
+    """Aggregates of the packing."""
+    shapes: int
+    """Aggregates whose shapes were measured."""
+    nearest: int
+    """Aggregates that looked for their nearest neighbour."""
+    lines_asked: int
+    """Random lines that were asked for; those that were looked at stand with the correlation functions."""
+
+
 class Statistics(TypedDict):
     """The figures of one packing."""
 
@@ -342,6 +355,8 @@ class Statistics(TypedDict):
     """Two-point correlation and lineal path."""
     phases: NotRequired[list[PhaseFigures]]
     """Voids and fibres, where there are some; all other figures are of the aggregates alone."""
+    sampled: NotRequired[Sampled | None]
+    """How many aggregates were measured; absent where it is all of them, as without dents of many triangles."""
 
 
 class InterfaceDistance(TypedDict):

@@ -835,6 +835,8 @@ class StatisticsOptions(TypedDict, total=False):
     """Random points for the wall effect."""
     seed: int
     """Seed of the samples."""
+    whole: bool
+    """Whether all aggregates with dents are measured, and all lines looked at, however many triangles these have."""
 
 
 class NamedTest(SolveOptions, total=False):

@@ -6,7 +6,7 @@ use meso_mesh::figures::PhaseVolumes;
 use meso_pack::model::Model;
 use meso_pack::packing::StopReason;
 use meso_pack::spec::Spec;
-use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
+use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Sampled, Statistics};
 use meso_view::plot::escape;
 use std::io::{self, Write};
 
@@ -105,7 +105,22 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
         statistics.specific_surface_per_mm,
         statistics.correlation.mean_chord_mm
     )?;
+    statistics.sampled.iter().try_for_each(|sampled| sample(sampled, statistics, out))?;
     statistics.phases.iter().try_for_each(|phase| further(phase, out))
+}
+
+/// How much was measured, in a sentence.
+fn sample(sampled: &Sampled, statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {
+    let Sampled { aggregates, shapes, nearest, lines_asked } = sampled;
+    let [aggregates, shapes, nearest] = [aggregates, shapes, nearest].map(|count| thousands(*count));
+    let lines = [statistics.correlation.lines, *lines_asked].map(|count| thousands(count as usize));
+    writeln!(
+        out,
+        "<p>The aggregates have many triangles, so a sample was measured: shapes of {shapes} and nearest neighbours of {nearest} of \
+         {aggregates} aggregates, spread evenly over all sizes, and {} of {} lines. \
+         <code>packing.statistics(whole=True)</code> in Python measures all.</p>",
+        lines[0], lines[1]
+    )
 }
 
 /// Voids or fibres in a sentence.
