@@ -188,6 +188,29 @@ fn a_label_that_surrounds_others_is_asked_about_and_a_flag_is_named_that_works()
     assert_eq!(folder.run(&["check", "m.json"]).code, 0);
 }
 
+/// Mortar of a tenth of the volume became a grain with a warning of the loss: all its grains were below 64 voxels, and the air
+/// was what surrounded them too.
+#[test]
+fn mortar_in_air_is_asked_about_however_small_it_and_its_grains_are() {
+    let folder = Folder::new();
+    let at = |signs: [f64; 3]| (signs.map(|sign| 12.0 + 3.75 * sign), 2.0);
+    let grains = [at([1.0, 1.0, 1.0]), at([-1.0, 1.0, 1.0]), at([1.0, -1.0, -1.0])];
+    labelled(&folder, "scan.npy", 24, &[&grains[..], &[([12.0; 3], 7.0)]].concat(), &[2, 3, 4, 1]);
+    let import = |flags: &[&str]| {
+        folder.run(&[&["import", "scan.npy", "--voxel-size-mm", "1", "-qfo", "m.json"][..], flags].concat())
+    };
+    let run = import(&[]);
+    let said = "label 1 is 10 % of the volume in one part, most of what is labelled, and nearly all other labels lie in its box: is it \
+                mortar?; --mortar=0,1 if so, or --largest-grain 1 if it is a grain";
+    assert!(run.code == 1 && run.stderr.contains(said), "{}", run.stderr);
+    assert_eq!(import(&["--mortar=0,1", "--least-voxels", "16"]).code, 0);
+    assert_eq!(import(&["--largest-grain", "1"]).code, 0);
+    // A grain with others about it is one.
+    let around = [([19.0, 12.0, 12.0], 3.0), ([5.0, 12.0, 12.0], 3.0), ([12.0, 19.0, 12.0], 3.0)];
+    labelled(&folder, "scan.npy", 24, &[&[([12.0; 3], 6.5)], &around[..]].concat(), &[1, 2, 3, 4]);
+    assert_eq!(import(&[]).code, 0, "{}", import(&[]).stderr);
+}
+
 /// A plate of two voxels vanished from all figures with `--smoothing 4`; so did 70 % of rods.
 #[test]
 fn losses_of_an_import_are_counted_with_a_warning() {

@@ -109,7 +109,7 @@ pub enum LabelsError {
         least: usize,
     },
     /// A grain that surrounds others, reaches all faces of the volume, or has much of it.
-    #[error("label {label} is {percent:.0} % of the volume in one part{}", question(*surrounds, *is_open))]
+    #[error("label {label} is {percent:.0} % of the volume in one part{}", question(*surrounds, *is_open, *embeds))]
     Mortar {
         /// Its label.
         label: i64,
@@ -119,6 +119,8 @@ pub enum LabelsError {
         surrounds: usize,
         /// Whether it reaches all faces.
         is_open: bool,
+        /// Whether it has most of what is labelled, and nearly all the rest lies in its box.
+        embeds: bool,
         /// Roles that the labels probably have.
         roles: Roles,
     },
@@ -150,8 +152,11 @@ fn no_core(off: Option<f64>) -> String {
 }
 
 /// What is asked about a label that may be mortar.
-fn question(surrounds: usize, is_open: bool) -> String {
+fn question(surrounds: usize, is_open: bool, embeds: bool) -> String {
     match surrounds {
+        0 if embeds && !is_open => {
+            ", most of what is labelled, and nearly all other labels lie in its box: is it mortar?".to_owned()
+        }
         0 => {
             let open = if is_open { ", which reaches all faces of the volume" } else { "" };
             format!("{open}: is it mortar? Grains that touch are one part; separate them first, by a watershed")
@@ -165,6 +170,10 @@ fn question(surrounds: usize, is_open: bool) -> String {
 const LEAST_COUNT: usize = 4;
 /// More values than this, most of them in specks, are a grey image.
 const GREY: usize = 20;
+/// Least share of all labelled voxels that mortar in air has.
+const MOST: f64 = 0.5;
+/// Least share of the other labels' voxels that lie in its box.
+const NEARLY: f64 = 0.9;
 /// Labels of mesocrete's own images of phases: aggregate, ITZ, mortar, outside.
 const OWN_PHASES: [i64; 4] = [0, 1, 2, 255];
 /// Bytes a voxel: labels as they are read and as numbers, those about a core, roots and sizes of grains.
@@ -221,12 +230,13 @@ impl LabelOptions {
     }
 
     /// Asks about labels that are hardly grains, before any surface is made.
-    fn ask(&self, volume: &Volume<u16>, voxels: f64, parts: &LabelledGrains) -> Result<(), LabelsError> {
+    fn ask(&self, volume: &Volume<u16>, roles: &Roles, voxels: f64, parts: &LabelledGrains) -> Result<(), LabelsError> {
         let surrounds = parts.surrounded();
+        let embeds = |grain: &LabelledGrain| self.embeds(volume, roles, parts, grain);
         let is_open = |grain: &LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
         let is_large = |grain: &LabelledGrain| grain.voxels as f64 > self.largest_grain * voxels;
         let all = || parts.grains.iter().zip(&surrounds);
-        let asked = all().filter(|(grain, count)| **count > 0 || is_open(grain) || is_large(grain));
+        let asked = all().filter(|(grain, count)| **count > 0 || is_open(grain) || is_large(grain) || embeds(grain));
         let Some((grain, count)) = asked.clone().max_by_key(|(grain, count)| (**count, grain.voxels)) else {
             return Ok(());
         };
@@ -236,8 +246,29 @@ impl LabelOptions {
             percent: 100.0 * grain.voxels as f64 / voxels,
             surrounds: *count,
             is_open: is_open(grain),
+            embeds: !is_large(grain) && embeds(grain),
             roles: self.probable(&volume.labels, &asked),
         })
+    }
+
+    /// Whether a grain has most of what is labelled, and the rest, of two labels or more, lies in its box: mortar in air is
+    /// like that, however small its share of the volume and its grains are.
+    fn embeds(&self, volume: &Volume<u16>, roles: &Roles, parts: &LabelledGrains, grain: &LabelledGrain) -> bool {
+        let labelled = parts.grains.iter().map(|part| part.voxels).sum::<usize>() + parts.dropped[1];
+        if grain.voxels as f64 <= MOST.max(self.largest_grain) * labelled as f64 {
+            return false;
+        }
+        let values = roles.values(&volume.labels);
+        let own = volume.labels.binary_search(&grain.label).map_or(0, |place| values[place]);
+        let mut within = vec![[0_usize; 2]; volume.labels.len()];
+        for (voxel, &label) in volume.of.iter().enumerate() {
+            let at = parts.at(voxel);
+            let is_in = (0..3).all(|axis| (grain.from[axis]..grain.to[axis]).contains(&at[axis]));
+            within[usize::from(label)][usize::from(is_in)] += 1;
+        }
+        let others = || within.iter().zip(&values).filter(|(_, value)| **value != 0 && **value != own);
+        let [out, inside] = others().fold([0, 0], |sum, (counts, _)| [sum[0] + counts[0], sum[1] + counts[1]]);
+        others().filter(|(counts, _)| counts[1] > 0).count() > 1 && inside as f64 >= NEARLY * (out + inside) as f64
     }
 
     /// The roles of labels of which some are mortar after all.
@@ -312,7 +343,7 @@ pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch
         return Err(LabelsError::NoGrains { least: options.least_voxels, dropped: specks[0] });
     }
     let [filled, hollow_voxels] = parts.fill_hollows();
-    options.ask(volume, voxels, &parts)?;
+    options.ask(volume, &roles, voxels, &parts)?;
     let round = drilled.as_ref().map(|drilled| drilled.round);
     let surfaces = GrainSurfaces::new(&parts, spacing, options.surfaces).within(round).apart(options.gap_mm);
     let meshes = surfaces.all(watch)?;

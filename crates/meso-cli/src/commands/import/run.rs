@@ -86,13 +86,13 @@ fn remedy(error: &LabelsError, least: usize) -> String {
         LabelsError::NoGrains { dropped, .. } if *dropped > 0 && least > 1 => {
             "; --least-voxels takes smaller ones".to_owned()
         }
-        LabelsError::Mortar { surrounds, is_open, percent, roles, .. } => {
+        LabelsError::Mortar { surrounds, is_open, embeds, percent, roles, .. } => {
             let flag = match &roles.aggregate[..] {
                 [] => format!("--mortar={}", list(&roles.mortar)),
                 phase => format!("--aggregate {}", list(phase)),
             };
             let insists = *surrounds == 0 && !is_open;
-            let share = ((percent + 1.0).ceil() / 100.0).min(1.0);
+            let share = if *embeds { 1.0 } else { ((percent + 1.0).ceil() / 100.0).min(1.0) };
             let other = if insists { format!(", or --largest-grain {share} if it is a grain") } else { String::new() };
             format!("; {flag} if so{other}")
         }

@@ -40,7 +40,7 @@ pub struct LabelledGrains {
 
 impl Roles {
     /// The value of each label of a volume that voxels of one grain share; 0 for the mortar.
-    fn values(&self, labels: &[i64]) -> Vec<u32> {
+    pub fn values(&self, labels: &[i64]) -> Vec<u32> {
         let own = (1..).zip(labels);
         let value = |(number, label): (u32, &i64)| match self.aggregate.as_slice() {
             [] if self.mortar.contains(label) => 0,
@@ -142,7 +142,7 @@ impl LabelledGrains {
     }
 
     /// Place of a voxel along x, y, z.
-    pub(super) fn at(&self, voxel: usize) -> [usize; 3] {
+    pub fn at(&self, voxel: usize) -> [usize; 3] {
         let [nx, ny, _] = self.counts;
         [voxel % nx, voxel / nx % ny, voxel / (nx * ny)]
     }
