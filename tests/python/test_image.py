@@ -98,6 +98,10 @@ def test_sections_and_boxes_are_parts_of_the_whole(packing):
     whole = packing.voxelize(0.5)
     assert np.array_equal(packing.section("z", 30.25, px=120), whole[60])
     assert np.array_equal(packing.section("y", 30.25, px=120), whole[:, 60])
+    assert np.array_equal(packing.section(y=30.25, px=120), whole[:, 60]), "as the command's --section y=30.25"
+    for wrong in ({}, {"axis": "y", "y": 30.0}, {"x": 1.0, "y": 30.0}, {"at": 3.0, "z": 1.0}):
+        with pytest.raises(TypeError, match=r'one plane: section\("y", at=50\) or section\(y=50\)'):
+            packing.section(**wrong)
     assert np.array_equal(packing.section("y", px=119), packing.section("y", 30.0, px=119)), "the middle by default"
     assert np.array_equal(packing.section("x", 30.25, px=120), whole[:, :, 60])
     assert np.array_equal(packing.voxelize(0.5, box=[[5, 10, 15], [25, 40, 20]]), whole[30:40, 20:80, 10:50])

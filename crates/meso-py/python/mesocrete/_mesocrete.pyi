@@ -554,12 +554,15 @@ class Packing:
     @overload
     def section(
         self,
-        axis: Literal["x", "y", "z"],
+        axis: Literal["x", "y", "z"] | None = None,
         at: float | None = None,
         px: int = 512,
         what: Literal["phase"] = "phase",
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+        x: float | None = None,
+        y: float | None = None,
+        z: float | None = None,
     ) -> NDArray[np.uint8]:
         """Phases, ids, shares or distances on a plane normal to an axis, pixel by pixel.
 
@@ -569,6 +572,8 @@ class Packing:
             The axis that the plane is normal to.
         at : float, optional
             Position of the plane on it, mm; by default the middle of the specimen.
+        x, y, z : float, optional
+            One of them instead of `axis` and `at`, as in `section(y=50)`.
         px : int
             Pixels along the longer side of the section; they are square.
         what, of
@@ -589,22 +594,28 @@ class Packing:
     @overload
     def section(
         self,
-        axis: Literal["x", "y", "z"],
+        axis: Literal["x", "y", "z"] | None = None,
         at: float | None = None,
         px: int = 512,
         *,
         what: Literal["grain"],
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+        x: float | None = None,
+        y: float | None = None,
+        z: float | None = None,
     ) -> NDArray[np.int32]: ...
     @overload
     def section(
         self,
-        axis: Literal["x", "y", "z"],
+        axis: Literal["x", "y", "z"] | None = None,
         at: float | None = None,
         px: int = 512,
         *,
         what: Literal["share", "distance"],
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+        x: float | None = None,
+        y: float | None = None,
+        z: float | None = None,
     ) -> NDArray[np.float32]: ...
 
     def _repr_html_(self) -> str: ...

@@ -31,6 +31,7 @@ use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, methods};
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::Serialize;
@@ -407,6 +408,8 @@ impl PyPacking {
     ///     The axis that the plane is normal to.
     /// at : float, optional
     ///     Position of the plane on it, mm; by default the middle of the specimen.
+    /// x, y, z : float, optional
+    ///     One of them instead of `axis` and `at`, as in `section(y=50)`.
     /// px : int
     ///     Pixels along the longer side of the section; they are square.
     /// what, of
@@ -422,16 +425,27 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range.
-    #[pyo3(signature = (axis, at=None, px=512, what="phase", *, of="aggregate"))]
+    #[pyo3(signature = (axis=None, at=None, px=512, what="phase", *, of="aggregate", x=None, y=None, z=None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
     fn section<'py>(
         &self,
         py: Python<'py>,
-        axis: &str,
+        axis: Option<&str>,
         at: Option<f64>,
         px: i64,
         what: &str,
         of: &str,
+        x: Option<f64>,
+        y: Option<f64>,
+        z: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let places: Vec<(&str, f64)> =
+            [("x", x), ("y", y), ("z", z)].into_iter().filter_map(|(axis, at)| Some((axis, at?))).collect();
+        let (axis, at) = match (axis, at, places.as_slice()) {
+            (Some(axis), at, []) => (axis, at),
+            (None, None, [(axis, at)]) => (*axis, Some(*at)),
+            _ => return Err(PyTypeError::new_err("section takes one plane: section(\"y\", at=50) or section(y=50)")),
+        };
         let (axis, h) = image::pixels(&self.0, axis, px)?;
         let aabb = self.0.spec.specimen.aabb();
         let at = at.unwrap_or((aabb.min[axis] + aabb.max[axis]) / 2.0);
