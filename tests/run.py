@@ -352,7 +352,7 @@ def emulated_stages(python: Path) -> list[Stage]:
     if wanted:
         skip("the bytes of arm64", f"no {'; '.join(wanted)}")
         return []
-    return [("the bytes of arm64", [str(python), str(ROOT / "tests" / "arm64.py"), "--tests", *WATCHED[1:]])]
+    return [("the bytes of arm64", [str(python), str(ROOT / "tools" / "arm64.py"), "--tests", *WATCHED[1:]])]
 
 
 # What passes through `unsafe`: vector instructions and the hint to fetch memory in collision, registers in the solver.

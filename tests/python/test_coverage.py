@@ -1,4 +1,4 @@
-"""tests/coverage.py reads what llvm-cov exports and leaves tests out; the figures in the documents are those of its last table."""
+"""tools/coverage.py reads what llvm-cov exports and leaves tests out; the figures in the documents are those of its last table."""
 
 import csv
 import importlib.util
@@ -122,7 +122,7 @@ def coverage():
     tests = str(ROOT / "tests")
     sys.path.insert(0, tests)
     try:
-        spec = importlib.util.spec_from_file_location("line_coverage", ROOT / "tests" / "coverage.py")
+        spec = importlib.util.spec_from_file_location("line_coverage", ROOT / "tools" / "coverage.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
     finally:
@@ -184,7 +184,7 @@ def test_the_table_is_entered_with_its_origin(coverage, counts, tmp_path):
 def test_the_documents_have_the_figures_of_the_table():
     rows = {row["what"]: row for row in read(ROOT / "benches" / "results" / "coverage.csv")}
     text = (ROOT / "docs" / "guarantees.md").read_text(encoding="utf-8")
-    (row,) = [line for line in text.splitlines() if "`python3 tests/coverage.py`" in line]
+    (row,) = [line for line in text.splitlines() if "`python3 tools/coverage.py`" in line]
     for crate, percent, lines in re.findall(r"`(meso-\w+)` ([\d.]+) % of ([\d,]+)", row):
         assert (rows[crate]["percent"], rows[crate]["lines"]) == (percent, lines.replace(",", "")), crate
     folders = re.findall(r"`(meso-\w+/\w+)` \(([\d.]+) %\)", row)

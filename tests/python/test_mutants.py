@@ -3,13 +3,13 @@
 import sys
 from pathlib import Path
 
-TESTS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(TESTS))
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
+sys.path.insert(0, str(TOOLS))
 import mutants  # noqa: E402
 
 
 def test_every_mutant_has_exactly_one_place_in_the_sources():
-    listed = mutants.read(TESTS / "mutants.txt")
+    listed = mutants.read(TOOLS / "mutants.txt")
     assert len(listed) > 100
     texts = mutants.faulty(listed)
     for mutant in listed:

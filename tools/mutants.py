@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Do the tests bite? Builds the code with every fault of tests/mutants.txt in it and switches on one after the other.
+"""Do the tests bite? Builds the code with every fault of tools/mutants.txt in it and switches on one after the other.
 
-    python3 tests/mutants.py                 # all of them
-    python3 tests/mutants.py check hull      # some rooms
-    python3 tests/mutants.py 4 22            # some faults
+    python3 tools/mutants.py                 # all of them
+    python3 tools/mutants.py check hull      # some rooms
+    python3 tools/mutants.py 4 22            # some faults
 
 A fault is an expression in place of the right one where the variable MUTANT of the environment has its number. So all of
 them take one build, of a copy in target/mutants. Each is run against the tests of its room alone, those that
@@ -89,7 +89,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rooms", nargs="*", help="or numbers of faults; all when absent")
     args = parser.parse_args()
-    mutants = read(ROOT / "tests" / "mutants.txt")
+    mutants = read(ROOT / "tools" / "mutants.txt")
     plant(faulty(mutants))
     chosen = [m for m in mutants if not args.rooms or m.room in args.rooms or str(m.number) in args.rooms]
     binaries = build(chosen)

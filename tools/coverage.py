@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """How many lines of the core do its own Rust tests run? Builds them with counters, runs them, and prints a table by folder.
 
-    python3 tests/coverage.py                             # the libraries below meso-solve
-    python3 tests/coverage.py --solver                    # and meso-solve
-    python3 tests/coverage.py --missing meso-pack/check   # and the lines of a folder that no test runs
-    python3 tests/coverage.py --again --enter             # the last run's counts, entered in benches/results/coverage.csv
+    python3 tools/coverage.py                             # the libraries below meso-solve
+    python3 tools/coverage.py --solver                    # and meso-solve
+    python3 tools/coverage.py --missing meso-pack/check   # and the lines of a folder that no test runs
+    python3 tools/coverage.py --again --enter             # the last run's counts, entered in benches/results/coverage.csv
 
 Counted are the lines of crates/*/src that have code, without unit tests. What other crates call is not counted: the
 command's and Python's tests reach more lines of the core than these. The build stands apart, in target/coverage.
@@ -22,7 +22,8 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from stage import ROOT, run, told_again
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+from stage import ROOT, run, told_again  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "benches"))
 from origin import origin  # noqa: E402
@@ -52,7 +53,7 @@ def main() -> int:
         code = test(crates)
         export(tools, binaries(crates))
     elif not COUNTS.exists():
-        sys.exit(f"{COUNTS.relative_to(ROOT)} is not there; run tests/coverage.py without --again first")
+        sys.exit(f"{COUNTS.relative_to(ROOT)} is not there; run tools/coverage.py without --again first")
     counts = own_lines(read_lcov(COUNTS.read_text(encoding="utf-8")), ROOT)
     rows = table(counts)
     print(shown(rows))

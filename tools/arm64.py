@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Are arm64's files those of this machine, byte for byte? Builds the command for both, and runs arm64's under qemu.
 
-    python3 tests/arm64.py                       # packings, meshes, an image, tests of a specimen
-    python3 tests/arm64.py --tests               # and Rust tests of hulls, lockstep, laws, determinism
-    python3 tests/arm64.py --built HERE ARM64    # of two programs that are there already
+    python3 tools/arm64.py                       # packings, meshes, an image, tests of a specimen
+    python3 tools/arm64.py --tests               # and Rust tests of hulls, lockstep, laws, determinism
+    python3 tools/arm64.py --built HERE ARM64    # of two programs that are there already
 
 It needs Rust's library for arm64, a linker and an emulator:
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Count how the source is built: crates, folders, names, comments. Prints a table of each figure beside its bar.
 
-    python3 tests/house.py            # the table
-    python3 tests/house.py --show what   # and the places that count for a figure
+    python3 tools/house.py            # the table
+    python3 tools/house.py --show what   # and the places that count for a figure
 
 Rust sources of crates/*/src are read as text, without their unit tests where a figure says so. tests/python/test_house.py
 holds the bars.
