@@ -111,10 +111,10 @@ impl Block {
     fn name(&self) -> &'static str {
         match (self.dimension, self.physical()) {
             (2, tag) => SIDES[(tag - FIRST_SIDE) as usize].2,
-            (_, 1) => Phase::Mortar.name(),
-            (_, 2) => Phase::Itz.name(),
-            (_, 3) => Phase::Aggregate.name(),
-            _ => Phase::Fibre.name(),
+            (_, 1) => Phase::Mortar.set_name(),
+            (_, 2) => Phase::Itz.set_name(),
+            (_, 3) => Phase::Aggregate.set_name(),
+            _ => Phase::Fibre.set_name(),
         }
     }
 }

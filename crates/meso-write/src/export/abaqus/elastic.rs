@@ -41,7 +41,7 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
     lines.line("REF_X, 2, 3")?;
     lines.line("REF_Y, 3, 3")?;
     lines.line(format!("REF_Z, 3, 3, {:.12e}", -strain * aabb.size().z))?;
-    let sets: Vec<&str> = present(mesh).map(Phase::name).collect();
+    let sets: Vec<&str> = present(mesh).map(Phase::set_name).collect();
     end(lines, &REFERENCES, "U, RF", &sets)
 }
 
