@@ -118,6 +118,22 @@ def with_variant(name: str) -> list[str]:
     return found
 
 
+def with_variants(*names: str) -> list[str]:
+    """List the enums that have all of these variants."""
+    return [place for place in with_variant(names[0]) if all(place in with_variant(name) for name in names[1:])]
+
+
+def typed_flags() -> list[str]:
+    """List the lines of libraries whose text spells a flag of the command: a giver spells it as it was typed."""
+    pattern = r'^(?!\s*//).*"[^"\n]*(?<![\w-])--(?!version|gpu-architecture|ratio|help)[a-z][a-z-]+'
+    return found(pattern, libraries=True)
+
+
+def refusals() -> list[str]:
+    """List the functions of commands that refuse what a request should."""
+    return [place for place in found(r"fn (?:validate\w*|check|accept)\b") if "meso-cli/src/commands/" in place]
+
+
 def figures() -> list[Figure]:
     """Count all."""
     by_crate = {crate: lines(crate) for crate in crates()}
@@ -132,6 +148,10 @@ def figures() -> list[Figure]:
         Figure("largest crate, % of lines", round(100 * by_crate[largest] / total, 1), 20, [str(by_crate)]),
         Figure("files in one folder", max(fullest.values()), 16, [str(fullest.most_common(3))]),
         Figure("enums with a variant Smeared", len(with_variant("Smeared")), 1, with_variant("Smeared")),
+        Figure("enums with Mortar, Itz and Aggregate", len(phases := with_variants("Mortar", "Itz", "Aggregate")), 1, phases),
+        Figure("files settings.rs of the command", len(settings := [str(path) for path in sources("meso-cli") if path.name == "settings.rs"]), 0, settings),
+        Figure("validate, check, accept in commands", len(refusals()), 0, refusals()),
+        Figure("lines of libraries that spell a flag", len(typed_flags()), 1, typed_flags()),
         Figure("fn require(", len(found(r"fn require\(")), 1, found(r"fn require\(")),
         Figure("types of {key, value, accepted}", len(out_of_range()), 1, out_of_range()),
         Figure("crates that detect instructions", len(detections), 1, sorted(detections)),

@@ -27,7 +27,7 @@ fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
 /// Whether gmsh is here.
 pub(crate) fn has_gmsh() -> bool {
     // Python's package takes 0.1 s of processor time to say its version.
-    static HERE: LazyLock<bool> = LazyLock::new(|| Gmsh::program("gmsh").check().is_ok());
+    static HERE: LazyLock<bool> = LazyLock::new(|| Gmsh::program("gmsh").available().is_ok());
     if !*HERE {
         eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
     }

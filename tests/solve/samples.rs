@@ -30,7 +30,7 @@ impl Meshed {
     /// Mortar alone, filled by gmsh; `None` without it.
     pub(crate) fn filled_by_gmsh(side_mm: f64, element_size_mm: f64) -> Option<Self> {
         let gmsh = Gmsh::program("gmsh");
-        if gmsh.check().is_err() {
+        if gmsh.available().is_err() {
             eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
             return None;
         }

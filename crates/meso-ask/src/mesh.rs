@@ -58,7 +58,7 @@ impl MeshAsk {
         options.validate(&spec.specimen).map_err(|error| self.wrong(&error))?;
         options.accepts_shape(&spec.shape).map_err(|error| self.wrong(&error))?;
         if options.method.name() == MethodName::Conforming {
-            machine.tools.gmsh.check().map_err(|error| self.wrong(&error))?;
+            machine.tools.gmsh.available().map_err(|error| self.wrong(&error))?;
         }
         Ok(Footing { purpose, options, accepts_phase_error: self.accept_phase_error })
     }

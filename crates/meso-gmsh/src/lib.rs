@@ -131,8 +131,8 @@ pub struct Until<'a> {
 }
 
 impl VolumeMesher for Until<'_> {
-    fn check(&self) -> Result<(), MeshError> {
-        self.gmsh.check()
+    fn available(&self) -> Result<(), MeshError> {
+        self.gmsh.available()
     }
 
     fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
@@ -142,7 +142,7 @@ impl VolumeMesher for Until<'_> {
 
 impl VolumeMesher for Gmsh {
     /// [`MeshError::MissingGmsh`] has the output of a gmsh that does not run.
-    fn check(&self) -> Result<(), MeshError> {
+    fn available(&self) -> Result<(), MeshError> {
         self.look()
     }
 

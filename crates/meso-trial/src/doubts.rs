@@ -62,7 +62,7 @@ impl Sample<'_> {
     /// Remedy for gaps that the elements close. Of 119 pairs in a scan of touching grains, gaps of half an element left 1.
     fn larger_gap(&self) -> String {
         let gap = 0.5 * self.element_size_mm;
-        format!("pack with min_gap_mm = {gap}, or import a scan with --gap-mm {gap}")
+        format!("pack with min_gap_mm = {gap}, or import a scan with gaps of {gap} mm")
     }
 
     fn of_touching(&self) -> Option<String> {

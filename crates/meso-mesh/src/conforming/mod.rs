@@ -46,7 +46,7 @@ pub trait VolumeMesher: Sync {
     ///
     /// # Errors
     /// [`MeshError::MissingGmsh`], and faults of files.
-    fn check(&self) -> Result<(), MeshError> {
+    fn available(&self) -> Result<(), MeshError> {
         Ok(())
     }
 

@@ -41,7 +41,8 @@ impl<'a> Section<'a> {
             let key = given.replace('-', "_");
             let wrong = |why: String| Err(AskError::Usage(format!("{} {why}", giver.option(&key))));
             if key == "gmsh" {
-                return wrong("names a program, which no file may do; remove it, and give --gmsh PROGRAM".to_owned());
+                let gmsh = Giver::Flags.option("gmsh");
+                return wrong(format!("names a program, which no file may do; remove it, and give {gmsh} PROGRAM"));
             }
             if OWN.contains(&&*key) || (key == "output" && name != "mesh") {
                 return wrong("is set by the study; remove it".to_owned());

@@ -12,8 +12,8 @@ pub(crate) struct Announced {
 }
 
 impl VolumeMesher for Announced {
-    fn check(&self) -> Result<(), MeshError> {
-        self.gmsh.check()
+    fn available(&self) -> Result<(), MeshError> {
+        self.gmsh.available()
     }
 
     fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {

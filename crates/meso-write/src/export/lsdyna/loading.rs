@@ -49,7 +49,7 @@ pub(super) struct Block {
 pub(super) fn check(test: &Test, word: &str) -> Result<(), OutOfRange> {
     let has_ratio = test.supports.iter().any(|support| support.stress_ratio.is_some());
     let lacks = test.expansion().is_some() || test.kind == TestKind::Biaxial && test.supports.is_empty() || has_ratio;
-    let accepted = format!("{word} has no .k yet: write an .inp, or test it with `mesocrete solve --test {word}`");
+    let accepted = format!("{word} has no .k yet: write an .inp, or test it with `mesocrete solve`");
     DECK.require("analysis", word, !lacks, accepted)?;
     let elastic = "a .k has no statics: write an .inp for the law elastic, or take a law that breaks";
     DECK.require("analysis", word, test.law != LawName::Elastic, elastic)?;
