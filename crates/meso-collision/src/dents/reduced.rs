@@ -1,17 +1,16 @@
 //! A closed surface in fewer triangles, nowhere farther from the given one than a stated distance.
 //!
 //! Edges are collapsed in the order of their quadric error (M. Garland, P. Heckbert, Surface Simplification Using Quadric
-//! Error Metrics, 1997), which ends at a limit. Only collapses that keep the surface closed and of its kind are done: the
-//! two ends of the edge have two neighbours in common, and no triangle turns over. Afterwards both surfaces are proved to
-//! lie within the distance of each other, and the reduced one not to cross itself; where either fails, the surface at a
-//! lower limit is tried.
+//! Error Metrics, 1997), which ends at a limit. Passes over flat arrays take the place of a queue: each pass collapses the
+//! edges of the lowest errors, and a vertex that it has moved waits for the next one. Only collapses that keep the surface
+//! closed and of its kind are done: the two ends of the edge have two neighbours in common, and no triangle turns over.
+//! Afterwards both surfaces are proved to lie within the distance of each other, and the reduced one not to cross itself;
+//! where either fails, the surface at a lower limit is tried.
 
 use super::SelfCrossing;
 use crate::geometry::{TriangleMesh, Triangles};
-use crate::math::{Aabb, Mat3, Vec3};
+use crate::math::{Aabb, Vec3};
 use crate::stop;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Why a surface was not reduced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -25,11 +24,7 @@ pub enum NotReduced {
 }
 
 /// Limits of the root mean square quadric error that are tried, the largest first, as shares of the distance.
-const LIMITS: [f64; 5] = [0.08, 0.15, 0.25, 0.35, 0.5];
-/// Surfaces of more triangles are reduced in two steps, so that further limits are tried on few triangles.
-const MANY: usize = 40_000;
-/// Share of the distance that the first of two steps takes.
-const FIRST_STEP: f64 = 0.2;
+const LIMITS: [f64; 6] = [0.08, 0.15, 0.25, 0.35, 0.5, 0.6];
 
 impl TriangleMesh {
     /// The surface in fewer triangles, within `distance` mm of the given one, and the given one within that of it.
@@ -40,26 +35,13 @@ impl TriangleMesh {
     /// # Errors
     /// See [`NotReduced`].
     pub fn reduced(&self, distance: f64) -> Result<Self, NotReduced> {
-        if self.triangles.len() <= MANY {
-            return self.reduced_within(distance, true);
-        }
-        let first = self.reduced_within(FIRST_STEP * distance, false)?;
-        first.reduced_within((1.0 - FIRST_STEP) * distance, true)
-    }
-
-    /// The surface with all edges collapsed whose root mean square quadric error is at most `limit` mm: a few times faster
-    /// than [`reduced`](Self::reduced), and nothing is proved. Vertices in a side of `walls` stay in it.
-    pub fn simplified(&self, limit: f64, walls: &Aabb) -> Self {
-        Reduction::new(self, walls).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
-    }
-
-    fn reduced_within(&self, distance: f64, is_last: bool) -> Result<Self, NotReduced> {
         let given = self.facets();
         let stages = Reduction::new(self, &Aabb::everywhere()).stages(&LIMITS.map(|limit| limit * distance));
         let is_accepted = |reduced: &Self| {
             let found = reduced.facets();
-            let crosses = || (SelfCrossing { mesh: reduced, facets: &found }).find().is_some();
-            Proof::of(&given, &found, distance) && Proof::of(&found, &given, distance) && !(is_last && crosses())
+            Proof::of(&given, &found, distance)
+                && Proof::of(&found, &given, distance)
+                && (SelfCrossing { mesh: reduced, facets: &found }).find().is_none()
         };
         if let Some(reduced) = stages.into_iter().rev().find(is_accepted) {
             return Ok(reduced);
@@ -68,6 +50,12 @@ impl TriangleMesh {
             Some([first, _]) => Err(NotReduced::Crosses { at: first[0].into() }),
             None => Ok(self.clone()),
         }
+    }
+
+    /// The surface with all edges collapsed whose root mean square quadric error is at most `limit` mm: a few times faster
+    /// than [`reduced`](Self::reduced), and nothing is proved. Vertices in a side of `walls` stay in it.
+    pub fn simplified(&self, limit: f64, walls: &Aabb) -> Self {
+        Reduction::new(self, walls).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
     }
 }
 
@@ -85,11 +73,19 @@ struct Proof<'a> {
     distance: f64,
     /// The triangle of the other surface that was near the last point: neighbours follow each other.
     last: u32,
+    /// Square of the longest edge of the other surface's triangles and twice the distance: no longer one is near one triangle.
+    longest: f64,
+}
+
+/// Square of a triangle's longest edge.
+fn longest_of([a, b, c]: &[Vec3; 3]) -> f64 {
+    (a - b).norm_squared().max((b - c).norm_squared()).max((c - a).norm_squared())
 }
 
 impl<'a> Proof<'a> {
     fn of(surface: &Triangles, other: &'a Triangles, distance: f64) -> bool {
-        let mut proof = Self { other, distance, last: 0 };
+        let longest = other.corners().iter().map(longest_of).fold(0.0, f64::max);
+        let mut proof = Self { other, distance, last: 0, longest: (longest.sqrt() + 2.0 * distance).powi(2) };
         surface.corners().iter().all(|triangle| proof.holds(triangle, 0))
     }
 
@@ -105,7 +101,7 @@ impl<'a> Proof<'a> {
         if is_last || !self.has_near(&middle, self.distance) {
             return false;
         }
-        if self.is_near_one(triangle, &middle) {
+        if longest_of(triangle) <= self.longest && self.is_near_one(triangle, &middle) {
             return true;
         }
         let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
@@ -141,7 +137,8 @@ const ROUNDING_OF_A_DISTANCE: f64 = 1e-12;
 /// Area-weighted sum of squared distances from planes: x^T A x + 2 b^T x + c.
 #[derive(Clone, Copy, Default)]
 struct Quadric {
-    a: Mat3,
+    /// A by entries xx, yy, zz, yz, zx, xy.
+    a: [f64; 6],
     b: Vec3,
     c: f64,
     area: f64,
@@ -151,29 +148,49 @@ impl Quadric {
     fn of_plane(corners: &[Vec3; 3]) -> Self {
         let cross = cross(corners);
         let length = cross.norm();
-        let normal = if length > 0.0 { cross / length } else { Vec3::zeros() };
-        let (offset, area) = (-normal.dot(&corners[0]), length / 2.0);
-        Self { a: normal * normal.transpose() * area, b: normal * (offset * area), c: offset * offset * area, area }
+        let n = if length > 0.0 { cross / length } else { Vec3::zeros() };
+        let (offset, area) = (-n.dot(&corners[0]), length / 2.0);
+        let a = [n.x * n.x, n.y * n.y, n.z * n.z, n.y * n.z, n.z * n.x, n.x * n.y].map(|square| square * area);
+        Self { a, b: n * (offset * area), c: offset * offset * area, area }
     }
 
     fn with(&self, other: &Self) -> Self {
-        Self { a: self.a + other.a, b: self.b + other.b, c: self.c + other.c, area: self.area + other.area }
+        let a = std::array::from_fn(|i| self.a[i] + other.a[i]);
+        Self { a, b: self.b + other.b, c: self.c + other.c, area: self.area + other.area }
     }
 
     /// Mean square distance of `x` from the planes, mm2.
     fn mean_square(&self, x: &Vec3) -> f64 {
-        ((x.dot(&(self.a * x)) + 2.0 * self.b.dot(x) + self.c) / self.area.max(f64::MIN_POSITIVE)).max(0.0)
+        let [xx, yy, zz, yz, zx, xy] = self.a;
+        let ax =
+            Vec3::new(xx * x.x + xy * x.y + zx * x.z, xy * x.x + yy * x.y + yz * x.z, zx * x.x + yz * x.y + zz * x.z);
+        ((x.dot(&ax) + 2.0 * self.b.dot(x) + self.c) / self.area.max(f64::MIN_POSITIVE)).max(0.0)
+    }
+
+    /// The position of the least error, drawn a little to `middle` where planes do not determine it.
+    fn least(&self, middle: &Vec3) -> Option<Vec3> {
+        let regular = REGULAR * self.area;
+        let [xx, yy, zz, yz, zx, xy] = self.a;
+        let [xx, yy, zz] = [xx + regular, yy + regular, zz + regular];
+        // Cofactors of the symmetric matrix.
+        let [c0, c1, c2] = [yy * zz - yz * yz, zx * yz - xy * zz, xy * yz - zx * yy];
+        let [c11, c12, c22] = [xx * zz - zx * zx, xy * zx - xx * yz, xx * yy - xy * xy];
+        let determinant = xx * c0 + xy * c1 + zx * c2;
+        let r = middle * regular - self.b;
+        let x = Vec3::new(
+            c0 * r.x + c1 * r.y + c2 * r.z,
+            c1 * r.x + c11 * r.y + c12 * r.z,
+            c2 * r.x + c12 * r.y + c22 * r.z,
+        );
+        (determinant > 0.0).then(|| x / determinant)
     }
 
     /// The position of the least error near an edge, and that error. Flat regions leave it to the edge. `held` puts a position
     /// where its vertex has to stay.
     fn best(&self, ends: [&Vec3; 2], held: impl Fn(Vec3) -> Vec3) -> (Vec3, f64) {
         let middle = (ends[0] + ends[1]) / 2.0;
-        let reach = (ends[0] - ends[1]).norm();
-        // A little of the identity keeps the position near the middle where planes do not determine it.
-        let system = self.a + Mat3::identity() * (REGULAR * self.area);
-        let solved = system.try_inverse().map(|inverse| inverse * (middle * (REGULAR * self.area) - self.b));
-        let near = solved.filter(|x| (x - middle).norm() <= reach);
+        let reach = (ends[0] - ends[1]).norm_squared();
+        let near = self.least(&middle).filter(|x| (x - middle).norm_squared() <= reach);
         let candidates = near.into_iter().chain([middle, *ends[0], *ends[1]]);
         let errors = candidates.map(held).map(|x| (x, self.mean_square(&x)));
         errors.min_by(|p, q| p.1.total_cmp(&q.1)).unwrap_or((middle, f64::INFINITY))
@@ -203,7 +220,17 @@ fn put(mut x: Vec3, sides: u8, aabb: &Aabb) -> Vec3 {
     x
 }
 
-/// A surface while its edges are collapsed. Coordinates are about the middle of its box, for precision.
+/// No vertex, at the first corner of a triangle that is gone.
+const GONE: u32 = u32::MAX;
+/// A pass takes the edges of the lowest errors, one of so many. Edges at a vertex that the pass has moved wait for the next
+/// one, so a larger share would take them out of their order.
+const PART: usize = 3;
+/// A pass takes all edges where there are no more than this.
+const FEW: usize = 2000;
+/// A pass that collapses no more than one edge for so many triangles is not worth another.
+const TRIANGLES_A_COLLAPSE: usize = 2000;
+
+/// A surface while its edges are collapsed, in flat arrays. Coordinates are about the middle of its box, for precision.
 struct Reduction {
     origin: Vec3,
     walls: Aabb,
@@ -212,12 +239,17 @@ struct Reduction {
     points: Vec<Vec3>,
     quadrics: Vec<Quadric>,
     triangles: Vec<[u32; 3]>,
-    /// Triangles at each vertex; none at one that is gone.
-    around: Vec<Vec<u32>>,
-    /// Number of changes at each vertex: older entries of the queue are void.
-    changes: Vec<u32>,
-    /// Edges by the bits of their error, which order like it.
-    queue: BinaryHeap<Reverse<(u64, u32, u32, u32)>>,
+    /// Mean square errors of the edges from each corner to the next one, mm2; NaN where they are to be computed.
+    errors: Vec<[f32; 3]>,
+    /// Where the triangles at each vertex begin and end in `around`. Some of them are gone.
+    places: Vec<[u32; 2]>,
+    around: Vec<u32>,
+    /// The last pass that moved each vertex.
+    moved: Vec<u32>,
+    /// Vertices, marked with the number of a collapse that is tried.
+    marks: Vec<u32>,
+    tried: u32,
+    passes: u32,
 }
 
 impl Reduction {
@@ -233,14 +265,17 @@ impl Reduction {
             points: mesh.vertices.iter().map(|v| v - origin).collect(),
             quadrics: vec![Quadric::default(); count],
             triangles: mesh.triangles.clone(),
-            around: vec![Vec::new(); count],
-            changes: vec![0; count],
-            queue: BinaryHeap::new(),
+            errors: vec![[f32::NAN; 3]; mesh.triangles.len()],
+            places: vec![[0; 2]; count],
+            around: Vec::new(),
+            moved: vec![0; count],
+            marks: vec![0; count],
+            tried: 0,
+            passes: 0,
         };
         for t in 0..mesh.triangles.len() as u32 {
             let quadric = Quadric::of_plane(&reduction.corners(t));
             for corner in reduction.triangles[t as usize] {
-                reduction.around[corner as usize].push(t);
                 let own = &mut reduction.quadrics[corner as usize];
                 *own = own.with(&quadric);
             }
@@ -255,30 +290,85 @@ impl Reduction {
     /// The surfaces in which all edges are collapsed whose root mean square error stays within each of the ascending
     /// `limits`, mm: edges of lower errors come first, so that one surface goes on from the last.
     fn stages(mut self, limits: &[f64]) -> Vec<TriangleMesh> {
-        let most = limits.last().map_or(0.0, |limit| limit * limit);
-        for t in 0..self.triangles.len() {
-            let [a, b, c] = self.triangles[t];
-            [[a, b], [b, c], [c, a]].into_iter().filter(|[p, q]| p < q).for_each(|edge| self.enqueue(edge, most));
-        }
-        limits.iter().map(|limit| self.collapsed(limit * limit, most)).collect()
+        limits.iter().map(|limit| self.collapsed((limit * limit) as f32)).collect()
     }
 
     /// The surface in which all edges are collapsed whose mean square error is at most `enough` mm2.
-    fn collapsed(&mut self, enough: f64, most: f64) -> TriangleMesh {
-        while let Some(&Reverse((error, a, b, changes))) = self.queue.peek()
-            && f64::from_bits(error) <= enough
-        {
-            stop::point();
-            self.queue.pop();
-            if changes == self.changes_of(a, b) {
-                self.collapse(a, b, most);
-            }
-        }
+    fn collapsed(&mut self, enough: f32) -> TriangleMesh {
+        // The edges of the lowest errors may be ones that have to stay, so all are tried before the end.
+        while self.pass(enough, PART) || self.pass(enough, 1) {}
         self.rest()
     }
 
-    fn changes_of(&self, a: u32, b: u32) -> u32 {
-        self.changes[a as usize].wrapping_add(self.changes[b as usize])
+    /// Collapses one of `part` edges, those of the lowest errors, and none at a vertex that has moved; true where that is
+    /// worth another pass.
+    fn pass(&mut self, enough: f32, part: usize) -> bool {
+        self.passes += 1;
+        self.gather();
+        let mut edges = self.edges(enough);
+        if part > 1 && edges.len() > FEW {
+            let count = edges.len() / part;
+            edges.select_nth_unstable(count);
+            edges.truncate(count);
+        }
+        edges.sort_unstable();
+        let mut collapsed = 0;
+        for (_, a, b) in edges {
+            stop::point();
+            let is_fresh = [a, b].iter().all(|&v| self.moved[v as usize] != self.passes);
+            collapsed += usize::from(is_fresh && self.collapse(a, b));
+        }
+        collapsed * TRIANGLES_A_COLLAPSE > self.triangles.len()
+    }
+
+    /// Drops triangles that are gone, and lists those at each vertex.
+    fn gather(&mut self) {
+        let mut left = 0;
+        for t in 0..self.triangles.len() {
+            if self.triangles[t][0] != GONE {
+                (self.triangles[left], self.errors[left]) = (self.triangles[t], self.errors[t]);
+                left += 1;
+            }
+        }
+        self.triangles.truncate(left);
+        self.errors.truncate(left);
+        self.places.fill([0; 2]);
+        self.triangles.as_flattened().iter().for_each(|&corner| self.places[corner as usize][1] += 1);
+        let mut start = 0;
+        for place in &mut self.places {
+            let count = place[1];
+            *place = [start; 2];
+            start += count;
+        }
+        self.around.clear();
+        self.around.resize(3 * left, 0);
+        for (number, &corner) in self.triangles.as_flattened().iter().enumerate() {
+            let end = &mut self.places[corner as usize][1];
+            self.around[*end as usize] = number as u32 / 3;
+            *end += 1;
+        }
+    }
+
+    /// Edges with at most this error, each by the bits of its error, which order like it.
+    fn edges(&mut self, enough: f32) -> Vec<(u32, u32, u32)> {
+        let mut edges = Vec::new();
+        for t in 0..self.triangles.len() {
+            let corners = self.triangles[t];
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                if a > b {
+                    continue;
+                }
+                if self.errors[t][k].is_nan() {
+                    self.errors[t][k] = self.target(a, b).1 as f32;
+                }
+                let error = self.errors[t][k];
+                if error <= enough {
+                    edges.push((error.to_bits(), a, b));
+                }
+            }
+        }
+        edges
     }
 
     fn target(&self, a: u32, b: u32) -> (Vec3, f64) {
@@ -288,86 +378,102 @@ impl Reduction {
         if held & held >> 1 & LOWER != 0 {
             return (self.points[p], f64::INFINITY);
         }
-        let walls = self.walls.moved(&-self.origin);
-        let hold = |x| put(x, held, &walls);
+        let hold = |x| if held == 0 { x } else { put(x, held, &self.walls.moved(&-self.origin)) };
         self.quadrics[p].with(&self.quadrics[q]).best([&self.points[p], &self.points[q]], hold)
     }
 
-    fn enqueue(&mut self, [a, b]: [u32; 2], most: f64) {
-        let error = self.target(a, b).1;
-        if error <= most {
-            self.queue.push(Reverse((error.to_bits(), a.min(b), a.max(b), self.changes_of(a, b))));
-        }
+    /// Triangles at a vertex, in their order.
+    fn at(&self, vertex: u32) -> impl Iterator<Item = u32> + use<'_> {
+        let [start, end] = self.places[vertex as usize].map(|at| at as usize);
+        self.around[start..end].iter().copied().filter(|t| self.triangles[*t as usize][0] != GONE)
     }
 
-    /// The vertices that share a triangle with `a`, ascending.
-    fn neighbours(&self, a: u32) -> Vec<u32> {
-        let corners = self.around[a as usize].iter().flat_map(|&t| self.triangles[t as usize]);
-        let mut neighbours: Vec<u32> = corners.filter(|&corner| corner != a).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
-        neighbours
+    /// Neighbours of a vertex: the next corner of each of its triangles.
+    fn neighbours(&self, vertex: u32) -> impl Iterator<Item = u32> + use<'_> {
+        self.at(vertex).map(move |t| {
+            let [a, b, c] = self.triangles[t as usize];
+            if a == vertex {
+                b
+            } else if b == vertex {
+                c
+            } else {
+                a
+            }
+        })
     }
 
     /// Puts `b` onto `a`, at the best position, where that leaves a closed surface without turned triangles.
-    fn collapse(&mut self, a: u32, b: u32, most: f64) {
-        let (own, others) = (self.neighbours(a), self.neighbours(b));
-        let common = own.iter().filter(|&vertex| others.binary_search(vertex).is_ok()).count();
+    fn collapse(&mut self, a: u32, b: u32) -> bool {
+        self.tried += 1;
+        let (mut own, mut others, mut common, mut is_edge) = (0, 0, 0, false);
+        let mut marks = std::mem::take(&mut self.marks);
+        for vertex in self.neighbours(a) {
+            marks[vertex as usize] = self.tried;
+            own += 1;
+            is_edge |= vertex == b;
+        }
+        for vertex in self.neighbours(b) {
+            others += 1;
+            common += usize::from(marks[vertex as usize] == self.tried);
+        }
+        self.marks = marks;
         // Two ends of valence three would leave two triangles on each other.
-        if common != 2 || own.len() + others.len() <= 7 || own.binary_search(&b).is_err() {
-            return;
+        if common != 2 || own + others <= 7 || !is_edge {
+            return false;
         }
         let (position, _) = self.target(a, b);
-        let is_kept =
-            |t: &&u32| !(self.triangles[**t as usize].contains(&a) && self.triangles[**t as usize].contains(&b));
-        let both = self.around[a as usize].iter().chain(&self.around[b as usize]);
-        let kept: Vec<u32> = both.clone().filter(is_kept).copied().collect();
-        if !kept.iter().all(|&t| self.stays_upright(t, [a, b], &position)) {
-            return;
+        let has = |t: u32, vertex: u32| self.triangles[t as usize].contains(&vertex);
+        let kept_at = |own: u32, other: u32| self.at(own).filter(move |t| !has(*t, other));
+        let kept = || kept_at(a, b).map(|t| (t, a)).chain(kept_at(b, a).map(|t| (t, b)));
+        if !kept().all(|(t, moved)| self.stays_upright(t, moved, &position)) {
+            return false;
         }
-        let gone: Vec<u32> = self.around[a as usize].iter().copied().filter(|t| !kept.contains(t)).collect();
-        for &t in &gone {
-            for corner in self.triangles[t as usize] {
-                self.around[corner as usize].retain(|other| *other != t);
-            }
-            self.triangles[t as usize] = [u32::MAX; 3];
-        }
-        for t in std::mem::take(&mut self.around[b as usize]) {
+        let start = self.around.len();
+        let list: Vec<u32> = kept().map(|(t, _)| t).collect();
+        let gone: Vec<u32> = self.at(a).filter(|t| has(*t, b)).collect();
+        gone.into_iter().for_each(|t| self.triangles[t as usize] = [GONE; 3]);
+        for &t in &list {
             let corners = &mut self.triangles[t as usize];
             corners.iter_mut().filter(|corner| **corner == b).for_each(|corner| *corner = a);
-            self.around[a as usize].push(t);
+            let at = corners.iter().position(|corner| *corner == a).unwrap_or_default();
+            self.errors[t as usize][at] = f32::NAN;
+            self.errors[t as usize][(at + 2) % 3] = f32::NAN;
         }
+        self.around.extend(list);
+        self.places[a as usize] = [start as u32, self.around.len() as u32];
+        self.places[b as usize] = [0; 2];
         self.points[a as usize] = position;
         self.held[a as usize] |= self.held[b as usize];
         self.quadrics[a as usize] = self.quadrics[a as usize].with(&self.quadrics[b as usize]);
-        self.changes[a as usize] += 1;
-        self.changes[b as usize] += 1;
-        for neighbour in self.neighbours(a) {
-            self.enqueue([a, neighbour], most);
-        }
+        [a, b].into_iter().for_each(|vertex| self.moved[vertex as usize] = self.passes);
+        true
     }
 
-    /// True when a triangle with its corner among `moved` at `position` has about its normal, and a shape.
-    fn stays_upright(&self, t: u32, moved: [u32; 2], position: &Vec3) -> bool {
+    /// True when a triangle with its corner `moved` at `position` has about its normal, and a shape.
+    fn stays_upright(&self, t: u32, moved: u32, position: &Vec3) -> bool {
         let before = self.corners(t);
-        let at = |k: usize| if moved.contains(&self.triangles[t as usize][k]) { *position } else { before[k] };
+        let at = |k: usize| if self.triangles[t as usize][k] == moved { *position } else { before[k] };
         let after = [at(0), at(1), at(2)];
         let (old, new) = (cross(&before), cross(&after));
         let longest = (0..3).map(|k| (after[k] - after[(k + 1) % 3]).norm_squared()).fold(0.0, f64::max);
-        new.dot(&old) > LEAST_COSINE * new.norm() * old.norm() && new.norm() > LEAST_SHAPE * longest
+        let size = new.norm_squared();
+        let turn = new.dot(&old);
+        turn > 0.0
+            && turn * turn > LEAST_COSINE * LEAST_COSINE * size * old.norm_squared()
+            && size > LEAST_SHAPE * LEAST_SHAPE * longest * longest
     }
 
     /// What is left, with vertices in their order.
     fn rest(&self) -> TriangleMesh {
-        let mut number = vec![u32::MAX; self.points.len()];
+        let left = || self.triangles.iter().filter(|t| t[0] != GONE);
+        let mut number = vec![GONE; self.points.len()];
+        left().flatten().for_each(|&vertex| number[vertex as usize] = 0);
         let mut vertices = Vec::new();
-        for (vertex, around) in self.around.iter().enumerate().filter(|(_, around)| !around.is_empty()) {
-            number[vertex] = vertices.len() as u32;
-            debug_assert!(around.len() > 2);
+        for (vertex, number) in number.iter_mut().enumerate().filter(|(_, number)| **number != GONE) {
+            *number = vertices.len() as u32;
             vertices.push(put(self.points[vertex] + self.origin, self.held[vertex], &self.walls));
         }
-        let left = self.triangles.iter().filter(|t| t[0] != u32::MAX);
-        TriangleMesh { triangles: left.map(|t| t.map(|i| number[i as usize])).collect(), vertices }
+        TriangleMesh { triangles: left().map(|t| t.map(|i| number[i as usize])).collect(), vertices }
     }
 }
 
