@@ -1,6 +1,6 @@
 //! A folder has one holder. The faults came from two processes that wrote into one folder of results.
 
-use meso_files::lock::{LOCK, LockError, hold};
+use meso_files::lock::{LOCK, LockError, hold, join};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -59,4 +59,23 @@ fn at_most_one_of_eight_threads_holds_a_folder() {
     std::thread::scope(|scope| (0..8).for_each(|_| drop(scope.spawn(work))));
     // Somebody came while the folder was held, so the trial was one.
     assert!(refused.load(Ordering::SeqCst) > 0, "{refused:?}");
+}
+
+#[test]
+fn equal_works_share_a_folder_and_another_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = || std::fs::read_dir(folder.path()).unwrap().count();
+    // The file of a killed process.
+    std::fs::write(folder.path().join(".mesocrete-c0.lock"), "4194305\n").unwrap();
+    let held = [join(folder.path(), "a1").unwrap(), join(folder.path(), "a1").unwrap()];
+    assert_eq!(files(), 1);
+    let [first, second] = held;
+    drop(first);
+    assert!(matches!(join(folder.path(), "b2"), Err(LockError::Busy { .. })));
+    // The lock of moments is another one.
+    drop(hold(folder.path()).unwrap());
+    drop(second);
+    assert_eq!(files(), 0);
+    drop(join(folder.path(), "b2").unwrap());
+    assert_eq!(files(), 0);
 }

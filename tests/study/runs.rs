@@ -1,8 +1,8 @@
-//! A study runs once: its folder is locked, and every case leaves its record.
+//! A study runs once: each case in hand is locked, and leaves its record.
 
 use crate::plan;
-use meso_files::lock::{LockError, hold};
-use meso_study::{Again, CaseOutcome, RunError, Status, StudyRun};
+use meso_files::lock::{LOCK, LockError, hold};
+use meso_study::{Again, Begun, CaseOutcome, Heard, RunError, Share, Status, StudyRun};
 use serde_json::{Map, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +10,23 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A run of the seeds 1 to 5.
 fn open(out: &Path, again: Again) -> Result<StudyRun, RunError> {
-    StudyRun::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again)
+    open_share(out, again, Share::ALL)
+}
+
+/// The cases of this run of the seeds 1 to 5.
+fn open_share(out: &Path, again: Again, share: Share) -> Result<StudyRun, RunError> {
+    StudyRun::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again, share)
+}
+
+/// Names of the hidden files in the folder and in those of its cases.
+fn hidden(out: &Path) -> Vec<String> {
+    let names = |folder: &Path| -> Vec<String> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    let all = names(out);
+    let of_cases: Vec<String> = all.iter().flat_map(|name| names(&out.join(name))).collect();
+    all.into_iter().chain(of_cases).filter(|name| name.starts_with('.')).collect()
 }
 
 /// Results of a case, of which the third fails.
@@ -66,24 +82,85 @@ fn a_run_stops_where_its_work_does_and_the_next_one_continues() {
     assert_eq!((run.left(), run.tally().before), (vec![3, 4], 3));
 }
 
-/// The shared case study_two_processes.py: 6 of 8 pairs of processes had false failures.
+/// The shared case study_two_processes.py: 6 of 8 pairs of processes had false failures. A second run of the same study takes
+/// the cases that are free; other work is refused.
 #[test]
-fn a_folder_with_a_run_refuses_a_second_one() {
+fn two_runs_in_one_folder_share_the_cases_and_do_none_twice() {
     let folder = tempfile::tempdir().unwrap();
-    let run = open(folder.path(), Again::None).unwrap();
+    let runs = [open(folder.path(), Again::None).unwrap(), open(folder.path(), Again::None).unwrap()];
     let refused = |again| matches!(open(folder.path(), again), Err(RunError::Lock(LockError::Busy { .. })));
-    assert!(refused(Again::None) && refused(Again::Failed) && refused(Again::All));
-    run.drive(3, (), &|_| (), &|number| {
-        assert!(refused(Again::All));
-        Some(outcome(number))
-    })
-    .unwrap();
-    run.close();
-    assert!(!refused(Again::None));
-    let held = hold(folder.path()).unwrap();
-    assert!(refused(Again::None));
-    drop(held);
-    assert!(!refused(Again::None));
+    assert!(refused(Again::All) && !refused(Again::Failed));
+    let calls = AtomicUsize::new(0);
+    for run in &runs {
+        let work = |number| {
+            calls.fetch_add(1, Ordering::SeqCst);
+            Some(outcome(number))
+        };
+        run.drive(3, (), &|_| (), &work).unwrap();
+        assert_eq!((run.tally().done, run.tally().failed), (4, 1));
+    }
+    assert_eq!(calls.into_inner(), 5);
+    drop(runs);
+    assert!(!refused(Again::All));
+    assert_eq!(hidden(folder.path()), [""; 0]);
+}
+
+#[test]
+fn shards_are_disjoint_and_together_the_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = Vec::new();
+    for shard in 1..=3 {
+        let run = open_share(folder.path(), Again::None, Share { shard, of: 3 }).unwrap();
+        all.extend(run.left());
+        run.drive(1, (), &|_| (), &|number| Some(outcome(number))).unwrap();
+        assert_eq!((run.tally().cases, run.records().len()), (run.tally().over(), run.tally().cases));
+    }
+    assert_eq!(all, [0, 3, 1, 4, 2]);
+    let collected = open(folder.path(), Again::None).unwrap();
+    assert_eq!((collected.tally().before, collected.save_tables(()).unwrap().rows()), (5, 5));
+}
+
+/// A case in the hand of another process is waited for; the case of a killed one is taken over. Both come last, so that a case
+/// that ends its process holds up no other.
+#[test]
+fn cases_of_other_processes_come_last_and_are_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = plan(&[("seed", json!([1, 2]))]).unwrap().cases;
+    let [of_killed, of_other] = [0, 1].map(|number: usize| folder.path().join(&cases[number].folder));
+    for path in [&of_killed, &of_other] {
+        std::fs::create_dir_all(path).unwrap();
+    }
+    std::fs::write(of_killed.join(LOCK), "4194305\n").unwrap();
+    // A process with another number: its lock is ours for the test's sake.
+    let other = hold(&of_other).unwrap();
+    std::fs::write(of_other.join(LOCK), "4194306\n").unwrap();
+    let other = std::sync::Mutex::new(Some(other));
+    let run = open(folder.path(), Again::None).unwrap();
+    assert_eq!(run.left(), [2, 3, 4, 0, 1]);
+    let (waits, order) = (AtomicUsize::new(0), std::sync::Mutex::new(Vec::new()));
+    let hears = |heard| match heard {
+        Heard::Waits(number) => {
+            assert_eq!(number, 1);
+            // The other process ends at the second look.
+            if waits.fetch_add(1, Ordering::SeqCst) == 1 {
+                drop(other.lock().unwrap().take());
+            }
+        }
+        Heard::Starts(number) => order.lock().unwrap().push(number),
+    };
+    run.drive(1, (), &hears, &|number| Some(outcome(number))).unwrap();
+    assert_eq!((order.into_inner().unwrap(), waits.into_inner()), (vec![2, 3, 4, 0, 1], 2));
+}
+
+#[test]
+fn a_case_that_this_process_works_on_is_refused_and_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = [open(folder.path(), Again::None).unwrap(), open(folder.path(), Again::None).unwrap()];
+    let Begun::Turn(turn) = runs[0].begin(0, &()).unwrap() else { panic!("the case is free") };
+    assert!(turn.is_exclusive() && !turn.is_packed() && turn.path().is_dir());
+    assert!(matches!(runs[1].begin(0, &()), Err(RunError::Lock(LockError::Busy { .. }))));
+    turn.leave(&());
+    assert!(matches!(runs[1].begin(0, &()), Ok(Begun::Turn(_))));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::AskError;
 use meso_core::mesh::Tools;
+use std::cell::Cell;
 
 /// What a front lends to the work of a request.
 #[derive(Clone, Copy, Default)]
@@ -10,6 +11,8 @@ pub struct Machine<'a> {
     pub memory: Option<u64>,
     /// gmsh, and who hears how far the work is.
     pub tools: Tools<'a>,
+    /// Receives the largest memory that was asked for, bytes.
+    pub asked: Option<&'a Cell<f64>>,
 }
 
 impl Machine<'_> {
@@ -29,6 +32,7 @@ impl Machine<'_> {
     /// # Errors
     /// The bytes that it takes and those that are free.
     pub fn accept_bytes(&self, work: &str, bytes: f64, fix: impl Fn(f64) -> String) -> Result<(), AskError> {
+        self.asked.iter().for_each(|asked| asked.set(asked.get().max(bytes)));
         let Some(free) = self.memory.map(|free| free as f64).filter(|free| bytes > *free) else { return Ok(()) };
         let ([needed, left], fix) = (sizes([bytes, free]), fix(free));
         Err(AskError::Run(format!("{work} takes about {needed} of memory, and {left} are free; {fix}")))

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// This machine, with these tools.
 pub(crate) fn machine(tools: Tools<'_>) -> Machine<'_> {
-    Machine { memory: free::memory(), tools }
+    Machine { memory: free::memory(), tools, asked: None }
 }
 
 /// Refuses an image that takes more memory than is free.

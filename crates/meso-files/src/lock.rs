@@ -1,4 +1,4 @@
-//! One process at a time in a folder of results.
+//! One process at a time in a folder of results, or several that share one work.
 //!
 //! The lock is the system's own, on a hidden file in the folder, so it ends with the process that took it, even where that
 //! was killed. The file stays then, and the next process takes it over. It holds the number of the process, for whoever
@@ -7,9 +7,15 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Name of the hidden file.
 pub const LOCK: &str = ".mesocrete-lock";
+/// Names of the hidden files of shared works: a prefix and a suffix.
+const SHARED: (&str, &str) = (".mesocrete-", ".lock");
+/// Looks at a lock that another process has for a moment, and the time between two.
+const TRIES: u32 = 200;
+const MOMENT: Duration = Duration::from_millis(5);
 
 /// Why a folder cannot be held.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +47,8 @@ fn holder_text(holder: Option<u32>) -> String {
 pub struct Held {
     path: PathBuf,
     file: Option<File>,
+    /// Whether other processes may have the same lock.
+    is_shared: bool,
     is_exclusive: bool,
 }
 
@@ -49,11 +57,41 @@ pub struct Held {
 /// # Errors
 /// [`LockError::Busy`] where another process holds the folder, or another task of this one.
 pub fn hold(folder: &Path) -> Result<Held, LockError> {
-    let path = folder.join(LOCK);
+    take(folder, LOCK, false)
+}
+
+/// Takes part in the work `name`, letters and digits, on `folder`, beside other processes that do the same.
+///
+/// # Errors
+/// [`LockError::Busy`] where another process does other work there.
+pub fn join(folder: &Path, name: &str) -> Result<Held, LockError> {
+    let (prefix, suffix) = SHARED;
+    let own = format!("{prefix}{name}{suffix}");
+    // The last holder has the file alone for a moment, while it removes it.
+    let mut tries = 0..TRIES;
+    let held = loop {
+        match take(folder, &own, true) {
+            Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
+            taken => break taken?,
+        }
+    };
+    let fail = |error| LockError::File { path: folder.to_owned(), error };
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let other = entry.map_err(fail)?.file_name().to_string_lossy().into_owned();
+        if other.starts_with(prefix) && other.ends_with(suffix) && other != own {
+            // The file of a killed process goes.
+            take(folder, &other, false)?;
+        }
+    }
+    Ok(held)
+}
+
+fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {
+    let path = folder.join(name);
     let fail = |error| LockError::File { path: path.clone(), error };
     loop {
         let mut file = open(&path).map_err(fail)?;
-        let is_exclusive = match file.try_lock() {
+        let is_exclusive = match if is_shared { file.try_lock_shared() } else { file.try_lock() } {
             Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
                 return Err(LockError::Busy { folder: folder.to_owned(), holder: number_in(&mut file) });
@@ -64,8 +102,11 @@ pub fn hold(folder: &Path) -> Result<Held, LockError> {
         };
         // The holder before may have removed the file between our two calls.
         if is_at(&file, &path) {
-            sign(&mut file).map_err(fail)?;
-            return Ok(Held { path, file: Some(file), is_exclusive });
+            // On Windows nobody writes into a file with a shared lock.
+            if !is_shared || cfg!(unix) {
+                sign(&mut file).map_err(fail)?;
+            }
+            return Ok(Held { path, file: Some(file), is_shared, is_exclusive });
         }
     }
 }
@@ -90,6 +131,13 @@ impl Held {
 impl Drop for Held {
     fn drop(&mut self) {
         let Some(file) = self.file.take() else { return };
+        if self.is_shared {
+            let _ = file.unlock();
+            // The last one removes the file.
+            if file.try_lock().is_err() || !is_at(&file, &self.path) {
+                return;
+            }
+        }
         // On Unix the name goes while the lock is held, so that nobody else's file is removed. Windows removes no open file.
         if cfg!(unix) {
             let _ = std::fs::remove_file(&self.path);

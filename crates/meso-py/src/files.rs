@@ -91,18 +91,6 @@ pub(crate) fn write_model(
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp", "html"]].concat()))
 }
 
-/// Writes the saved model of a study's case, and replaces an older one.
-///
-/// # Errors
-/// `OSError`.
-pub(crate) fn write_case(model: &Model, path: &Path, watch: &Watch) -> PyResult<()> {
-    let mut unit = Unit::unforced(Stop(watch));
-    let format = Format::from_path(path).unwrap_or(Format::Json);
-    let write = |out: &mut dyn Write| format.write(model, SurfaceOptions::default(), out);
-    fill(&mut unit, path, true, write).map_err(|error| file_error(path, error))?;
-    unit.commit().map_err(|(path, error)| file_error(&path, error))
-}
-
 fn is_page(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"))
 }

@@ -1,6 +1,7 @@
 //! One case: the complete spec, its hash and the name of its folder.
 
 use meso_pack::Spec;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
@@ -10,7 +11,7 @@ const LONGEST_LABEL: usize = 100;
 const SHORT_HASH: usize = 16;
 
 /// One combination of a study.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// Name of the case's folder: its values and the first digits of its hash.
     pub folder: String,

@@ -32,7 +32,13 @@ Example of a STUDY.toml:
   fraction = [0.3, 0.4]
 
 Run it:
-  mesocrete study STUDY.toml -o study --jobs 2";
+  mesocrete study STUDY.toml -o study --jobs 2
+
+On a cluster:
+  mesocrete study STUDY.toml -o study --slurm > study.sbatch    the script of a Slurm array
+  mesocrete study STUDY.toml -o study --collect                 the tables, at any time
+
+Exit codes: 0 every case of this process is done; 1 one has failed, or with --collect is left; 130 stopped by a signal.";
 
 pub(super) const DATASET: &str = "\
 Examples:

@@ -6,29 +6,31 @@ pub(crate) use fit::PyFit;
 
 use crate::beside::Told;
 use crate::boundary::{file_error, guard, raised};
-use crate::files::{self, Stop};
+use crate::files::Stop;
 use crate::mesh;
 use crate::packing::PyPacking;
 use crate::pickle;
-use crate::run::{Watch, beside_python, beside_python_on};
+use crate::run::{Watch, beside_python_on};
 use crate::spec::{self, options, spec_error};
 use crate::tree::{self, plain};
 use meso_ask::{AskError, Giver};
-use meso_core::Silent;
-use meso_files::lock::LockError;
+use meso_core::saved;
+use meso_core::{Model, Silent};
+use meso_files::lock::{LOCK, LockError};
 use meso_gpu::Choice;
 use meso_solve::Run;
 use meso_study::{
-    Again, Attached, Axis, Case, CaseOutcome, CaseState, Doing, Keep, MODELS, NamedFiles, Plan, PlanError, Planning,
-    Record, RunError, Sampling, Steps, StudyFile, StudyRun, Table, ensemble, of_packing, read_text, save_tables,
+    Again, Attached, Axis, Begun, Case, CaseOutcome, CaseState, CaseTurn, Doing, Keep, MODELS, NamedFiles, Plan,
+    PlanError, Planning, RECORD, Record, RunError, Sampling, Share, Status, Steps, StudyFile, StudyRun, Table,
+    ensemble, of_packing, read_text, save_tables,
 };
-use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyBlockingIOError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyTuple};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The cases of a study.
 #[pyclass(name = "_StudyPlan", module = "mesocrete._mesocrete", frozen)]
@@ -78,9 +80,13 @@ fn device(name: &str, run: Option<&mut Run<'_>>) -> Result<Attached, AskError> {
     Ok(Attached { doubt, hold: Some(Box::new(lease)) })
 }
 
-/// A study while it runs; its folder is locked.
+/// A study while it runs.
 #[pyclass(name = "_StudyRun", module = "mesocrete._mesocrete", frozen)]
-pub(crate) struct PyStudyRun(StudyRun);
+pub(crate) struct PyStudyRun {
+    run: StudyRun,
+    plan: Arc<Plan>,
+    of: CaseOf,
+}
 
 /// The lists of a dict from dotted keys to iterables; errors name it `over` or `zip`.
 fn lists(name: &str, table: &Bound<'_, PyDict>) -> PyResult<Vec<(String, Vec<Value>)>> {
@@ -211,28 +217,11 @@ impl PyStudyPlan {
         })
     }
 
-    /// Whether the cases have steps after the packing.
-    #[getter]
-    fn has_steps(&self) -> bool {
-        self.plan.cases.first().is_some_and(|case| case.task.as_object().is_some_and(|task| !task.is_empty()))
-    }
-
-    /// Name of the packing that a case keeps.
-    #[getter]
-    fn model(&self) -> PyResult<String> {
-        Ok(meso_ask::flags::names::of(&self.steps.keep))
-    }
-
     /// The spec that a case packs, with the gaps that its mesh and its test need.
     fn packed_spec(&self, number: usize) -> PyResult<spec::PySpec> {
         let case = self.case(number)?;
         let spec = self.steps.steps(&case.task).and_then(|steps| steps.spec(&case.spec, &Silent));
         spec.map(spec::PySpec).map_err(|fault| raised(&fault))
-    }
-
-    /// The steps of a case, for `_study_case`.
-    fn task(&self, number: usize) -> PyResult<String> {
-        pickle::json(&(&self.steps, &self.case(number)?.task))
     }
 
     /// The axes' keys.
@@ -264,8 +253,7 @@ impl PyStudyPlan {
         then: &str,
         out: PathBuf,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
-        let records = self.records(then, &out);
-        let table = save_tables(&out, &self.plan.keys, &records, ()).map_err(|error| file_error(&out, error))?;
+        let table = save_tables(&out, &self.plan.keys, &|| self.records(then, &out), ()).map_err(run_error)?;
         let groups = ensemble(&table, &self.plan.keys, meso_study::REPLICATE);
         Ok((columns(py, &table)?, columns(py, &groups)?))
     }
@@ -306,53 +294,230 @@ pub(crate) fn run_error(error: RunError) -> PyErr {
 
 #[pymethods]
 impl PyStudyRun {
-    /// Locks the folder `out` and looks which cases of `plan` are over; `then` names the work beyond packing.
+    /// Looks which cases of `plan` are over in the folder `out`; `then` names the work beyond packing.
     #[new]
     fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool) -> PyResult<Self> {
         let again = if retry_failed { Again::Failed } else { Again::None };
-        guard(|| StudyRun::open(Arc::clone(&plan.plan), then, &out, again).map(Self).map_err(run_error))
+        guard(|| {
+            let run = StudyRun::open(Arc::clone(&plan.plan), then, &out, again, Share::ALL).map_err(run_error)?;
+            let of = CaseOf { case: None, how: plan.steps.clone(), then: then.to_owned(), out, again };
+            Ok(Self { run, plan: Arc::clone(&plan.plan), of })
+        })
     }
 
     /// Numbers of the cases that are not over.
     #[getter]
     fn left(&self) -> Vec<usize> {
-        self.0.left()
+        self.run.left()
     }
 
     /// Number of the cases that are over.
     #[getter]
     fn over(&self) -> usize {
-        self.0.tally().over()
+        self.run.tally().over()
     }
 
-    /// Prepares the folder of a case; returns whether its packing is there.
-    fn begin(&self, number: usize) -> PyResult<bool> {
-        guard(|| self.0.begin(number).map_err(run_error))
+    /// False on a file system without locks.
+    #[getter]
+    fn is_exclusive(&self) -> bool {
+        self.run.is_exclusive()
     }
 
-    /// Records a case: its results as JSON, or the message of its failure.
-    #[pyo3(signature = (number, results, error, warnings))]
-    fn end(&self, number: usize, results: &str, error: Option<String>, warnings: Vec<String>) -> PyResult<()> {
-        guard(|| {
-            let read = || serde_json::from_str::<Map<String, Value>>(results).map_err(|error| error.to_string());
-            let outcome = CaseOutcome { results: error.map_or_else(read, Err), warnings };
-            self.0.end(number, outcome, ()).map_err(run_error)
-        })
+    /// A case, for whoever does it.
+    fn case(&self, number: usize) -> PyResult<PyStudyCase> {
+        let case = self.plan.cases.get(number).cloned();
+        Ok(PyStudyCase { of: CaseOf { case, ..self.of.clone() }, turn: Mutex::default() })
+    }
+
+    /// Raises where a case that a worker has recorded is not in the folder.
+    fn seen(&self, number: usize) -> PyResult<()> {
+        let folder = self.of.out.join(&self.plan.cases[number].folder);
+        if folder.join(RECORD).is_file() {
+            return Ok(());
+        }
+        let folder = folder.display();
+        let message =
+            format!("a worker recorded a case in {folder}; all workers must see this folder (a shared file system)");
+        Err(PyRuntimeError::new_err(message))
+    }
+
+    /// Takes note of a case that is over.
+    fn note(&self, number: usize, failed: bool) {
+        self.run.note(number, if failed { Status::Failed } else { Status::Done });
     }
 
     /// Writes the tables of the cases that are over, and frees the folder.
     fn close(&self) -> PyResult<()> {
         guard(|| {
-            let saved = self.0.save_tables(()).map(drop);
-            self.0.close();
+            let saved = self.run.save_tables(()).map(drop);
+            self.run.close();
             saved.map_err(run_error)
         })
     }
 
     /// Closes the lock in a forked process, where it belongs to the parent.
     fn leave_lock_to_parent(&self) {
-        self.0.leave_lock_to_parent();
+        self.run.leave_lock_to_parent();
     }
+}
+
+/// Whether a case has steps after the packing.
+fn has_steps(case: &Case) -> bool {
+    case.task.as_object().is_some_and(|task| !task.is_empty())
+}
+
+/// A case and what is done with it: all that a worker needs.
+#[derive(Clone, Serialize, Deserialize)]
+struct CaseOf {
+    /// Absent only for a number that the plan lacks.
+    case: Option<Case>,
+    how: Task,
+    then: String,
+    out: PathBuf,
+    again: Again,
+}
+
+/// A case for a worker. It is sent as JSON.
+#[pyclass(name = "_StudyCase", module = "mesocrete._mesocrete", frozen)]
+pub(crate) struct PyStudyCase {
+    of: CaseOf,
+    turn: Mutex<Option<CaseTurn>>,
+}
+
+impl PyStudyCase {
+    fn whole(&self) -> PyResult<&Case> {
+        self.of.case.as_ref().ok_or_else(|| PyValueError::new_err("there is no such case"))
+    }
+
+    fn turn(&self) -> MutexGuard<'_, Option<CaseTurn>> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl PyStudyCase {
+    /// Takes the turn of this process: "turn", "done" and "failed" for a case that is over, "busy" for one of another process.
+    fn begin(&self) -> PyResult<&'static str> {
+        guard(|| {
+            let CaseOf { then, out, again, .. } = &self.of;
+            let begun = CaseTurn::begin(self.whole()?, then, out, *again, &()).map_err(run_error)?;
+            Ok(match begun {
+                Begun::Turn(turn) => {
+                    *self.turn() = Some(turn);
+                    "turn"
+                }
+                Begun::Over(Status::Done) => "done",
+                Begun::Over(Status::Failed) => "failed",
+                Begun::Busy => "busy",
+            })
+        })
+    }
+
+    /// Folder of the case.
+    #[getter]
+    fn folder(&self) -> PyResult<PathBuf> {
+        Ok(self.of.out.join(&self.whole()?.folder))
+    }
+
+    /// Whether a process works on the case, or has died at it.
+    #[getter]
+    fn is_marked(&self) -> PyResult<bool> {
+        Ok(self.folder()?.join(LOCK).exists())
+    }
+
+    /// Whether the case has steps after the packing.
+    #[getter]
+    fn has_steps(&self) -> PyResult<bool> {
+        Ok(has_steps(self.whole()?))
+    }
+
+    /// Memory that the mesh and the test are estimated to take, bytes.
+    #[getter]
+    fn memory(&self, py: Python<'_>) -> PyResult<f64> {
+        let (case, gmsh) = (self.whole()?, mesh::gmsh(py)?);
+        Ok(self.of.how.steps(&case.task).map_or(0.0, |steps| steps.memory(&case.spec, &gmsh)))
+    }
+
+    /// Does the steps of the case, from its packing if there is one: the packing, the results as JSON, the message of its failure,
+    /// and warnings.
+    #[pyo3(signature = (threads=None))]
+    fn work(
+        &self,
+        py: Python<'_>,
+        threads: Option<usize>,
+    ) -> PyResult<(PyPacking, String, Option<String>, Vec<String>)> {
+        let gmsh = mesh::gmsh(py)?;
+        let (how, case, folder) = (self.of.how.clone(), self.whole()?.clone(), self.folder()?);
+        let is_packed = self.turn().as_ref().is_some_and(CaseTurn::is_packed);
+        let work = move |watch: &Watch| -> Result<_, AskError> {
+            let steps = how.steps(&case.task)?;
+            let warnings = Mutex::new(Vec::new());
+            let tell = |word: &str, text: &str| {
+                if word == "warning" {
+                    warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
+                }
+            };
+            let doing = Doing { watch, keeper: Stop(watch), gmsh: &gmsh, devices: &device, tell: &tell };
+            let kept = if is_packed { kept(&folder, watch) } else { None };
+            let model = Arc::new(kept.map_or_else(|| steps.pack(&case.spec, watch), Ok)?);
+            let results = steps.run(&model, &folder, &doing);
+            Ok((model, results, warnings.into_inner().unwrap_or_else(PoisonError::into_inner)))
+        };
+        guard(|| {
+            let done = beside_python_on(py, threads, None, None, work)?;
+            let (model, results, warnings) = done.map_err(|fault| raised(&fault))?;
+            let (results, error) = match results {
+                Ok(results) => (Value::Object(results).to_string(), None),
+                Err(fault) => ("{}".to_owned(), Some(fault.message().to_owned())),
+            };
+            Ok((PyPacking(model), results, error, warnings))
+        })
+    }
+
+    /// Records the case: its results as JSON, or the message of its failure. Returns "done" or "failed".
+    #[pyo3(signature = (results, error, warnings))]
+    fn end(&self, results: &str, error: Option<String>, warnings: Vec<String>) -> PyResult<&'static str> {
+        guard(|| {
+            let read = || serde_json::from_str::<Map<String, Value>>(results).map_err(|error| error.to_string());
+            let outcome = CaseOutcome { results: error.map_or_else(read, Err), warnings };
+            let Some(turn) = self.turn().take() else {
+                return Err(PyValueError::new_err("the case has not begun"));
+            };
+            let status = turn.end(self.whole()?, &self.of.then, outcome, ()).map_err(run_error)?;
+            Ok(if status == Status::Done { "done" } else { "failed" })
+        })
+    }
+
+    /// Frees the folder of a case that has not ended.
+    fn leave(&self) {
+        drop(self.turn().take());
+    }
+
+    /// Closes the lock in a forked process, where it belongs to the parent.
+    fn leave_lock_to_parent(&self) {
+        // Another thread of the parent may have held the mutex while the process was forked.
+        if let Some(turn) = self.turn.try_lock().ok().and_then(|mut turn| turn.take()) {
+            turn.leave_to_parent();
+        }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_study_case")?;
+        (restore, (pickle::json(&self.of)?,)).into_pyobject(py)
+    }
+}
+
+/// The saved model of a case, which its record vouches for.
+fn kept(folder: &Path, watch: &Watch) -> Option<Model> {
+    let read = |name: &&str| std::fs::read(folder.join(name)).ok();
+    let bytes = MODELS.iter().find_map(read)?;
+    saved::read_while(&bytes, watch).ok()
+}
+
+/// Unpickles a case.
+#[pyfunction(name = "_study_case")]
+pub(crate) fn study_case(of: &str) -> PyResult<PyStudyCase> {
+    Ok(PyStudyCase { of: pickle::from_json(of)?, turn: Mutex::default() })
 }
 
 impl PyStudyPlan {
@@ -363,7 +528,7 @@ impl PyStudyPlan {
 
     /// Refuses a case with options that its packing cannot have.
     pub(crate) fn accept(&self, py: Python<'_>) -> PyResult<()> {
-        if !self.has_steps() {
+        if !self.plan.cases.first().is_some_and(has_steps) {
             return Ok(());
         }
         let gmsh = mesh::gmsh(py)?;
@@ -393,52 +558,6 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
         dict.set_item(&column.name, PyList::new(py, cells.collect::<PyResult<Vec<_>>>()?)?)?;
     }
     Ok(dict)
-}
-
-/// Writes a packing into the folder of its case.
-#[pyfunction(name = "_study_write")]
-pub(crate) fn study_write(py: Python<'_>, packing: &PyPacking, folder: PathBuf, compressed: bool) -> PyResult<()> {
-    let (model, path) = (Arc::clone(&packing.0), folder.join(MODELS[usize::from(compressed)]));
-    guard(|| beside_python(py, None, move |watch| files::write_case(&model, &path, watch))?)
-}
-
-/// Does the steps of a case in `folder`, from its packing if there is one: the packing, the results as JSON, the message of its
-/// failure, and warnings.
-#[pyfunction(name = "_study_case")]
-#[pyo3(signature = (spec, task, folder, threads=None, packing=None))]
-pub(crate) fn study_case(
-    py: Python<'_>,
-    spec: &spec::PySpec,
-    task: &str,
-    folder: PathBuf,
-    threads: Option<usize>,
-    packing: Option<&PyPacking>,
-) -> PyResult<(PyPacking, String, Option<String>, Vec<String>)> {
-    let (how, task): (Task, Value) = pickle::from_json(task)?;
-    let (spec, gmsh) = (spec.0.clone(), mesh::gmsh(py)?);
-    let kept = packing.map(|packing| Arc::clone(&packing.0));
-    let work = move |watch: &Watch| -> Result<_, AskError> {
-        let steps = how.steps(&task)?;
-        let warnings = Mutex::new(Vec::new());
-        let tell = |word: &str, text: &str| {
-            if word == "warning" {
-                warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
-            }
-        };
-        let doing = Doing { watch, keeper: Stop(watch), gmsh: &gmsh, devices: &device, tell: &tell };
-        let model = kept.map_or_else(|| steps.pack(&spec, watch).map(Arc::new), Ok)?;
-        let results = steps.run(&model, &folder, &doing);
-        Ok((model, results, warnings.into_inner().unwrap_or_else(PoisonError::into_inner)))
-    };
-    guard(|| {
-        let done = beside_python_on(py, threads, None, None, work)?;
-        let (model, results, warnings) = done.map_err(|fault| raised(&fault))?;
-        let (results, error) = match results {
-            Ok(results) => (Value::Object(results).to_string(), None),
-            Err(fault) => ("{}".to_owned(), Some(fault.message().to_owned())),
-        };
-        Ok((PyPacking(model), results, error, warnings))
-    })
 }
 
 /// Results that a study records of a packing, where nothing else is done with it.

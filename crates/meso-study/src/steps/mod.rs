@@ -6,7 +6,7 @@
 mod section;
 mod work;
 
-use crate::{Keep, NameError, Names, RECORD, of_packing};
+use crate::{Keep, MODELS, NameError, Names, RECORD, of_packing};
 use meso_ask::files::Reader;
 use meso_ask::{AskError, Giver, Machine};
 use meso_core::formats::{Format, SurfaceOptions};
@@ -19,6 +19,7 @@ use meso_solve::Run;
 use section::Section;
 use serde_json::{Map, Value};
 use std::any::Any;
+use std::cell::Cell;
 use std::path::Path;
 use work::{EffectiveStep, MESH_SUMMARY, MeshStep, SolveStep};
 
@@ -103,10 +104,23 @@ impl Steps {
     /// # Errors
     /// The option, in the giver's spelling.
     pub fn accept(&self, spec: &Spec, gmsh: &Gmsh, devices: &Devices<'_>) -> Result<(), AskError> {
-        let machine = Machine { memory: free::memory(), tools: Tools { gmsh, ..Tools::default() } };
-        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, &machine))?;
+        let tools = Tools { gmsh, ..Tools::default() };
+        self.accept_on(&Machine { memory: free::memory(), tools, asked: None }, spec, devices)
+    }
+
+    fn accept_on(&self, machine: &Machine<'_>, spec: &Spec, devices: &Devices<'_>) -> Result<(), AskError> {
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, machine))?;
         self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec))?;
-        self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, &machine, devices))
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, machine, devices))
+    }
+
+    /// Memory that the mesh and the test of `spec` take at most, bytes, on any machine.
+    pub fn memory(&self, spec: &Spec, gmsh: &Gmsh) -> f64 {
+        let asked = Cell::new(0.0);
+        let machine = Machine { memory: None, tools: Tools { gmsh, ..Tools::default() }, asked: Some(&asked) };
+        // A refusal is that of `accept`.
+        let _ = self.accept_on(&machine, spec, &|_, _| Ok(Attached::default()));
+        asked.get()
     }
 
     /// Names of the files of the packing and its mesh.
@@ -167,12 +181,13 @@ impl Steps {
         }
     }
 
-    /// Writes the packing.
+    /// Writes the packing; a saved model that is there is that of the case.
     fn write<K: Keeper + Copy>(&self, model: &Model, folder: &Path, keeper: K) -> Result<(), AskError> {
         let mut unit = Unit::unforced(keeper);
         let format = if self.keep == Keep::JsonGz { Format::JsonGz } else { Format::Json };
         let saved = (self.keep.model().to_owned(), format);
-        for (name, format) in std::iter::once(&saved).chain(&self.outputs) {
+        let is_saved = MODELS.iter().any(|name| folder.join(name).is_file());
+        for (name, format) in (!is_saved).then_some(&saved).into_iter().chain(&self.outputs) {
             fill(&mut unit, &folder.join(name), |out| format.write(model, SurfaceOptions::default(), out))?;
         }
         commit(unit)
@@ -191,7 +206,7 @@ impl<K> Doing<'_, K> {
     fn on_machine<T>(&self, work: impl FnOnce(&Machine<'_>) -> T) -> T {
         let stops = || self.watch.stops();
         let tools = Tools { gmsh: &self.gmsh.until(&stops), watch: self.watch };
-        work(&Machine { memory: free::memory(), tools })
+        work(&Machine { memory: free::memory(), tools, asked: None })
     }
 }
 

@@ -1,5 +1,7 @@
 //! `mesocrete study`: every combination of some options, one folder each, and one table of all.
 
+mod slurm;
+
 use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
@@ -9,7 +11,8 @@ use meso_ask::AskError;
 use meso_concrete::thousands;
 use meso_gmsh::Gmsh;
 use meso_study::{
-    Again, Case, CaseOutcome, CaseState, Doing, Plan, RunError, Status, Steps, StudyFile, StudyRun, TABLES, Tally,
+    Again, Case, CaseOutcome, CaseState, Doing, Heard, Plan, RunError, Share, Status, Steps, StudyFile, StudyRun,
+    TABLES, Tally,
 };
 use serde_json::Map;
 use std::io::{self, IsTerminal};
@@ -22,7 +25,7 @@ use std::time::{Duration, Instant};
 /// How often a line without a terminal says how far the planning is and which case starts, and how often a terminal is
 /// redrawn.
 const LINE: Duration = Duration::from_secs(5);
-const CASE_LINE: Duration = Duration::from_secs(10);
+const CASE_LINE: Duration = Duration::from_secs(60);
 const REDRAW: Duration = Duration::from_millis(200);
 
 #[derive(clap::Args, Debug)]
@@ -42,6 +45,19 @@ pub(crate) struct Args {
     /// List the cases and their states, and run none
     #[arg(long)]
     dry_run: bool,
+    /// Run part K of N, every N-th case from the K-th on, e.g. in a task of a Slurm array; --collect writes the tables
+    #[arg(long, value_name = "K/N", value_parser = share, conflicts_with_all = ["case", "collect", "slurm", "dry_run"])]
+    shard: Option<Share>,
+    /// Run the case number K of --dry-run, from 1 on
+    #[arg(long, value_name = "K", value_parser = values::count, conflicts_with_all = ["collect", "slurm", "dry_run"])]
+    case: Option<u32>,
+    /// Run no case; write the tables of all that are over, and report the others
+    #[arg(long, conflicts_with_all = ["slurm", "dry_run", "force", "retry_failed"])]
+    collect: bool,
+    /// Print the script of a Slurm array of N tasks, and run no case
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40",
+          value_parser = values::count, conflicts_with_all = ["dry_run", "force"])]
+    slurm: Option<u32>,
     /// Number of cases that run at the same time. It changes the time, never the result
     #[arg(short, long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     jobs: Option<u16>,
@@ -76,8 +92,23 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     if args.dry_run {
         return list(&plan, args);
     }
-    let study = drive(&plan, &args.output, &|case| file.steps(case, &inputs::text), &how, &shown)?;
+    let share = args.share(plan.cases.len())?;
+    if let Some(tasks) = args.slurm {
+        return slurm::print(tasks, &plan, &file, &how.gmsh, args);
+    }
+    let study = StudyRun::open(Arc::clone(&plan), "", &args.output, how.again, share).map_err(failure)?;
+    if !args.collect {
+        drive(&study, &plan, &|case| file.steps(case, &inputs::text), &how, &shown)?;
+    }
     finish(&study, args)
+}
+
+/// Reads `K/N`.
+fn share(text: &str) -> Result<Share, String> {
+    let wrong = || format!("{text} must be K/N, whole numbers with K from 1 to N, as 3/40");
+    let (shard, of) = text.split_once('/').ok_or_else(wrong)?;
+    let (shard, of) = (shard.parse().map_err(|_| wrong())?, of.parse().map_err(|_| wrong())?);
+    if (1..=of).contains(&shard) { Ok(Share { shard, of }) } else { Err(wrong()) }
 }
 
 /// Does the cases that are left of a plan that another command made; `steps` are those of a case.
@@ -88,7 +119,10 @@ pub(crate) fn cases(
     how: &Working,
     quiet: bool,
 ) -> Result<StudyRun, Failure> {
-    drive(&Arc::new(plan), out, steps, how, &Shown::new(quiet))
+    let plan = Arc::new(plan);
+    let study = StudyRun::open(Arc::clone(&plan), "", out, how.again, Share::ALL).map_err(failure)?;
+    drive(&study, &plan, steps, how, &Shown::new(quiet))?;
+    Ok(study)
 }
 
 /// Finds the steps of a case.
@@ -150,22 +184,25 @@ fn checked_plan(file: &StudyFile, how: &Working, shown: &Shown) -> Result<Arc<Pl
 }
 
 /// Does the cases that are left.
-fn drive(plan: &Arc<Plan>, out: &Path, steps: &StepsOf<'_>, how: &Working, shown: &Shown) -> Result<StudyRun, Failure> {
-    let study = StudyRun::open(Arc::clone(plan), "", out, how.again).map_err(failure)?;
-    interrupt::hold().extend(study.lock_file());
+fn drive(study: &StudyRun, plan: &Plan, steps: &StepsOf<'_>, how: &Working, shown: &Shown) -> Result<(), Failure> {
+    if !study.is_exclusive() {
+        let folder = study.out().display();
+        stderr::line(format!(
+            "warning: the disk of {folder} has no locks: start one process, or shards of --shard K/N"
+        ));
+    }
     let work = |number: usize| {
         let case = &plan.cases[number];
         let outcome = match steps(case) {
-            Ok(steps) => how.run(case, &steps, &out.join(&case.folder)),
+            Ok(steps) => how.run(case, &steps, &study.out().join(&case.folder)),
             Err(fault) => Err(fault.message().to_owned()).into(),
         };
         (!interrupt::asked()).then_some(outcome)
     };
-    let starts = |number: usize| shown.case(study.tally(), &plan.cases[number]);
-    let ended = study.drive(how.jobs.unwrap_or(1), Signals, &starts, &work);
+    let hears = |heard: Heard| shown.heard(study.tally(), plan, heard);
+    let ended = study.drive(how.jobs.unwrap_or(1), Signals, &hears, &work);
     shown.clear();
-    ended.map_err(failure)?;
-    Ok(study)
+    ended.map_err(failure)
 }
 
 /// Threads of a case: cases at the same time share the cores.
@@ -187,6 +224,15 @@ pub(crate) fn unread(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
 }
 
 impl Args {
+    /// The cases of this process.
+    fn share(&self, cases: usize) -> Result<Share, Failure> {
+        match self.case {
+            None => Ok(self.shard.unwrap_or(Share::ALL)),
+            Some(number) if (1..=cases).contains(&(number as usize)) => Ok(Share { shard: number as usize, of: cases }),
+            Some(number) => Err(Failure::Usage(format!("--case is {number}; it must lie within 1 and {cases}"))),
+        }
+    }
+
     fn again(&self) -> Again {
         match (self.force, self.retry_failed) {
             (true, _) => Again::All,
@@ -216,38 +262,49 @@ fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Writes the tables, reports the cases that failed, and returns the exit code.
+/// Writes the tables, unless the cases are a part of the study; reports the cases that failed, and returns the exit code.
 fn finish(study: &StudyRun, args: &Args) -> Result<u8, Failure> {
-    study.save_tables(Signals).map_err(failure)?;
+    let is_whole = args.shard.is_none() && args.case.is_none();
+    if is_whole {
+        study.save_tables(Signals).map_err(failure)?;
+    }
     let tally = study.tally();
     for record in study.records().iter().filter(|record| record.status == Status::Failed) {
         stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
     }
+    let Tally { cases, before, done, failed } = tally;
+    let left = cases - tally.over();
     if !args.quiet {
-        let hint = if tally.failed > 0 { "; --retry-failed runs them again" } else { "" };
-        let Tally { cases, before, done, failed } = tally;
+        let hint = if failed > 0 { "; --retry-failed runs them again" } else { "" };
         stderr::line(format!("{done} of {cases} cases done ({before} before), {failed} failed{hint}"));
-        TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", study.out().join(name).display())));
+        if is_whole {
+            TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", study.out().join(name).display())));
+        }
+    }
+    if args.collect && left > 0 {
+        stderr::line(format!("warning: {left} cases are left; the command without --collect does them"));
     }
     if interrupt::asked() {
         stderr::line("stopped; the same command goes on with the next case");
         return Ok(INTERRUPTED);
     }
-    Ok(if tally.failed > 0 { RUN } else { 0 })
+    Ok(if failed > 0 || args.collect && left > 0 { RUN } else { 0 })
 }
 
 /// The progress of a study, as the user sees it: a bar on a terminal, now and then a line elsewhere.
 struct Shown {
     quiet: bool,
     is_terminal: bool,
+    begun: Instant,
     last: Mutex<Instant>,
     first: Once,
 }
 
 impl Shown {
     fn new(quiet: bool) -> Self {
-        let last = Mutex::new(Instant::now());
-        Self { quiet, is_terminal: io::stderr().is_terminal(), last, first: Once::new() }
+        let begun = Instant::now();
+        let is_terminal = io::stderr().is_terminal();
+        Self { quiet, is_terminal, begun, last: Mutex::new(begun), first: Once::new() }
     }
 
     /// How much of the work before the first case is done.
@@ -262,28 +319,40 @@ impl Shown {
         if self.is_terminal { show(&format!("{CLEAR}{text}")) } else { stderr::line(text) }
     }
 
-    /// The one bar of the study.
-    fn case(&self, tally: Tally, case: &Case) {
-        if !self.quiet && self.is_terminal {
-            let bar = bar(tally.over() as f64 / tally.cases as f64);
-            let text =
-                format!("study {bar} {} of {}, {} failed: {}", tally.over(), tally.cases, tally.failed, case.folder);
-            show(&format!("{CLEAR}{}", fit(&text)));
-        } else if !self.quiet {
-            self.first
-                .call_once(|| stderr::line(format!("study of {} cases, {} done before", tally.cases, tally.before)));
-            self.line(tally, case);
+    /// A case begins, or the run waits for one.
+    fn heard(&self, tally: Tally, plan: &Plan, heard: Heard) {
+        if self.quiet {
+            return;
         }
-    }
-
-    /// Without a terminal, a line now and then names the case that starts.
-    fn line(&self, tally: Tally, case: &Case) {
+        let (word, number) = match heard {
+            Heard::Starts(number) => ("next: ", number),
+            Heard::Waits(number) => ("waiting for another process: ", number),
+        };
+        let (over, cases, failed) = (tally.over(), tally.cases, tally.failed);
+        let folder = &plan.cases[number].folder;
+        if self.is_terminal {
+            let bar = bar(over as f64 / cases as f64);
+            let text = format!("study {bar} {over} of {cases}, {failed} failed: {folder}");
+            show(&format!("{CLEAR}{}", fit(&text)));
+            return;
+        }
+        self.first.call_once(|| stderr::line(format!("study of {cases} cases, {} done before", tally.before)));
         let Ok(mut last) = self.last.try_lock() else { return };
         if last.elapsed() >= CASE_LINE {
             *last = Instant::now();
-            let (over, cases, failed) = (tally.over(), tally.cases, tally.failed);
-            stderr::line(format!("{over} of {cases} cases over, {failed} failed; next: {}", case.folder));
+            let pace = self.pace(over - tally.before, cases - over);
+            stderr::line(format!("{over} of {cases} cases over, {failed} failed{pace}; {word}{folder}"));
         }
+    }
+
+    /// Rate and remaining time, once a case is over.
+    fn pace(&self, over: usize, left: usize) -> String {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        if over == 0 {
+            return String::new();
+        }
+        let (rate, rest) = (over as f64 / seconds, left as f64 * seconds / over as f64);
+        format!(", {:.3} a minute, {:.0} min left", 60.0 * rate, rest / 60.0)
     }
 
     fn clear(&self) {
