@@ -209,24 +209,6 @@ def test_threads_and_processes_give_the_same_bytes(tmp_path):
     assert contents(processes.out) == here
 
 
-@pytest.mark.skipif(os.name == "nt", reason="kills by signal")
-def test_a_pool_that_loses_a_worker_says_so_and_is_gone_on_from(tmp_path):
-    spawn = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(2, mp_context=spawn) as executor:
-        done = []
-
-        def kill(over: int, _: int) -> None:
-            done.append(over)
-            if over == 2:
-                os.kill(next(iter(executor._processes)), signal.SIGKILL)
-
-        with pytest.raises(RuntimeError, match="lost its workers: . cases are left"):
-            mc.study(TINY, {"seed": range(8)}, then=slow, out=tmp_path / "s", executor=executor, progress=kill)
-    resumed = mc.study(TINY, {"seed": range(8)}, then=slow, out=tmp_path / "s")
-    straight = mc.study(TINY, {"seed": range(8)}, then=slow, out=tmp_path / "t")
-    assert contents(resumed.out) == contents(straight.out)
-
-
 def test_a_dask_cluster_that_loses_a_worker_gives_the_same_bytes(tmp_path):
     distributed = pytest.importorskip("distributed")
     here = contents(mc.study(TINY, {"seed": range(8)}, then=slow, out=tmp_path / "here").out)

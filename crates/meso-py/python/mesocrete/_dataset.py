@@ -14,8 +14,9 @@ import os
 import sys
 import zipfile
 import zlib
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._effective import Target
+from ._executor import _BUILD, Submitter, Workers, require
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, pack
 from ._mesocrete import __version__ as _VERSION
@@ -104,6 +106,7 @@ def dataset(
     targets: Mapping[str, Any] | None = None,
     model: bool = False,
     jobs: int | None = None,
+    executor: Submitter | None = None,
     overwrite: bool = False,
     progress: bool | Callable[..., object] | None = None,
 ) -> Dataset:
@@ -137,6 +140,8 @@ def dataset(
         Whether the packings are kept, too, as `models/NUMBER.json.gz`. Not in an `.h5`.
     jobs : int, optional
         Cases at the same time, default one per core. It changes the time, never the result.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Makes the volumes, as for `study`; all workers must see the sink. Instead of `jobs`.
     overwrite : bool
         Whether the data set of another request in `sink` is replaced.
     progress : bool or callable, optional
@@ -155,6 +160,11 @@ def dataset(
     ValueError, TypeError
         For an invalid option or spec, before any work, and for volumes of unequal shape in a `.zarr` or `.h5`.
     """
+    if jobs is not None and executor is not None:
+        message = f"jobs is {jobs}, and the executor has its own workers; leave one of the two out"
+        raise ValueError(message)
+    pool = ThreadPoolExecutor(jobs or os.cpu_count() or 1)
+    workers = Workers(pool if executor is None else executor)
     asked_targets = [Target(name, given) for name, given in (targets or {}).items()]
     request = _Request(shape, _checked_what(what), checked_options(scan), asked_targets, model=model)
     cases = _sampled(_checked_count(n), sampler, spec, seed)
@@ -173,12 +183,14 @@ def dataset(
         left = store.begin(request, asked, identity)
         if left:
             jobs_left = [cases[number] for number in left]
-            for done, (number, record) in enumerate(_made(jobs_left, request, store, jobs), 1 + n - len(left)):
+            for done, (number, record) in enumerate(_made(jobs_left, request, store, workers), 1 + n - len(left)):
                 store.finish(number, record, len(cases))
                 if tell is not None:
                     tell(done, len(cases), "dataset")
         store.close()
     finally:
+        workers.close()
+        pool.shutdown(wait=False, cancel_futures=True)
         if tell is not None:
             tell.close()
     return Dataset(sink)
@@ -279,37 +291,34 @@ class _Request:
 
 
 def _made(
-    left: Sequence[_Job], request: _Request, store: _Store, jobs: int | None
+    left: Sequence[_Job], request: _Request, store: _Store, workers: Workers
 ) -> Iterator[tuple[int, dict[str, Any]]]:
     """Do all cases, some at a time; yield the metadata of each as it ends."""
+    lost = []
+    for job, ended in workers.done(deque(left), lambda job: (_make, job, request, store, _BUILD)):
+        if ended is None:
+            lost.append(job[0])
+        else:
+            yield ended
+    if lost:
+        message = f"every process that worked on volume {', '.join(map(str, lost))} was killed; the same call tries again"
+        raise RuntimeError(message)
 
-    def one(job: _Job) -> tuple[int, dict[str, Any]]:
-        try:
-            packing, arrays, record = request.make(job)
-            record["files"] = store.write(job[0], arrays)
-            if request.model:
-                record["files"] |= store.write_model(job[0], packing)
-        except (ValueError, TypeError) as error:
-            message = f"volume {job[0]}: {error}"
-            raise type(error)(message) from error
-        return job[0], record
 
-    workers = jobs or os.cpu_count() or 1
-    with ThreadPoolExecutor(workers) as pool:
-        waiting = iter(left)
-        running: set[Future[tuple[int, dict[str, Any]]]] = set()
-        while True:
-            # A few ahead: the results of a thousand cases would otherwise wait in memory.
-            running |= {pool.submit(one, job) for _, job in zip(range(2 * workers - len(running)), waiting)}
-            if not running:
-                return
-            ended, running = wait(running, return_when=FIRST_COMPLETED)
-            for future in ended:
-                try:
-                    yield future.result()
-                except BaseException:
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise
+def _make(
+    job: _Job, request: _Request, store: _Store, driver: tuple[str, str, str]
+) -> tuple[int, dict[str, Any]]:
+    """Make a volume, on whatever machine, and write its files; return its metadata."""
+    require(driver)
+    try:
+        packing, arrays, record = request.make(job)
+        record["files"] = store.write(job[0], arrays)
+        if request.model:
+            record["files"] |= store.write_model(job[0], packing)
+    except (ValueError, TypeError) as error:
+        message = f"volume {job[0]}: {error}"
+        raise type(error)(message) from error
+    return job[0], record
 
 
 class _Store:

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._executor import Submitter
 from ._mesocrete import Spec, _Fit
-from ._study import Submitter, _drive, _tree, _Way
+from ._study import _drive, _tree, _Way
 
 if TYPE_CHECKING:
     from . import _types

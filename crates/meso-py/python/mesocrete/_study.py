@@ -1,7 +1,7 @@
 """Studies: every combination of some options, on any executor, resumable, in one table.
 
 Rust's `meso-study` plans and runs them for the command and for Python: combinations, hashes, folders, records, tables. Here
-cases are handed to executors.
+cases are handed to executors. Whoever works on a case has locked its folder, and records it.
 """
 
 from __future__ import annotations
@@ -9,16 +9,20 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+import time
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypedDict, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._executor import _BUILD, Submitter, Workers, require
 from ._fingerprint import fingerprint
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _study_case, _study_results, _study_write, _StudyPlan, _StudyRun, load, pack
+from ._mesocrete import Packing, Spec, _StudyCase, _StudyPlan, _StudyRun, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -45,14 +49,6 @@ class Draw(TypedDict, total=False):
     """Seed of the draws, default 0."""
     over: Mapping[str, object]
     """From dotted keys to ranges ``{"low": 0.2, "high": 0.4}`` or lists of values."""
-
-
-class Submitter(Protocol):
-    """An `Executor` of `concurrent.futures`, or a client of `dask.distributed`."""
-
-    @property
-    def submit(self) -> Callable[..., object]:
-        """Submit a call; returns its future."""
 
 
 class CaseRecord(TypedDict):
@@ -246,9 +242,10 @@ def study(
         For an invalid combination, and for a `then` without a `version` that uses a value without readable content, like a
         lock, before any work starts.
     BlockingIOError
-        Where another study works in the folder `out`.
+        Where another study works in the folder `out`. Processes with the same call share its cases.
     RuntimeError
-        Where an executor lost its workers; finished cases are kept.
+        Where an executor lost its workers and cannot be renewed, where a worker has another build of mesocrete, and where one does
+        not see the folder; finished cases are kept.
     """
     if model not in ("json", "json.gz", "none"):
         message = f'model is {model!r}; it must be "json", "json.gz" or "none"'
@@ -279,96 +276,105 @@ class _Way(NamedTuple):
     retry_failed: bool = False
 
 
+# Seconds between two looks at a case that another process works on.
+_PAUSE = 0.1
+
+
 def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
     """Do the cases of a plan that are left."""
     then, name, executor, threads, progress, retry_failed = way
-    model = plan.model
-    submit = _submitter(executor, then)
+    workers = None if executor is None else Workers(executor, then)
     tell = _teller(progress, len(plan))
-    if threads is None and submit is not None:
-        threads = 1
     run = _StudyRun(plan, name, folder, retry_failed)
     _LOCKED.add(run)
     try:
+        if not run.is_exclusive:
+            message = f"the disk of {folder} has no locks: keep other processes out of the folder while this one works there"
+            warnings.warn(message, stacklevel=4)
         tell(run.over)
-        folders = plan.folders
-        steps = plan.task if plan.has_steps else lambda _: None
-        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, model, run.begin(i), steps(i)) for i in run.left)
-        for number, results, error, warnings in _here(jobs) if submit is None else _there(jobs, submit):
-            if error is None and model != "none":
-                _require_model(folder / folders[number])
-            run.end(number, results, error, warnings)
+        if workers is None:
+            ended = _here(run, then, threads)
+        else:
+            ended = _there(run, workers, (then, 1 if threads is None else threads))
+        for number, state in ended:
+            run.note(number, state == "failed")
             tell(run.over)
     finally:
         tell(None)
+        if workers is not None:
+            workers.close()
         _LOCKED.discard(run)
         run.close()
 
-# A case for a worker: its number, spec, folder, function, threads, the kept model, whether the packing is there, and its steps.
-_Job = tuple[int, Spec, Path, "Callable[..., Any] | None", "int | None", str, bool, "str | None"]
-# Its number, the results as JSON, the message of its failure, and warnings.
-_Ended = tuple[int, str, str | None, list[str]]
 
-# Runs whose folders this process has locked. A forked process would keep the locks when this one is killed.
-_LOCKED: set[_StudyRun] = set()
+# Runs and cases whose folders this process has locked. A forked process would keep the locks when this one is killed.
+_LOCKED: set[_StudyRun | _StudyCase] = set()
 
 
 def _leave_locks() -> None:
-    for run in _LOCKED:
-        run.leave_lock_to_parent()
+    for locked in _LOCKED:
+        locked.leave_lock_to_parent()
 
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_leave_locks)
 
 
-def _run(job: _Job) -> _Ended:
-    """Do a case, on whatever machine; the results, or the message of its failure."""
-    number, spec, folder, then, threads, model, packed, steps = job
-    warnings: list[str] = []
+def _run(case: _StudyCase, then: Callable[..., Any] | None, threads: int | None, driver: tuple[str, str, str]) -> str:
+    """Do a case, on whatever machine, and record it; "done", "failed", or "busy" for a case of another process."""
+    require(driver)
+    state: str = case.begin()
+    if state != "turn":
+        return state
+    _LOCKED.add(case)
+    warned: list[str] = []
     try:
-        kept = load(_kept(folder)) if packed else None
-        if steps is not None:
-            packing, results, error, warnings = _study_case(spec, steps, folder, threads, kept)
-            if error is not None or then is None:
-                return number, results, error, warnings
-        else:
-            packing, results = kept or pack(spec, threads=threads), "{}"
-            if not packed and model != "none":
-                _study_write(packing, folder, model == "json.gz")
-            if then is None:
-                return number, json.dumps(_study_results(packing)), None, []
-        found = _results(then(packing, folder) if _takes_folder(then) else then(packing))
-        return number, json.dumps({**json.loads(results), **json.loads(found)}), None, warnings
-    except Exception as error:
-        return number, "{}", _message(error), warnings
-
-
-def _here(jobs: Iterable[_Job]) -> Iterable[_Ended]:
-    return map(_run, jobs)
-
-
-def _there(jobs: Iterable[_Job], submit: Callable[..., Any]) -> Iterable[_Ended]:
-    """Hand all cases to an executor; yield them as they end."""
-    from concurrent.futures import BrokenExecutor, as_completed
-
-    futures = [submit(_run, job) for job in jobs]
-    lost = 0
-    try:
-        for future in as_completed(futures):
-            try:
-                yield future.result()
-            except Exception as error:
-                # dask's KilledWorker is no BrokenExecutor.
-                if not isinstance(error, BrokenExecutor) and type(error).__name__ != "KilledWorker":
-                    raise
-                lost += 1
+        try:
+            packing, results, failure, warned = case.work(threads)
+            if failure is None and then is not None:
+                found = _results(then(packing, case.folder) if _takes_folder(then) else then(packing))
+                results = json.dumps({**(json.loads(results) if case.has_steps else {}), **json.loads(found)})
+        except Exception as error:
+            results, failure = "{}", _message(error)
+        return case.end(results, failure, warned)
     finally:
-        for future in futures:
-            future.cancel()
-    if lost:
-        message = f"the executor lost its workers: {lost} cases are left; the same call with a new executor does them"
-        raise RuntimeError(message)
+        case.leave()
+        _LOCKED.discard(case)
+
+
+def _here(run: _StudyRun, then: Callable[..., Any] | None, threads: int | None) -> Iterator[tuple[int, str]]:
+    left = deque(run.left)
+    while left:
+        number = left.popleft()
+        state = _run(run.case(number), then, threads, _BUILD)
+        if state == "busy":
+            left.append(number)
+            time.sleep(_PAUSE)
+        else:
+            yield number, state
+
+
+def _there(run: _StudyRun, workers: Workers, how: tuple[Callable[..., Any] | None, int]) -> Iterator[tuple[int, str]]:
+    """Hand the cases to an executor; yield each as it ends, with its state."""
+    left = deque(run.left)
+    ended = workers.done(left, lambda number: (_run, run.case(number), *how, _BUILD), lambda number: run.case(number).is_marked)
+    for number, told in ended:
+        state = _poisoned(run.case(number)) if told is None else told
+        if state == "busy":
+            left.append(number)
+            time.sleep(_PAUSE)
+        else:
+            run.seen(number)
+            yield number, state
+
+
+def _poisoned(case: _StudyCase) -> str:
+    """Record the failure of a case whose workers died, unless another process has it."""
+    state: str = case.begin()
+    if state != "turn":
+        return state
+    needs = f"; it is estimated to take {case.memory / 1e9:.2g} GB" if case.memory else ""
+    return case.end("{}", f"RuntimeError: every process that worked on the case was killed{needs}", [])
 
 
 def _tree(spec: Any) -> Any:
@@ -379,38 +385,6 @@ def _tree(spec: Any) -> Any:
 def _kept(folder: Path) -> Path:
     """Return the saved model of a case, or where it would be."""
     return next((path for name in _MODELS if (path := folder / name).is_file()), folder / _MODELS[0])
-
-
-def _require_model(folder: Path) -> None:
-    """Raise RuntimeError where a worker wrote its packing to another machine's disk."""
-    if not _kept(folder).is_file():
-        message = f"a worker wrote no {_MODELS[0]} into {folder}; all workers must see this folder (a shared file system)"
-        raise RuntimeError(message)
-
-
-def _submitter(executor: Any, then: Callable[..., Any] | None) -> Callable[..., Any] | None:
-    """Find how to hand work to an executor; a dask client gives an executor of its own."""
-    if executor is None:
-        return None
-    # dask would take two cases with equal arguments for one; a case whose worker dies goes to another one.
-    own = executor.get_executor(pure=False, retries=3) if hasattr(executor, "get_executor") else executor
-    if not hasattr(own, "submit"):
-        message = f"executor is of type {type(executor).__name__}; it must be a concurrent.futures.Executor or a dask client"
-        raise TypeError(message)
-    if then is not None and type(own).__name__ == "ProcessPoolExecutor":
-        _check_picklable(then)
-    submit: Callable[..., Any] = own.submit
-    return submit
-
-
-def _check_picklable(then: Callable[..., Any]) -> None:
-    import pickle
-
-    try:
-        pickle.dumps(then)
-    except Exception as error:
-        message = f"then cannot be sent to another process ({error}); define it with def at the top of a module"
-        raise TypeError(message) from error
 
 
 def _takes_folder(then: Callable[..., Any]) -> bool:

@@ -1,0 +1,182 @@
+"""Work on the workers of others: `concurrent.futures`, loky, `mpi4py.futures`, `dask.distributed`.
+
+Calls are handed out a few at a time, so that any number of them takes the memory of those few. The engines decide where a call
+runs and how often it is tried; a worker with another build of mesocrete is refused.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import sysconfig
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from importlib.metadata import PackageNotFoundError, files
+from queue import SimpleQueue
+from typing import Any, Protocol
+
+from ._mesocrete import __version__ as _VERSION
+
+# Calls in flight for each worker: the next ones are there when a call ends.
+_AHEAD = 4
+# Seconds between two counts of the workers, which come and go on a cluster.
+_COUNT = 5.0
+
+
+class Submitter(Protocol):
+    """An `Executor` of `concurrent.futures`, or a client of `dask.distributed`."""
+
+    @property
+    def submit(self) -> Callable[..., object]:
+        """Submit a call; returns its future."""
+
+
+class Workers:
+    """The workers of an executor."""
+
+    def __init__(self, executor: Any, sent: Callable[..., Any] | None = None) -> None:
+        """Refuse what is no executor, and a function `sent` that its processes cannot get."""
+        self._given = executor
+        self._counted = -_COUNT
+        self._most = _AHEAD
+        # dask would take two calls with equal arguments for one.
+        dask = hasattr(executor, "get_executor")
+        self._executor: Any = executor.get_executor(pure=False) if dask else executor
+        if not hasattr(self._executor, "submit"):
+            name = type(executor).__name__
+            message = f"executor is of type {name}; it must be a concurrent.futures.Executor or a dask client"
+            raise TypeError(message)
+        if sent is not None and type(self._executor).__name__ == "ProcessPoolExecutor":
+            _check_picklable(sent)
+
+    def done(
+        self,
+        jobs: deque[Any],
+        call: Callable[[Any], tuple[Any, ...]],
+        in_hand: Callable[[Any], bool] = lambda _: True,
+    ) -> Iterator[tuple[Any, Any]]:
+        """Take jobs and hand out their calls, a few at a time; yield each with its result as it ends.
+
+        A job whose worker died is tried again as often as the engine does; then its result is None. A pool of processes ends with
+        its first loss, and cannot say which job had it: those that were `in_hand` run one by one in a new pool.
+        """
+        suspects: deque[Any] = deque()
+        while jobs or suspects:
+            alone = not jobs
+            batch = deque([suspects.popleft()]) if alone else jobs
+            is_broken = is_useful = False
+            for job, future in self._each(batch, call):
+                error = future.exception()
+                # dask's KilledWorker is no BrokenExecutor: it comes after tries on other workers.
+                is_certain = type(error).__name__ == "KilledWorker"
+                if error is not None and not is_certain and not isinstance(error, BrokenExecutor):
+                    raise error
+                is_broken = is_broken or (error is not None and not is_certain)
+                if error is not None and not in_hand(job):
+                    jobs.append(job)
+                    continue
+                is_useful = True
+                if error is None or alone or is_certain:
+                    yield job, None if error is not None else future.result()
+                else:
+                    suspects.append(job)
+            if alone:
+                jobs.extend(batch)
+            if (is_broken or batch) and not (is_useful and self._renew()):
+                left = len(jobs) + len(suspects)
+                message = f"the executor lost its workers: {left} cases are left; the same call with a new executor does them"
+                raise RuntimeError(message)
+
+    def _each(self, jobs: deque[Any], call: Callable[[Any], tuple[Any, ...]]) -> Iterator[tuple[Any, Any]]:
+        """Submit the calls of jobs; yield each with its future, which is done. `jobs` keeps what a broken executor does not take."""
+        ended: SimpleQueue[Any] = SimpleQueue()
+        running: dict[Any, Any] = {}
+        try:
+            while True:
+                while jobs and len(running) < self._window():
+                    try:
+                        future = self._executor.submit(*call(jobs[0]))
+                    except BrokenExecutor:
+                        break
+                    running[future] = jobs.popleft()
+                    future.add_done_callback(ended.put)
+                if not running:
+                    return
+                future = ended.get()
+                yield running.pop(future), future
+        finally:
+            for future in running:
+                future.cancel()
+
+    def _renew(self) -> bool:
+        """Replace a pool of processes that lost one; False where this cannot be done here."""
+        pool, module = self._executor, sys.modules.get(type(self._executor).__module__)
+        if type(pool) is ProcessPoolExecutor:
+            told: Any = pool
+            self._executor = ProcessPoolExecutor(told._max_workers, told._mp_context, told._initializer, told._initargs)
+        elif hasattr(module, "get_reusable_executor") and not getattr(pool, "_initializer", None):
+            self._executor = module.get_reusable_executor(pool._max_workers)
+        else:
+            return False
+        return True
+
+    def close(self) -> None:
+        """End the processes that were started here."""
+        if type(self._executor) is ProcessPoolExecutor and self._executor is not self._given:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+
+    def _window(self) -> int:
+        now = time.monotonic()
+        if now - self._counted >= _COUNT:
+            self._counted, self._most = now, _AHEAD * max(self._count(), 1)
+        return self._most
+
+    def _count(self) -> int:
+        if hasattr(self._given, "nthreads"):
+            return int(sum(self._given.nthreads().values()))
+        counts = (getattr(self._executor, name, None) for name in ("_max_workers", "num_workers"))
+        return int(next((count for count in counts if count), os.cpu_count() or 1))
+
+
+def build() -> tuple[str, str, str]:
+    """Return version, platform, and the hash of the installed library, which its features and commit are part of."""
+    try:
+        found = [str(file.hash.value) for file in files("mesocrete") or [] if "_mesocrete." in file.name and file.hash]
+    except PackageNotFoundError:
+        found = []
+    return _VERSION, sysconfig.get_platform(), found[0][:12] if found else ""
+
+
+_BUILD = build()
+
+
+def require(driver: tuple[str, str, str]) -> None:
+    """Refuse to work for a driver with another build, whose files could have other bytes.
+
+    Libraries of two platforms differ, and keep the bytes.
+    """
+    version, platform, library = driver
+    if version == _BUILD[0] and (platform != _BUILD[1] or library == _BUILD[2]):
+        return
+    import socket
+
+    where = f"the worker {socket.gethostname()}, process {os.getpid()}, {sys.executable}"
+    told = " and ".join(f"{name} {' '.join(one)}" for name, one in ((f"{where}, has mesocrete", _BUILD), ("the driver", driver)))
+    message = f"{told}; install the driver's on it"
+    raise WrongBuildError(message)
+
+
+class WrongBuildError(RuntimeError):
+    """A worker has another build of mesocrete."""
+
+
+def _check_picklable(sent: Callable[..., Any]) -> None:
+    import pickle
+
+    try:
+        pickle.dumps(sent)
+    except Exception as error:
+        message = f"then cannot be sent to another process ({error}); define it with def at the top of a module"
+        raise TypeError(message) from error

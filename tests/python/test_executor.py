@@ -1,0 +1,202 @@
+"""Executors: a few calls in flight, workers that die, workers of another build, the same bytes everywhere."""
+
+import concurrent.futures
+import importlib.util
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mesocrete as mc
+
+TINY = {"specimen": {"kind": "cube", "side_mm": 20.0}, "fraction": 0.15, "grading": {"d_min_mm": 5, "d_max_mm": 8}}
+kills = pytest.mark.skipif(os.name == "nt", reason="kills by signal")
+
+
+def grains(packing: mc.Packing) -> int:
+    """Count."""
+    return len(packing)
+
+
+def deadly(packing: mc.Packing, folder: Path) -> int:
+    """End every process that works on seed 3, as the system does where memory runs out, unless a file allows it."""
+    if packing.seed == 3 and not (folder.parent / "enough-memory").exists():
+        os.kill(os.getpid(), signal.SIGKILL)
+    return len(packing)
+
+
+def slow(packing: mc.Packing) -> int:
+    """Leave time to kill a worker."""
+    time.sleep(0.2)
+    return len(packing)
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """Read every file but those that a killed process leaves."""
+    files = [path for path in sorted(out.rglob("*")) if path.is_file() and not path.name.startswith(".mesocrete-")]
+    return {str(path.relative_to(out)): path.read_bytes() for path in files}
+
+
+def spawned(workers: int) -> concurrent.futures.Executor:
+    """Return a pool of processes that share nothing with this one."""
+    return concurrent.futures.ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+
+
+def pool_of_loky() -> concurrent.futures.Executor:
+    """Return joblib's pool."""
+    return pytest.importorskip("joblib.externals.loky").get_reusable_executor(2)
+
+
+@kills
+@pytest.mark.parametrize("made", [lambda: spawned(2), pool_of_loky], ids=["processes", "loky"])
+def test_a_pool_that_loses_a_worker_goes_on_with_the_same_bytes(made, tmp_path):
+    straight = mc.study(TINY, {"seed": range(6)}, then=slow, out=tmp_path / "t")
+    with made() as executor:
+
+        def kill(over: int, _: int) -> None:
+            if over == 2:
+                os.kill(next(iter(executor._processes)), signal.SIGKILL)
+
+        study = mc.study(TINY, {"seed": range(6)}, then=slow, out=tmp_path / "s", executor=executor, progress=kill)
+    assert not study.failures
+    assert contents(study.out) == contents(straight.out)
+
+
+def check_poison(study: mc.Study, cases: int) -> None:
+    """Check that one case has failed, with its reason, and the others are done."""
+    assert len(study.results) == cases
+    assert list(study.failures.values()) == ["RuntimeError: every process that worked on the case was killed"]
+
+
+@kills
+def test_a_case_that_ends_its_workers_is_recorded_and_the_others_go_on(tmp_path):
+    over, out = {"seed": range(8)}, tmp_path / "s"
+    with spawned(2) as executor:
+        check_poison(mc.study(TINY, over, then=deadly, out=out, executor=executor), 8)
+    # The same call leaves it alone, even where it would end this process.
+    check_poison(mc.study(TINY, over, then=deadly, out=out), 8)
+    (out / "enough-memory").touch()
+    study = mc.study(TINY, over, then=deadly, out=out, retry_failed=True)
+    assert not study.failures and len(study.results) == 8
+
+
+@kills
+def test_dask_loses_no_more_workers_to_a_case_than_it_allows(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    lost: list[str] = []
+
+    class Losses(distributed.SchedulerPlugin):
+        """Counts the workers that the cluster loses."""
+
+        def remove_worker(self, scheduler, worker, **_):
+            lost.append(worker)
+
+    # As many workers as the case may end, and one: a machine under load restarts them late.
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+        cluster = distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None)
+        with cluster, distributed.Client(cluster) as client:
+            cluster.scheduler.add_plugin(Losses())
+            study = mc.study(TINY, {"seed": range(30)}, then=deadly, out=tmp_path / "s", executor=client)
+            assert len(lost) == 2
+    check_poison(study, 30)
+
+
+class Counting(concurrent.futures.ThreadPoolExecutor):
+    """Counts the calls in flight."""
+
+    def __init__(self, workers: int) -> None:
+        super().__init__(workers)
+        self.most = self.now = 0
+        self._counting = threading.Lock()
+
+    def submit(self, *args, **kwargs):
+        """Count, and hand on."""
+        with self._counting:
+            self.now += 1
+            self.most = max(self.most, self.now)
+        future = super().submit(*args, **kwargs)
+        future.add_done_callback(self._ended)
+        return future
+
+    def _ended(self, _):
+        with self._counting:
+            self.now -= 1
+
+
+def test_at_most_four_calls_a_worker_are_in_flight_and_each_is_recorded_as_it_ends(tmp_path):
+    recorded = []
+    with Counting(2) as executor:
+        tell = lambda over, _: recorded.append((over, len(list((tmp_path / "s").glob("*/case.json")))))
+        mc.study(TINY, {"seed": range(40)}, then=grains, out=tmp_path / "s", executor=executor, progress=tell)
+        assert executor.most == 8
+        mc.dataset(20, spec=TINY, shape=8, sink=tmp_path / "d", executor=executor)
+        assert executor.most == 8
+    assert [over for over, _ in recorded] == list(range(41))
+    assert all(over <= files <= over + 8 for over, files in recorded)
+
+
+def test_a_worker_with_another_build_is_refused_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.setattr("mesocrete._study._BUILD", ("9.9.9", "linux-x86_64", "0123456789ab"))
+    said = rf"process {os.getpid()}, .* has mesocrete {mc.__version__} .* and the driver 9.9.9 linux-x86_64 0123456789ab; install"
+    with concurrent.futures.ThreadPoolExecutor(1) as executor, pytest.raises(RuntimeError, match=said):
+        mc.study(TINY, {"seed": [1]}, out=tmp_path / "s", executor=executor)
+    assert not list((tmp_path / "s").glob("*/case.json"))
+
+
+def test_libraries_of_two_platforms_may_differ_and_those_of_one_may_not(monkeypatch):
+    from mesocrete import _executor
+
+    version, platform, library = _executor.build()
+    _executor.require((version, platform, library))
+    _executor.require((version, "another-platform", "0123456789ab"))
+    with pytest.raises(RuntimeError, match="0123456789ab"):
+        _executor.require((version, platform, "0123456789ab"))
+    with pytest.raises(RuntimeError, match="8.8.8"):
+        _executor.require(("8.8.8", "another-platform", library))
+
+
+def test_a_folder_that_workers_do_not_share_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr("mesocrete._study._run", lambda *_: "done")
+    with concurrent.futures.ThreadPoolExecutor(1) as executor:
+        with pytest.raises(RuntimeError, match="all workers must see this folder"):
+            mc.study(TINY, {"seed": [1]}, out=tmp_path / "s", executor=executor)
+
+
+@pytest.mark.parametrize("sink", ["volumes", "volumes.zarr", "volumes.h5"])
+def test_a_data_set_on_processes_has_the_bytes_of_the_serial_one(sink, tmp_path):
+    if sink.endswith("h5") and importlib.util.find_spec("h5py") is None:
+        pytest.skip("h5py is not installed")
+    asked = {"spec": TINY, "shape": 12, "what": ["phase", "grain"]}
+    mc.dataset(6, {"fraction": (0.1, 0.2)}, sink=tmp_path / "serial" / sink, jobs=1, **asked)
+    with spawned(2) as executor:
+        made = mc.dataset(6, {"fraction": (0.1, 0.2)}, sink=tmp_path / "pool" / sink, executor=executor, **asked)
+        with pytest.raises(ValueError, match="jobs is 2, and the executor has its own workers"):
+            mc.dataset(6, sink=tmp_path / "x", jobs=2, executor=executor)
+    assert np.array_equal(made[5]["phase"], mc.Dataset(tmp_path / "serial" / sink)[5]["phase"])
+    assert contents(tmp_path / "pool") == contents(tmp_path / "serial")
+
+
+def test_mpi_gives_the_bytes_of_the_serial_study(tmp_path):
+    pytest.importorskip("mpi4py", reason="mpi4py is not installed")
+    import shutil
+    import subprocess
+    import sys
+
+    if shutil.which("mpirun") is None:
+        pytest.skip("mpirun is not installed: apt-get install openmpi-bin")
+    script = tmp_path / "study.py"
+    script.write_text(
+        "import sys\nimport mesocrete as mc\nfrom mpi4py.futures import MPIPoolExecutor\n"
+        "if __name__ == '__main__':\n    with MPIPoolExecutor() as executor:\n"
+        f"        mc.study({TINY!r}, {{'seed': range(6)}}, out=sys.argv[1], executor=executor)\n"
+    )
+    words = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, "-m", "mpi4py.futures", str(script)]
+    subprocess.run([*words, str(tmp_path / "mpi")], check=True, timeout=120, capture_output=True)
+    straight = mc.study(TINY, {"seed": range(6)}, out=tmp_path / "t")
+    assert contents(tmp_path / "mpi") == contents(straight.out)
