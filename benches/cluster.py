@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""Arrays and executors under kills: the bytes of the serial study, nothing done twice. Appends to benches/results/cluster.csv.
+
+    python3 benches/cluster.py --command target/debug/mesocrete array     # 40 tasks, 10 of them killed, submitted again
+    python3 benches/cluster.py plan                                       # 100,000 cases: memory, time to the first record
+    python3 benches/cluster.py overhead                                   # time a case beside the same loop by hand
+    python3 benches/cluster.py dask                                       # two workers, each killed twice
+
+The tasks of the array are started as Slurm starts them, by a stand-in of SLURM_ARRAY_TASK_ID, some at a time.
+"""
+
+import argparse
+import concurrent.futures
+import csv
+import datetime
+import os
+import platform
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+RESULTS = Path(__file__).parent / "results" / "cluster.csv"
+STUDY = """[spec]
+fraction = 0.2
+specimen = { kind = 'cube', side_mm = 20 }
+grading = { d_min_mm = 5, d_max_mm = 8 }
+[over]
+seed = { from = 1, to = 120 }
+"""
+TINY = {"specimen": {"kind": "cube", "side_mm": 20.0}, "fraction": 0.15, "grading": {"d_min_mm": 5, "d_max_mm": 8}}
+
+
+def save(what: str, **figures: object) -> None:
+    """Append one row a figure."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
+    machine = f"{os.cpu_count()} x {platform.machine()}"
+    is_new = not RESULTS.exists()
+    with RESULTS.open("a", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        if is_new:
+            rows.writerow(["date", "commit", "machine", "what", "figure", "value"])
+        for name, value in figures.items():
+            rows.writerow([datetime.datetime.now(tz=datetime.timezone.utc).date(), commit, machine, what, name, value])
+            print(what, name, value)
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """Read all files but those that a killed process leaves."""
+    files = [path for path in sorted(out.rglob("*")) if path.is_file() and not path.name.startswith(".mesocrete-")]
+    return {str(path.relative_to(out)): path.read_bytes() for path in files}
+
+
+def array(command: str, seed: int) -> None:
+    """Start 40 tasks, kill 10 at random moments, start all again, collect."""
+    draw = random.Random(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        (place / "STUDY.toml").write_text(STUDY, encoding="utf-8")
+        subprocess.run([command, "study", "STUDY.toml", "-q", "-o", "serial"], cwd=place, check=True)
+        script = subprocess.run(
+            [command, "study", "STUDY.toml", "-o", "array", "--slurm=40"], cwd=place, check=True, capture_output=True, text=True
+        ).stdout
+        (place / "study.sbatch").write_text(script.replace("exec mesocrete", f"exec {command}"), encoding="utf-8")
+        doomed = set(draw.sample(range(1, 41), 10))
+
+        def task(number: int, is_doomed: bool) -> int:
+            process = subprocess.Popen(
+                ["bash", "study.sbatch"],
+                cwd=place,
+                env={**os.environ, "SLURM_ARRAY_TASK_ID": str(number)},
+                stderr=subprocess.DEVNULL,
+            )
+            if is_doomed:
+                time.sleep(draw.uniform(0.0, 0.3))
+                process.send_signal(signal.SIGKILL)
+            return process.wait()
+
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            first = list(pool.map(lambda number: task(number, number in doomed), range(1, 41)))
+            before = {path: path.stat().st_mtime_ns for path in place.glob("array/*/case.json")}
+            again = list(pool.map(lambda number: task(number, False), range(1, 41)))
+        twice = sum(path.stat().st_mtime_ns != time_ns for path, time_ns in before.items())
+        collected = subprocess.run([command, "study", "STUDY.toml", "-q", "-o", "array", "--collect"], cwd=place, check=False)
+        equal = contents(place / "array") == contents(place / "serial")
+        save(
+            "array", tasks=40, killed=sum(code < 0 for code in first), cases=120, left_after_kills=120 - len(before),
+            failed_tasks_again=sum(code != 0 for code in again), done_twice=twice, collect_exit=collected.returncode,
+            bytes_equal=equal,
+        )  # fmt: skip
+
+
+def plan() -> None:
+    """Plan 100,000 cases and begin them."""
+    import mesocrete as mc
+
+    class Begun(Exception):
+        """The first record is there."""
+
+    folder = tempfile.mkdtemp()
+    started, cpu = time.monotonic(), time.process_time()
+
+    def stop(over: int, _: int) -> None:
+        if over:
+            raise Begun
+
+    try:
+        with concurrent.futures.ThreadPoolExecutor(2) as executor:
+            mc.study(TINY, {"seed": range(100_000)}, out=folder, executor=executor, progress=stop)
+    except Begun:
+        pass
+    save(
+        "plan", cases=100_000, first_record_s=round(time.monotonic() - started, 2),
+        first_record_cpu_s=round(time.process_time() - cpu, 2),
+        memory_mb=round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3),
+    )  # fmt: skip
+    shutil.rmtree(folder)
+
+
+def nothing(packing: object) -> dict[str, float]:
+    """Do no work."""
+    return {"n": float(len(packing))}  # type: ignore[arg-type]
+
+
+def by_hand(place: str, seed: int) -> None:
+    """Pack, save, and call the function, as a loop of one's own does."""
+    import json
+
+    import mesocrete as mc
+
+    folder = Path(place) / str(seed)
+    folder.mkdir()
+    packing = mc.pack(TINY, seed=seed)
+    packing.write(folder / "model.json")
+    (folder / "case.json").write_text(json.dumps(nothing(packing)), encoding="utf-8")
+
+
+def overhead() -> None:
+    """Compare 300 empty cases on two processes with the same loop by hand."""
+    import mesocrete as mc
+
+    cases = 300
+    with concurrent.futures.ProcessPoolExecutor(2) as executor:
+        list(executor.map(len, ["warm"] * 8))
+        rounds = []
+        for number in range(3):
+            with tempfile.TemporaryDirectory() as place:
+                started = time.monotonic()
+                mc.study(TINY, {"seed": range(cases)}, then=nothing, out=Path(place) / "s", executor=executor)
+                study = time.monotonic() - started
+                (Path(place) / "h").mkdir()
+                started = time.monotonic()
+                list(executor.map(by_hand, [f"{place}/h"] * cases, range(cases)))
+                rounds.append((study, time.monotonic() - started))
+            print(number, rounds[-1], file=sys.stderr)
+    study, hand = (min(times) for times in zip(*rounds))
+    save("overhead", cases=cases, study_ms=round(1e3 * study / cases, 2), by_hand_ms=round(1e3 * hand / cases, 2))
+
+
+def dask() -> None:
+    """Two workers, each of which is killed twice."""
+    from distributed import Client, LocalCluster
+
+    import mesocrete as mc
+
+    with tempfile.TemporaryDirectory() as place:
+        here = mc.study(TINY, {"seed": range(60)}, then=nothing, out=Path(place) / "here")
+        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+            killed = []
+
+            def kill(over: int, _: int) -> None:
+                if over in (6, 12, 18, 24):
+                    killed.append(list(cluster.workers.values())[len(killed) % 2].pid)
+                    os.kill(killed[-1], signal.SIGKILL)
+
+            there = mc.study(TINY, {"seed": range(60)}, then=nothing, out=Path(place) / "there", executor=client, progress=kill)
+        equal = contents(here.out) == contents(there.out)
+        save("dask", cases=60, killed=len(set(killed)), failed=len(there.failures), bytes_equal=equal)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["array", "plan", "overhead", "dask"])
+    parser.add_argument("--command", default="mesocrete")
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    if asked.what == "array":
+        array(str(Path(asked.command).absolute()) if "/" in asked.command else asked.command, asked.seed)
+    else:
+        {"plan": plan, "overhead": overhead, "dask": dask}[asked.what]()
