@@ -20,7 +20,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut fit = args.fit(&mut beside)?;
     let how = Working::new(args.jobs, args.threads, Path::new("gmsh"), Again::Failed);
     for case in fit.first(&mut beside)?.cases {
-        how.accept(&case, &fit.steps(&case, &inputs::text)?)?;
+        how.settle(&case, &fit.steps(&case, &inputs::text)?)?;
     }
     let _own = OwnFolder::open(&args.output)?;
     let [materials, report] = RESULTS.map(|name| Target::new(&args.output.join(name), args.writing.force));

@@ -143,7 +143,7 @@ impl Working {
     }
 
     /// Refuses a case whose options its specimen cannot have.
-    pub(crate) fn accept(&self, case: &Case, steps: &Steps) -> Result<(), AskError> {
+    pub(crate) fn settle(&self, case: &Case, steps: &Steps) -> Result<(), AskError> {
         steps.accept(&case.spec, &self.gmsh, &gpu::device)
     }
 
@@ -177,7 +177,7 @@ fn checked_plan(file: &StudyFile, how: &Working, shown: &Shown) -> Result<Arc<Pl
     for (number, case) in plan.cases.iter().enumerate() {
         shown.count("checking options", number, plan.cases.len());
         let steps = file.steps(case, &inputs::text)?;
-        how.accept(case, &steps).map_err(|fault| file.wrong(&fault))?;
+        how.settle(case, &steps).map_err(|fault| file.wrong(&fault))?;
     }
     shown.clear();
     Ok(plan)
