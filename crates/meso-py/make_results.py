@@ -23,6 +23,7 @@ SOURCES = {
     "meso-pack/src/statistics/wall.rs": ["WallEffect"],
     "meso-pack/src/statistics/correlation.rs": ["Correlation"],
     "meso-pack/src/statistics/phases.rs": ["PhaseFigures"],
+    "meso-pack/src/statistics/budget.rs": ["Sampled"],
     "meso-pack/src/statistics/mod.rs": ["Statistics"],
     "meso-mesh/src/figures/interface_distance.rs": ["InterfaceDistance"],
     "meso-mesh/src/figures/phase_volumes.rs": ["PhaseVolumes"],
