@@ -185,6 +185,8 @@ def test_ansys_archives_hold_nodes_cells_and_components(mesh, sides, tmp_path):
     reader = pytest.importorskip("mapdl_archive", reason="needs mapdl-archive (pip install mapdl-archive)")
     mesh.write(tmp_path / "mesh.cdb")
     archive = reader.Archive(str(tmp_path / "mesh.cdb"))
+    # Numbers of up to six digits take seven columns.
+    assert {"(3i7,6e21.13e3)", "(19i7)"} <= set((tmp_path / "mesh.cdb").read_text().splitlines())
     assert np.abs(archive.nodes - mesh.points).max() < 1e-12
     width, joints, count = mesh.cells.shape[1], mesh.cohesive, len(mesh.cells)
     assert len(archive.elem) == count + len(joints)

@@ -2,7 +2,7 @@
 //!
 //! Element type, material and component have one number: 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE. Cells are SOLID285 (4 nodes),
 //! SOLID187 (10) or SOLID185 (8), cohesive elements INTER205. Nodes of the sides are the components XMIN to ZMAX. Numbers
-//! are the mesh's indices plus 1.
+//! are the mesh's indices plus 1. Columns of integers are as wide as the largest number needs, and coordinates have 14 digits.
 
 use super::columns::{part, places, present};
 use super::lines::Lines;
@@ -10,8 +10,10 @@ use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use meso_mesh::materials::{Elastic, Materials};
 use std::io::{self, Write};
 
-/// Columns of a number in an element block and in a component.
-const WIDTHS: [usize; 2] = [9, 10];
+/// Columns of a number in a component.
+const WIDTH: usize = 10;
+/// The least columns of a number in a block.
+const LEAST_WIDTH: usize = 7;
 
 /// Writes `mesh` to `out`.
 ///
@@ -28,7 +30,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     lines.line("SHPP,OFF")?;
     types(&mut lines, mesh)?;
     nodes(&mut lines, mesh)?;
-    cells(&mut lines, mesh)?;
+    cells(&mut lines, mesh, width(mesh.points.len().max(elements)))?;
     materials(&mut lines, mesh)?;
     let sides = Sides::of(mesh);
     for (bit, (_, _, name)) in SIDES.iter().enumerate() {
@@ -61,45 +63,49 @@ fn types(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     })
 }
 
+/// Columns of numbers up to `most`, with one space before them.
+fn width(most: usize) -> usize {
+    (most.to_string().len() + 1).max(LEAST_WIDTH)
+}
+
 fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let count = mesh.points.len();
+    let width = width(count);
     lines.line(format!("NBLOCK,6,SOLID,{count:>10},{count:>10}"))?;
-    lines.line("(3i9,6e25.16e3)")?;
+    lines.line(format!("(3i{width},6e21.13e3)"))?;
     for (number, point) in (1..).zip(&mesh.points) {
-        lines.integer(9, number);
-        lines.integer(9, 0);
-        lines.integer(9, 0);
-        point.iter().for_each(|x| lines.text(25, &exponent(*x)));
+        [number, 0, 0].into_iter().for_each(|x| lines.integer(width, x));
+        point.iter().for_each(|x| lines.text(21, &exponent(*x)));
         lines.end()?;
     }
     lines.line("N,R5.3,LOC,       -1,")
 }
 
-/// A number with 17 digits and three digits of exponent, as Fortran writes it.
+/// A number with 14 digits and three digits of exponent, as Fortran writes it: to 5e-12 mm below 1000 mm.
 fn exponent(x: f64) -> String {
-    let text = format!("{x:.16E}");
+    let text = format!("{x:.13E}");
     let (mantissa, power) = text.split_once('E').unwrap_or((&text, "0"));
     let (sign, digits) = power.strip_prefix('-').map_or(('+', power), |digits| ('-', digits));
     format!("{mantissa}E{sign}{digits:0>3}")
 }
 
 /// Material, type, constants, section, system, death, solid, shape, count of nodes, a zero, number, nodes.
-fn cells(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
+fn cells(lines: &mut Lines<impl Write>, mesh: &Mesh, width: usize) -> io::Result<()> {
     let count = mesh.cell_count() + mesh.cohesive().len();
     lines.line(format!("EBLOCK,19,SOLID,{count:>10},{count:>10}"))?;
-    lines.line("(19i9)")?;
+    lines.line(format!("(19i{width})"))?;
     for ((element, cell), phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
-        one(lines, element, part(*phase), cell)?;
+        one(lines, width, element, part(*phase), cell)?;
     }
     let first = mesh.cell_count() as u64 + 1;
-    (first..).zip(mesh.cohesive()).try_for_each(|(element, nodes)| one(lines, element, part(Phase::Itz), nodes))?;
-    lines.line("       -1")
+    let mut joint = |(element, nodes): (u64, &[u32])| one(lines, width, element, part(Phase::Itz), nodes);
+    (first..).zip(mesh.cohesive()).try_for_each(&mut joint)?;
+    lines.line(format!("{:>width$}", -1))
 }
 
 /// Nodes beyond the eighth stand on a second line; a wedge of 6 nodes repeats the third node of either face.
-fn one(lines: &mut Lines<impl Write>, element: u64, group: u64, nodes: &[u32]) -> io::Result<()> {
+fn one(lines: &mut Lines<impl Write>, width: usize, element: u64, group: u64, nodes: &[u32]) -> io::Result<()> {
     let order = places(nodes.len());
-    let width = WIDTHS[0];
     for field in [group, group, 1, 1, 0, 0, 0, 0, order.len() as u64, 0, element] {
         lines.integer(width, field);
     }
@@ -139,7 +145,7 @@ fn component(
     lines.line(format!("CMBLOCK,{name:<8},{what},{:>8}", numbers.len()))?;
     lines.line("(8i10)")?;
     for line in numbers.chunks(8) {
-        line.iter().for_each(|number| lines.text(WIDTHS[1], &number.to_string()));
+        line.iter().for_each(|number| lines.text(WIDTH, &number.to_string()));
         lines.end()?;
     }
     Ok(())
