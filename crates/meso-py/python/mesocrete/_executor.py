@@ -116,7 +116,7 @@ class Workers:
         if type(pool) is ProcessPoolExecutor:
             told: Any = pool
             self._executor = ProcessPoolExecutor(told._max_workers, told._mp_context, told._initializer, told._initargs)
-        elif hasattr(module, "get_reusable_executor") and not getattr(pool, "_initializer", None):
+        elif module is not None and hasattr(module, "get_reusable_executor") and not getattr(pool, "_initializer", None):
             self._executor = module.get_reusable_executor(pool._max_workers)
         else:
             return False
