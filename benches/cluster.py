@@ -5,6 +5,7 @@
     python3 benches/cluster.py plan                                       # 100,000 cases: memory, time to the first record
     python3 benches/cluster.py overhead                                   # time a case beside the same loop by hand
     python3 benches/cluster.py dask                                       # two workers, each killed twice
+    python3 benches/cluster.py --quick                                    # few cases, and no rows
 
 The tasks of the array are started as Slurm starts them, by a stand-in of SLURM_ARRAY_TASK_ID, some at a time.
 """
@@ -12,9 +13,7 @@ The tasks of the array are started as Slurm starts them, by a stand-in of SLURM_
 import argparse
 import concurrent.futures
 import csv
-import datetime
 import os
-import platform
 import random
 import resource
 import shutil
@@ -25,29 +24,29 @@ import tempfile
 import time
 from pathlib import Path
 
+from origin import origin
+
 RESULTS = Path(__file__).parent / "results" / "cluster.csv"
 STUDY = """[spec]
 fraction = 0.2
 specimen = { kind = 'cube', side_mm = 20 }
 grading = { d_min_mm = 5, d_max_mm = 8 }
 [over]
-seed = { from = 1, to = 120 }
+seed = { from = 1, to = CASES }
 """
 TINY = {"specimen": {"kind": "cube", "side_mm": 20.0}, "fraction": 0.15, "grading": {"d_min_mm": 5, "d_max_mm": 8}}
 
 
 def save(what: str, **figures: object) -> None:
-    """Append one row a figure."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
-    machine = f"{os.cpu_count()} x {platform.machine()}"
+    """Append one row a figure, unless the run is a quick one."""
+    for name, value in figures.items():
+        print(what, name, value)
+    if QUICK:
+        return
     is_new = not RESULTS.exists()
-    with RESULTS.open("a", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        if is_new:
-            rows.writerow(["date", "commit", "machine", "what", "figure", "value"])
-        for name, value in figures.items():
-            rows.writerow([datetime.datetime.now(tz=datetime.timezone.utc).date(), commit, machine, what, name, value])
-            print(what, name, value)
+    with RESULTS.open("a", encoding="utf-8") as file:
+        file.write("what,figure,value,machine,date,commit\n" if is_new else "")
+        file.writelines(f"{what},{name},{value},{origin()}\n" for name, value in figures.items())
 
 
 def contents(out: Path) -> dict[str, bytes]:
@@ -58,16 +57,17 @@ def contents(out: Path) -> dict[str, bytes]:
 
 def array(command: str, seed: int) -> None:
     """Start 40 tasks, kill 10 at random moments, start all again, collect."""
-    draw = random.Random(seed)
+    draw, tasks = random.Random(seed), 4 if QUICK else 40
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
-        (place / "STUDY.toml").write_text(STUDY, encoding="utf-8")
+        cases = 12 if QUICK else 120
+        (place / "STUDY.toml").write_text(STUDY.replace("CASES", str(cases)), encoding="utf-8")
         subprocess.run([command, "study", "STUDY.toml", "-q", "-o", "serial"], cwd=place, check=True)
         script = subprocess.run(
-            [command, "study", "STUDY.toml", "-o", "array", "--slurm=40"], cwd=place, check=True, capture_output=True, text=True
+            [command, "study", "STUDY.toml", "-o", "array", f"--slurm={tasks}"], cwd=place, check=True, capture_output=True, text=True
         ).stdout
         (place / "study.sbatch").write_text(script.replace("exec mesocrete", f"exec {command}"), encoding="utf-8")
-        doomed = set(draw.sample(range(1, 41), 10))
+        doomed = set(draw.sample(range(1, tasks + 1), tasks // 4))
 
         def task(number: int, is_doomed: bool) -> int:
             process = subprocess.Popen(
@@ -82,14 +82,14 @@ def array(command: str, seed: int) -> None:
             return process.wait()
 
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
-            first = list(pool.map(lambda number: task(number, number in doomed), range(1, 41)))
+            first = list(pool.map(lambda number: task(number, number in doomed), range(1, tasks + 1)))
             before = {path: path.stat().st_mtime_ns for path in place.glob("array/*/case.json")}
-            again = list(pool.map(lambda number: task(number, False), range(1, 41)))
+            again = list(pool.map(lambda number: task(number, False), range(1, tasks + 1)))
         twice = sum(path.stat().st_mtime_ns != time_ns for path, time_ns in before.items())
         collected = subprocess.run([command, "study", "STUDY.toml", "-q", "-o", "array", "--collect"], cwd=place, check=False)
         equal = contents(place / "array") == contents(place / "serial")
         save(
-            "array", tasks=40, killed=sum(code < 0 for code in first), cases=120, left_after_kills=120 - len(before),
+            "array", tasks=tasks, killed=sum(code < 0 for code in first), cases=cases, left_after_kills=cases - len(before),
             failed_tasks_again=sum(code != 0 for code in again), done_twice=twice, collect_exit=collected.returncode,
             bytes_equal=equal,
         )  # fmt: skip
@@ -103,6 +103,7 @@ def plan() -> None:
         """The first record is there."""
 
     folder = tempfile.mkdtemp()
+    cases = 1000 if QUICK else 100_000
     started, cpu = time.monotonic(), time.process_time()
 
     def stop(over: int, _: int) -> None:
@@ -111,11 +112,11 @@ def plan() -> None:
 
     try:
         with concurrent.futures.ThreadPoolExecutor(2) as executor:
-            mc.study(TINY, {"seed": range(100_000)}, out=folder, executor=executor, progress=stop)
+            mc.study(TINY, {"seed": range(cases)}, out=folder, executor=executor, progress=stop)
     except Begun:
         pass
     save(
-        "plan", cases=100_000, first_record_s=round(time.monotonic() - started, 2),
+        "plan", cases=cases, first_record_s=round(time.monotonic() - started, 2),
         first_record_cpu_s=round(time.process_time() - cpu, 2),
         memory_mb=round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3),
     )  # fmt: skip
@@ -157,8 +158,8 @@ def overhead() -> None:
     """Compare 300 empty cases on two processes with the same loop by hand: CPU time, which other work does not change."""
     import mesocrete as mc
 
-    cases, rounds = 300, []
-    for _ in range(3):
+    cases, rounds = 10 if QUICK else 300, []
+    for _ in range(1 if QUICK else 3):
         with tempfile.TemporaryDirectory() as place:
             (Path(place) / "h").mkdir()
             hand = seconds_of(lambda executor: list(executor.map(by_hand, [f"{place}/h"] * cases, range(cases))))
@@ -191,13 +192,16 @@ def dask() -> None:
         save("dask", cases=60, killed=len(set(killed)), failed=len(there.failures), bytes_equal=equal)
 
 
+QUICK = "--quick" in sys.argv
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["array", "plan", "overhead", "dask"])
+    parser.add_argument("what", nargs="*", default=["array", "plan", "overhead"], help="array, plan, overhead, dask")
     parser.add_argument("--command", default="mesocrete")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
-    if asked.what == "array":
-        array(str(Path(asked.command).absolute()) if "/" in asked.command else asked.command, asked.seed)
-    else:
-        {"plan": plan, "overhead": overhead, "dask": dask}[asked.what]()
+    command = str(Path(asked.command).absolute()) if "/" in asked.command else asked.command
+    runs = {"array": lambda: array(command, asked.seed), "plan": plan, "overhead": overhead, "dask": dask}
+    for what in asked.what:
+        runs[what]()
