@@ -15,6 +15,7 @@ use meso_solve::footing::Footing;
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -174,8 +175,9 @@ pub(crate) fn write_results(
     let names = names.chain(ResultFile::ALL.map(|file| file.name().to_owned()));
     let paths: Vec<PathBuf> = names.map(|name| folder.join(name)).collect();
     let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+    let still = RefCell::default();
     write_together(&paths, overwrite, watch, |i, out| match frames.get(i) {
-        Some(frame) => frame.write(outcome.mesh, out),
+        Some(frame) => frame.write(outcome.mesh, &mut still.borrow_mut(), out),
         None => ResultFile::ALL[i - frames.len()].write(outcome, out),
     })
 }

@@ -2,6 +2,7 @@
 
 use crate::elastic::OF_VTK;
 use meso_mesh::Mesh;
+use meso_view::vtk::Still;
 use meso_view::vtk::mesh::{Field, write_fields};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -58,6 +59,7 @@ impl MeshField {
         let name = if components == 3 { "flux" } else { "stress" };
         let potential = Field { name: "potential", components: 1, values: &self.potential };
         let points = if self.potential.is_empty() { &[][..] } else { &[potential] };
-        write_fields(&self.mesh, points, &[Field { name, components, values: &self.values }], out)
+        let cells = &[Field { name, components, values: &self.values }];
+        write_fields(&self.mesh, points, cells, &mut Still::default(), out)
     }
 }

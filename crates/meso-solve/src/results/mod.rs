@@ -8,6 +8,7 @@ mod section;
 mod shots;
 mod snapshot;
 
+pub use meso_view::vtk::Still;
 pub use shots::{Shooting, Shot, Taken};
 pub use snapshot::{Moment, Snapshot};
 

@@ -2,6 +2,7 @@
 
 use crate::march::{Ended, Frame, Mean, Run};
 use meso_mesh::Mesh;
+use meso_view::vtk::Still;
 use meso_view::vtk::mesh::{self as vtu_mesh, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -86,11 +87,11 @@ impl Snapshot {
         (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Self::of(&Frame::new(run, 0)))
     }
 
-    /// Writes it as a `.vtu` of `mesh`, which it belongs to.
+    /// Writes it as a `.vtu` of `mesh`, which it belongs to. All snapshots of a mesh have one `still`, empty at first.
     ///
     /// # Errors
     /// Fails with the errors of `out`.
-    pub fn write(&self, mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    pub fn write(&self, mesh: &Mesh, still: &mut Still, out: &mut dyn Write) -> io::Result<()> {
         let scalar = |name, values| Field { name, components: 1, values };
         let moved = Field { name: "displacement_mm", components: 3, values: self.displacement.as_flattened() };
         let cells = [
@@ -100,6 +101,6 @@ impl Snapshot {
             scalar("crack_opening_mm", &self.opening_mm),
             Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
         ];
-        vtu_mesh::write_fields(mesh, &[moved], &cells, out)
+        vtu_mesh::write_fields(mesh, &[moved], &cells, still, out)
     }
 }

@@ -16,7 +16,7 @@ use meso_core::mesh::MeshTable;
 use meso_core::spec::options_from_value;
 use meso_core::{Model, Spec, Watch};
 use meso_files::whole::{Keeper, Unit};
-use meso_solve::results::{Moment, Outcome, ResultFile, Shooting, Snapshot, Source, TestSeconds, figures};
+use meso_solve::results::{Moment, Outcome, ResultFile, Shooting, Snapshot, Source, Still, TestSeconds, figures};
 use meso_solve::{Ended, Frame, Observer, Row, Test};
 use serde_json::Value;
 use std::cell::RefCell;
@@ -238,6 +238,7 @@ impl SolveStep {
             mesh: &mesh,
             folder,
             unit: RefCell::new(Unit::unforced(doing.keeper)),
+            still: RefCell::default(),
             frames: RefCell::default(),
             failed: RefCell::default(),
             shooting: Shooting::default(),
@@ -290,6 +291,7 @@ struct Filming<'a, K> {
     mesh: &'a meso_core::mesh::Mesh,
     folder: &'a Path,
     unit: RefCell<Unit<K>>,
+    still: RefCell<Still>,
     frames: RefCell<Vec<Moment>>,
     failed: RefCell<Option<AskError>>,
     shooting: Shooting,
@@ -307,7 +309,7 @@ impl<K: Keeper> Observer for Filming<'_, K> {
     fn frame(&self, frame: &Frame) {
         let shot = Snapshot::of(frame);
         let path = self.folder.join(shot.moment.file());
-        match fill(&mut self.unit.borrow_mut(), &path, |out| shot.write(self.mesh, out)) {
+        match fill(&mut self.unit.borrow_mut(), &path, |out| shot.write(self.mesh, &mut self.still.borrow_mut(), out)) {
             Ok(()) => self.frames.borrow_mut().push(shot.moment),
             Err(fault) => drop(self.failed.borrow_mut().get_or_insert(fault)),
         }

@@ -4,7 +4,7 @@
 //! `radius_ratio` and `min_dihedral_deg`. Cohesive elements follow the cells, as wedges (hexahedra between voxels) of the
 //! ITZ; they have no volume, and NaN for their quality. Fields of a test have no values there, so its frames leave them out.
 
-use super::{Array, Encoding, Grid, Layout};
+use super::{Array, Encoding, Grid, Layout, Still};
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::CellQuality;
 use std::io::{self, Write};
@@ -46,14 +46,20 @@ pub struct Field<'a> {
 }
 
 /// Writes `mesh` with fields at its points and in its cells, compressed. Viewers display the first
-/// of `cells`.
+/// of `cells`. The mesh itself is compressed once for all files of a series, whose first one is given an empty `still`.
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
+pub fn write_fields(
+    mesh: &Mesh,
+    points: &[Field],
+    cells: &[Field],
+    still: &mut Still,
+    out: impl Write,
+) -> io::Result<()> {
     let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, Joints::LeftOut)).collect();
     Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, Joints::LeftOut, cell_data) }
-        .write(Encoding::Fast, out)
+        .write_next(still, out)
 }
 
 impl<'a> Field<'a> {
@@ -98,7 +104,7 @@ fn bodies(mesh: &Mesh, joints: Joints) -> impl Iterator<Item = Array<'_>> {
     let ids = Array::new("Int32", "aggregate", cells, move || {
         mesh.ids().chain(below.iter().map(|&owner| mesh.id(owner))).map(|id| signed(id).to_le_bytes())
     });
-    [phase, ids].into_iter()
+    [phase, ids].map(Array::still).into_iter()
 }
 
 fn grid<'a>(mesh: &'a Mesh, joints: Joints, cell_data: Vec<Array<'a>>) -> Grid<'a> {
@@ -116,7 +122,7 @@ fn grid<'a>(mesh: &'a Mesh, joints: Joints, cell_data: Vec<Array<'a>>) -> Grid<'
         layout: Layout::Cells,
         points: mesh.points.len(),
         cells,
-        positions: Array::new("Float64", "Points", 3 * mesh.points.len(), positions).of_vectors(),
+        positions: Array::new("Float64", "Points", 3 * mesh.points.len(), positions).of_vectors().still(),
         topology: [
             Array::new("Int32", "connectivity", mesh.cells.len() + joined.len(), move || {
                 mesh.cells.iter().chain(joined).map(|node| node.to_le_bytes())
@@ -128,7 +134,8 @@ fn grid<'a>(mesh: &'a Mesh, joints: Joints, cell_data: Vec<Array<'a>>) -> Grid<'
             Array::new("UInt8", "types", cells, move || {
                 std::iter::repeat_n([kind], solids as usize).chain(std::iter::repeat_n([joint], joints as usize))
             }),
-        ],
+        ]
+        .map(Array::still),
         point_data: Vec::new(),
         cell_data,
     }

@@ -19,8 +19,6 @@ pub enum Encoding {
     Raw,
     /// By zlib, in blocks.
     Compressed,
-    /// By zlib at its fastest level, in blocks: a test waits for its frames.
-    Fast,
 }
 
 impl Encoding {
@@ -30,10 +28,16 @@ impl Encoding {
     }
 }
 
+/// Level of zlib of a file, and of those of a series: a test waits for its frames.
+const LEVELS: [u32; 2] = [4, 1];
 /// Bytes that are compressed at a time.
 const BLOCK: usize = 1 << 20;
 /// Bytes that go out at a time.
 const CHUNK: usize = 1 << 16;
+
+/// The compressed bytes of arrays that are alike in all files of a series, once its first file is written.
+#[derive(Clone, Debug, Default)]
+pub struct Still(Vec<Vec<u8>>);
 
 /// Writes the bytes of an array.
 type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
@@ -45,6 +49,8 @@ pub struct Array<'a> {
     components: usize,
     bytes: usize,
     fill: Fill<'a>,
+    /// Whether it is the same in all files of a series.
+    is_still: bool,
 }
 
 impl<'a> Array<'a> {
@@ -66,7 +72,12 @@ impl<'a> Array<'a> {
             }
             out.write_all(&chunk)
         };
-        Self { kind, name, components: 1, bytes: N * count, fill: Box::new(fill) }
+        Self { kind, name, components: 1, bytes: N * count, fill: Box::new(fill), is_still: false }
+    }
+
+    /// Says that it is the same in all files of a series.
+    pub fn still(self) -> Self {
+        Self { is_still: true, ..self }
     }
 
     /// Groups the values into vectors of three.
@@ -96,6 +107,12 @@ impl<'a> Array<'a> {
         blocks.iter().for_each(|block| out.extend_from_slice(block));
         Ok(out)
     }
+}
+
+/// Ends the file.
+fn end(out: &mut impl Write) -> io::Result<()> {
+    out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+    out.flush()
 }
 
 fn deflate(block: &[u8], level: u32) -> io::Result<Vec<u8>> {
@@ -146,16 +163,31 @@ impl Grid<'_> {
                 self.declare(&sizes, "", &mut out)?;
                 self.arrays().try_for_each(|array| array.raw(&mut out))?;
             }
-            Encoding::Compressed | Encoding::Fast => {
-                let level = if encoding == Encoding::Fast { 1 } else { 4 };
-                let stored = self.arrays().map(|array| array.compressed(level)).collect::<io::Result<Vec<_>>>()?;
-                let sizes: Vec<usize> = stored.iter().map(Vec::len).collect();
-                self.declare(&sizes, " compressor=\"vtkZLibDataCompressor\"", &mut out)?;
-                stored.iter().try_for_each(|bytes| out.write_all(bytes))?;
-            }
+            Encoding::Compressed => self.compressed(LEVELS[0], &mut Still::default(), &mut out)?,
         }
-        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
-        out.flush()
+        end(&mut out)
+    }
+
+    /// Writes the next file of a series, compressed; `still` is empty before the first one.
+    pub fn write_next(&self, still: &mut Still, mut out: impl Write) -> io::Result<()> {
+        let mut out = BufWriter::with_capacity(CHUNK, &mut out as &mut dyn Write);
+        self.compressed(LEVELS[1], still, &mut out)?;
+        end(&mut out)
+    }
+
+    /// Everything but the end. Arrays that are still are compressed where `still` is empty.
+    fn compressed(&self, level: u32, still: &mut Still, out: &mut impl Write) -> io::Result<()> {
+        let of = |is_still| self.arrays().filter(move |array| array.is_still == is_still);
+        let compress = |array: &Array| array.compressed(level);
+        if still.0.is_empty() {
+            still.0 = of(true).map(compress).collect::<io::Result<_>>()?;
+        }
+        let others = of(false).map(compress).collect::<io::Result<Vec<_>>>()?;
+        let mut next = [others.iter(), still.0.iter()];
+        let stored: Vec<_> = self.arrays().filter_map(|array| next[usize::from(array.is_still)].next()).collect();
+        let sizes: Vec<usize> = stored.iter().map(|bytes| bytes.len()).collect();
+        self.declare(&sizes, " compressor=\"vtkZLibDataCompressor\"", out)?;
+        stored.into_iter().try_for_each(|bytes| out.write_all(bytes))
     }
 
     fn arrays(&self) -> impl Iterator<Item = &Array<'_>> {

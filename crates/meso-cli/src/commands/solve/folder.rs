@@ -8,7 +8,7 @@ use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use meso_core::mesh::Mesh;
 use meso_files::whole;
-use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Taken};
+use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Still, Taken};
 use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -31,6 +31,8 @@ pub(super) struct Folder {
     /// A file that keeps [`ROOM`] until the results are written, and never gets a name.
     reserve: Unit,
     frames: Vec<Written>,
+    /// What all frames have of the mesh.
+    still: Still,
     /// The moments that the page shows.
     taken: Taken,
     /// Number of frames that could not be written.
@@ -85,6 +87,7 @@ impl Folder {
             staged: Unit::default(),
             reserve: Unit::unforced(),
             frames: Vec::new(),
+            still: Still::default(),
             taken: Taken::default(),
             lost: 0,
             _own: OwnFolder::open(path)?,
@@ -185,7 +188,9 @@ impl Folder {
     pub(super) fn add(&mut self, mesh: &Mesh, frame: &Snapshot) -> Result<(), Failure> {
         let path = self.path.join(frame.moment.file());
         let target = Target::new(&path, self.force || self.keeps);
-        let written = target.and_then(|target| self.write(&target, |out| frame.write(mesh, out)));
+        let mut still = std::mem::take(&mut self.still);
+        let written = target.and_then(|target| self.write(&target, |out| frame.write(mesh, &mut still, out)));
+        self.still = still;
         let contents = |()| self.keeps.then(|| Contents::of(&path)).transpose();
         let file = written.and_then(|()| contents(()).map_err(|error| Failure::file(&path, &error)));
         match file {
