@@ -24,6 +24,9 @@ const STEPS: usize = 100;
 /// A step that takes off less than this share of the interval is the last. Most volumes take one, contrasts of 1,000
 /// ten; voxels cut in 64 take some four times as many.
 const SMALL: f64 = 0.1;
+/// The same of an interval that is wider than this share of the lower bound.
+const SMALL_OF_WIDE: f64 = 0.01;
+const WIDE: f64 = 0.1;
 /// Layers of voxels whose sums at nodes are added up by one thread.
 const SLAB: usize = 8;
 /// Voxels side by side in a row.
@@ -161,7 +164,8 @@ impl<'a> Trilinear<'a> {
             }
             let length = product / curvature;
             energy -= length * product;
-            let is_large = length * product > SMALL * (energy - least);
+            let small = if energy - least > WIDE * least { SMALL_OF_WIDE } else { SMALL };
+            let is_large = length * product > small * (energy - least);
             if !is_large {
                 break;
             }
