@@ -45,13 +45,13 @@ impl TestKind {
             _ => String::new(),
         };
         let kind = serde_json::to_value(self).unwrap_or_default();
-        let path = if test.has_path() {
-            format!(
-                "# strain = {strain:<16} # at the end\n# friction = {friction:<14} # between plates and specimen; brushes and teflon: 0.005\n"
-            )
-        } else {
-            String::new()
-        };
+        let mut path = String::new();
+        if test.has_path() {
+            path += &format!("# strain = {strain:<16} # at the end\n");
+        }
+        if test.rubs() {
+            path += &format!("# friction = {friction:<14} # between plates and specimen; brushes and teflon: 0.005\n");
+        }
         let strains = test.expansion().map_or("", |_| STRAINS);
         let head = self.description();
         format!("# A test for `mesocrete solve --test TEST.toml`. {head}\nkind = {kind}\n{own}{path}{COMMON}{strains}")
