@@ -77,7 +77,7 @@ def array(command: str, seed: int) -> None:
                 stderr=subprocess.DEVNULL,
             )
             if is_doomed:
-                time.sleep(draw.uniform(0.0, 0.3))
+                time.sleep(draw.uniform(0.0, 0.1))
                 process.send_signal(signal.SIGKILL)
             return process.wait()
 
