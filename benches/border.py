@@ -6,6 +6,7 @@ Each kind of case draws its files from the case's number; a row of `benches/resu
                divergence theorem, `check`
     cores      drilled cores for `import --outside`: diameter, grains within, volumes, `check`
     surfaces   specimens and library grains of STL, PLY, OBJ and OFF, sound and damaged: volumes by the divergence theorem
+    lies       one false number in a saved model of a label volume: `check` finds it, unless the volume alone shows it
     packed     compressed or shared data that opens to far more than 1 GB, under a limit of 1 GB: an error, no abort
 
     python benches/border.py volumes --command target/release/mesocrete --cases 500 [--from 0]
@@ -356,7 +357,52 @@ def packed(command, number, folder):
     return f"{kind} {found.returncode}", [f"{kind}: exit code {found.returncode}: {found.stderr[-300:]}"] if wrong else []
 
 
-KINDS = {"volumes": volumes, "cores": cores, "surfaces": surfaces, "packed": packed}
+# What the label volume alone shows: `check` says that it does not.
+OF_THE_VOLUME = {"dropped", "separated_pairs", "farthest_mm", "labels"}
+
+
+def numbers_of(tree, path=()):
+    """The places of numbers in a tree, of lists the first three."""
+    for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree[:3]):
+        if isinstance(value, (dict, list)):
+            yield from numbers_of(value, (*path, key))
+        elif isinstance(value, (bool, int, float)):
+            yield (*path, key)
+
+
+def lies(command, number, folder):
+    rng = np.random.default_rng([5, number])
+    n = int(rng.integers(22, 34))
+    labels, at = np.zeros((n,) * 3, np.int32), np.indices((n,) * 3)
+    centres = [(x, y, z) for x in (n / 4, 3 * n / 4) for y in (n / 4, 3 * n / 4) for z in (n / 4, 3 * n / 4)]
+    for label, centre in enumerate(centres[: int(rng.integers(3, 9))], 1):
+        radii = rng.uniform(n / 8, n / 4.6, 3)
+        labels[(((at - np.array(centre)[:, None, None, None]) / radii[:, None, None, None]) ** 2).sum(0) < 1] = label
+    np.save(folder / "v.npy", labels)
+    made = run(command, "import", folder / "v.npy", "--itz-thickness-mm", rng.choice(["0", "0.1"]), "-qo", folder / "m.json")
+    model = json.loads((folder / "m.json").read_text())
+    model.pop("crc32")
+    true = folder / "true.json"
+    true.write_text(json.dumps(model))
+    faults = [] if made.returncode == 0 and run(command, "check", true).returncode == 0 else ["the model itself is refused"]
+    # How long it took, and which earlier build made it, no file shows.
+    places = [path for path in numbers_of(model) if "seconds" not in path]
+    path = places[int(rng.integers(len(places)))]
+    told = ".".join(map(str, path))
+    node = model
+    for key in path[:-1]:
+        node = node[key]
+    was = node[path[-1]]
+    node[path[-1]] = (not was) if isinstance(was, bool) else was + max(1, abs(was) // 4) if isinstance(was, int) else was * 1.3 + 0.05
+    lie = folder / "lie.json"
+    lie.write_text(json.dumps(model))
+    found = run(command, "check", lie).returncode != 0
+    if not found and not OF_THE_VOLUME.intersection(path):
+        faults.append(f"{told} is {node[path[-1]]} for {was}, and passes")
+    return "found" if found else "of the volume alone", faults
+
+
+KINDS = {"volumes": volumes, "cores": cores, "surfaces": surfaces, "lies": lies, "packed": packed}
 
 
 def main():

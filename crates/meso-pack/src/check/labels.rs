@@ -114,8 +114,8 @@ fn against(model: &Model, right: Model, reasons: &mut Vec<String>) {
         text.and_then(|text| serde_json::from_str::<Value>(&text).ok()).unwrap_or_default()
     };
     differences("spec", &spec(model), &spec(&right), reasons);
-    let Report { version, seconds, work, .. } = model.report.clone();
-    let report = Report { version, seconds, work, ..right.report.clone() };
+    let Report { version, seconds, .. } = model.report.clone();
+    let report = Report { version, seconds, ..right.report.clone() };
     differences("", &plain(&model.report), &plain(&report), reasons);
     for (said, right) in model.aggregates.iter().zip(&right.aggregates) {
         let of = |aggregate: &Aggregate| (aggregate.class, aggregate.itz_thickness_mm);

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""One specimen of concrete in two codes: CDPM2 here, by explicit dynamics, and in OOFEM, implicit, on the same tetrahedra.
+
+    pip install oofem==2.6.0.dev1            # beside the mesocrete wheel
+    python3 docs/validation/second_code.py tension OUT      both, and their figures; mesh.npz and oofem.in are the inputs
+    python3 docs/validation/second_code.py compression OUT
+    python3 docs/validation/second_code.py tension OUT --judge    the figures of curves that are there
+
+A cube of 24 mm, 35 % of grains of 6 to 10 mm, three phases, is crushed between plates without friction, or pulled by plates
+that are glued on. Both codes take strains of single elements, the same width of the crack band in each, and CDPM2 with the
+defaults of its paper. A smeared ITZ is as stiff as mortar.
+"""
+
+import argparse
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+
+SIDE, SIZE = 24.0, 4.0
+# Strain at the end, and OOFEM's steps.
+TESTS = {"compression": (0.006, 600), "tension": (0.004, 500)}
+SPEC = {"fraction": 0.35, "seed": 1, "specimen": {"kind": "cube", "side_mm": SIDE}, "placement": {"min_gap_mm": 1.0}}
+SPEC |= {"grading": {"d_min_mm": 6.0, "d_max_mm": 10.0}}
+MESH = {"method": "lattice", "element_size": SIZE, "itz": "smeared", "accept_phase_error": True}
+# MPa and N/mm; the strain of crushing is the paper's, for any width.
+E, NU = {"mortar": 26000.0, "itz": 26000.0, "aggregate": 70000.0}, 0.2
+FC, FT, GF, ITZ, CRUSHING, BIAXIAL = 40.0, 3.0, 0.06, 0.7, 1e-4, 1.16
+PHASES = ("mortar", "itz", "aggregate")
+# Width of the band over the edge of the regular tetrahedron of a cell's volume (docs/engine.md).
+BAND = 1.4
+
+
+def ours(out, test):
+    """Mesh and crush; the curve, and the mesh for the other code."""
+    import mesocrete as mc
+
+    mesh = mc.pack(mc.Spec(**SPEC)).mesh(**MESH)
+    np.savez(out / "mesh.npz", points=mesh.points, cells=mesh.cells, phase=mesh.phase)
+    elastic = {name: {"youngs_modulus_mpa": modulus, "poisson_ratio": NU} for name, modulus in E.items()}
+    strength = {"compressive_mpa": FC, "tensile_mpa": FT, "fracture_energy_n_per_mm": GF}
+    materials = {**elastic, "mortar_strength": strength, "itz_strength_ratio": ITZ, "cdpm2": {"crushing_strain": CRUSHING}}
+    materials["plasticity"] = {"biaxial_ratio": BIAXIAL}
+    strain = TESTS[test][0]
+    options = {"law": "cdpm2", "smoothing": "none", "strain": strain, "control": "steady", "materials": materials}
+    options |= {"friction": 0.0} if test == "compression" else {}
+    # Slow enough for 1e-3 of kinetic energy in either test.
+    slow = 4.0 if test == "compression" else 40.0
+    response = mesh.solve(test, **options, duration_s=24e-6 * SIDE * strain / 0.005 * slow)
+    strain, stress = response.curve["strain"], response.curve["stress_mpa"]
+    write(out / "mesocrete.csv", zip(strain, stress, strict=True))
+    print(f"{len(mesh.cells)} tetrahedra, {len(mesh.points)} nodes; kinetic {response.result['kinetic_over_internal_max']:.1e}")
+
+
+def write(path, rows):
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["strain", "stress_mpa"])
+        writer.writerows((f"{strain:.9g}", f"{stress:.9g}") for strain, stress in rows)
+
+
+def material(number, phase, width):
+    """OOFEM's line for an element of a phase."""
+    name = PHASES[phase]
+    common = f"{number} d 0. E {E[name]} n {NU} talpha 0."
+    if name == "aggregate":
+        return f"isoLE {common}"
+    share = ITZ if name == "itz" else 1.0
+    fc, ft, wf = share * FC, share * FT, GF / (0.225 * FT)
+    fb = BIAXIAL * fc
+    eps = ft / fb * (fb**2 - fc**2) / (fc**2 - ft**2)
+    return (
+        f"con2dpm {common} fc {fc} ft {ft} ecc {(1 + eps) / (2 - eps):.12f} kinit 0.3 hp 0.01 dilation 0.85 stype 1 "
+        f"wf {wf:.12f} asoft 15 efc {CRUSHING} helem {width:.9f} yieldtol 1.e-6"
+    )
+
+
+def deck(mesh, test):
+    """Lines of OOFEM's input; every cell has its own material, since its band has its own width."""
+    points, cells, phase = mesh["points"], mesh["cells"], mesh["phase"]
+    strain, steps = TESTS[test]
+    # Glued plates hold all directions, plates without friction only their own, and a node and a half the rest.
+    way = -strain * SIDE if test == "compression" else strain * SIDE
+    corners = points[cells]
+    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+    widths = BAND * np.cbrt(6.0 * math.sqrt(2.0) * volumes)
+    bottom, top = (np.flatnonzero(np.abs(points[:, 2] - z) < 1e-6) + 1 for z in (0.0, SIDE))
+    origin, beside = bottom[0], bottom[np.argmax(points[bottom - 1, 0])]
+    count = len(cells)
+    lines = [
+        "oofem.out", "concrete between plates without friction",
+        f"StaticStructural nsteps {steps} deltat 1.0 rtolf 1e-4 maxiter 2000 stiffmode 1 nmodules 0", "domain 3d",
+        f"OutputManager tstep_all dofman_output {{{' '.join(map(str, top))}}}",
+        f"ndofman {len(points)} nelem {count} ncrosssect {count} nmat {count} nbc 4 nltf 2 nic 0 nset {count + 4}",
+        *(f"node {n} coords 3 {x!r} {y!r} {z!r}" for n, (x, y, z) in enumerate(points.tolist(), 1)),
+        *(f"ltrspace {n} nodes 4 {' '.join(map(str, cell))}" for n, cell in enumerate((cells + 1).tolist(), 1)),
+        *(f"SimpleCS {n} material {n} set {n}" for n in range(1, count + 1)),
+        *(material(n, *of) for n, of in enumerate(zip(phase.tolist(), widths.tolist(), strict=True), 1)),
+        f"BoundaryCondition 1 loadTimeFunction 1 dofs 1 3 values 1 0. set {count + 1}",
+        f"BoundaryCondition 2 loadTimeFunction 2 dofs 1 3 values 1 {way} set {count + 2}",
+        f"BoundaryCondition 3 loadTimeFunction 1 dofs 2 1 2 values 2 0. 0. set {count + 3}",
+        f"BoundaryCondition 4 loadTimeFunction 1 dofs 1 2 values 1 0. set {count + 4}",
+        "ConstantFunction 1 f(t) 1.", f"PiecewiseLinFunction 2 t 2 0. {steps} f(t) 2 0. 1.",
+        *(f"Set {n} elements 1 {n}" for n in range(1, count + 1)),
+    ]  # fmt: skip
+    ends = [*bottom, *top]
+    held = ([origin], [beside]) if test == "compression" else (ends, ends)
+    for number, nodes in enumerate((bottom, top, *held), count + 1):
+        lines.append(f"Set {number} nodes {len(nodes)} {' '.join(map(str, nodes))}")
+    return lines
+
+
+def oofem(out, test):
+    """Crush in OOFEM."""
+    import os
+
+    import oofem as program
+
+    with np.load(out / "mesh.npz") as mesh:
+        (out / "oofem.in").write_text("\n".join(deck(mesh, test)) + "\n")
+    os.chdir(out)
+    reader = program.OOFEMTXTDataReader("oofem.in")
+    problem = program.InstanciateProblem(reader, program.problemMode.processor, 0, None, False)
+    problem.checkProblemConsistency()
+    problem.solveYourself()
+    problem.terminateAnalysis()
+
+
+def read_oofem(out, test):
+    """Strain and stress of each step that OOFEM wrote: the sum of the upper nodes' reactions over the section."""
+    (strain, steps), rows = TESTS[test], [(0.0, 0.0)]
+    for number, step in enumerate((out / "oofem.out").read_text().split("Output for time")[1:], 1):
+        forces = re.findall(r"Node\s+\d+ iDof\s+3 reaction\s+(\S+)", step)
+        rows.append((strain * number / steps, abs(sum(map(float, forces))) / SIDE**2))
+    return rows
+
+
+def figures(path):
+    """Peak in MPa, displacement from it to half of it in mm, energy to the end of the shorter curve in N/mm."""
+    rows = [(float(a), float(b)) for a, b in list(csv.reader(path.open()))[1:]]
+    strain, stress = np.array(rows).T
+    top = int(stress.argmax())
+    below = np.flatnonzero(stress[top:] < 0.5 * stress[top])
+    half = (strain[top + below[0]] - strain[top]) * SIDE if len(below) else math.nan
+    return stress[top], half, np.trapezoid(stress, strain * SIDE), strain[-1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("test", choices=TESTS)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--judge", action="store_true")
+    options = parser.parse_args()
+    out = options.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    if not options.judge:
+        ours(out, options.test)
+        oofem(out, options.test)
+    write(out / "oofem.csv", read_oofem(out, options.test))
+    found = {name: figures(out / f"{name}.csv") for name in ("mesocrete", "oofem")}
+    for name, values in found.items():
+        print(name, " ".join(f"{value:.5g}" for value in values))
+    print("ratios", " ".join(f"{a / b:.4f}" for a, b in zip(found["mesocrete"], found["oofem"], strict=True)))
+
+
+if __name__ == "__main__":
+    main()
