@@ -2,9 +2,9 @@
 """One specimen of concrete in two codes: CDPM2 here, by explicit dynamics, and in OOFEM, implicit, on the same tetrahedra.
 
     pip install oofem==2.6.0.dev1            # beside the mesocrete wheel
-    python3 docs/validation/second_code.py tension OUT      both, and their figures; mesh.npz and oofem.in are the inputs
-    python3 docs/validation/second_code.py compression OUT
-    python3 docs/validation/second_code.py tension OUT --judge    the figures of curves that are there
+    python3 docs/validation/second_code.py OUT              both tests; OUT/TEST/mesh.npz and oofem.in are the inputs
+    python3 docs/validation/second_code.py OUT --only tension
+    python3 docs/validation/second_code.py OUT --judge      the figures of curves that are there, and their picture
 
 A cube of 24 mm, 35 % of grains of 6 to 10 mm, three phases, is crushed between plates without friction, or pulled by plates
 that are glued on. Both codes take strains of single elements, the same width of the crack band in each, and CDPM2 with the
@@ -21,7 +21,7 @@ import numpy as np
 
 SIDE, SIZE = 24.0, 4.0
 # Strain at the end, and OOFEM's steps.
-TESTS = {"compression": (0.006, 600), "tension": (0.004, 500)}
+TESTS = {"compression": (0.0044, 440), "tension": (0.004, 500)}
 SPEC = {"fraction": 0.35, "seed": 1, "specimen": {"kind": "cube", "side_mm": SIDE}, "placement": {"min_gap_mm": 1.0}}
 SPEC |= {"grading": {"d_min_mm": 6.0, "d_max_mm": 10.0}}
 MESH = {"method": "lattice", "element_size": SIZE, "itz": "smeared", "accept_phase_error": True}
@@ -137,32 +137,58 @@ def read_oofem(out, test):
     return rows
 
 
-def figures(path):
-    """Peak in MPa, displacement from it to half of it in mm, energy to the end of the shorter curve in N/mm."""
-    rows = [(float(a), float(b)) for a, b in list(csv.reader(path.open()))[1:]]
-    strain, stress = np.array(rows).T
+def curve(path):
+    """Strain and stress of a file."""
+    return np.array([[float(value) for value in row] for row in list(csv.reader(path.open()))[1:]]).T
+
+
+def figures(strain, stress, end):
+    """Peak in MPa, displacement from it to half of it in mm, energy until a strain of `end` in N/mm."""
+    stress, strain = stress[strain <= end], strain[strain <= end]
     top = int(stress.argmax())
     below = np.flatnonzero(stress[top:] < 0.5 * stress[top])
     half = (strain[top + below[0]] - strain[top]) * SIDE if len(below) else math.nan
-    return stress[top], half, np.trapezoid(stress, strain * SIDE), strain[-1]
+    return stress[top], half, np.trapezoid(stress, strain * SIDE)
+
+
+def picture(out, path):
+    """Draw both tests."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.4), layout="constrained")
+    for test, ax in zip(TESTS, axes, strict=True):
+        for name, style in (("oofem", {"color": "#c9a66b", "linewidth": 4.0}), ("mesocrete", {"color": "#2f3b4c", "linewidth": 1.2})):
+            strain, stress = curve(out / test / f"{name}.csv")
+            ax.plot(1e3 * strain, stress, label={"oofem": "OOFEM", "mesocrete": "mesocrete"}[name], **style)
+        ax.set(xlabel="strain, per mille", ylabel="stress, MPa", title=test, xlim=0, ylim=0)
+        ax.legend(frameon=False)
+    figure.savefig(path, dpi=120)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("test", choices=TESTS)
     parser.add_argument("out", type=Path)
+    parser.add_argument("--only", choices=TESTS, action="append")
     parser.add_argument("--judge", action="store_true")
     options = parser.parse_args()
-    out = options.out.resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    if not options.judge:
-        ours(out, options.test)
-        oofem(out, options.test)
-    write(out / "oofem.csv", read_oofem(out, options.test))
-    found = {name: figures(out / f"{name}.csv") for name in ("mesocrete", "oofem")}
-    for name, values in found.items():
-        print(name, " ".join(f"{value:.5g}" for value in values))
-    print("ratios", " ".join(f"{a / b:.4f}" for a, b in zip(found["mesocrete"], found["oofem"], strict=True)))
+    for test in options.only or TESTS:
+        out = options.out.resolve() / test
+        out.mkdir(parents=True, exist_ok=True)
+        if not options.judge:
+            ours(out, test)
+            oofem(out, test)
+        if (out / "oofem.out").exists():
+            write(out / "oofem.csv", read_oofem(out, test))
+        ours_, theirs = (curve(out / f"{name}.csv") for name in ("mesocrete", "oofem"))
+        end = min(ours_[0][-1], theirs[0][-1])
+        found = [figures(*one, end) for one in (ours_, theirs)]
+        for name, values in zip(("mesocrete", "oofem"), found, strict=True):
+            print(test, name, " ".join(f"{value:.5g}" for value in values))
+        at = theirs[0][theirs[0] > 0.02 * end]
+        ratios = np.interp(at, *ours_) / np.interp(at, *theirs)
+        print(test, f"ratio of stresses {ratios.min():.4f} to {ratios.max():.4f} until a strain of {end:.4g}")
+    if not options.only:
+        picture(options.out, options.out / "second-code.png")
 
 
 if __name__ == "__main__":

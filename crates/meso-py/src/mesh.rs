@@ -361,7 +361,7 @@ impl PyMesh {
     ///     "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there. None shows the whole mesh, as
     ///     `phases` do without a cut.
     /// phases : sequence of str, optional
-    ///     Shows only these: "mortar", "ITZ", "aggregate", "fibre".
+    ///     Shows only these: "mortar", "itz", "aggregate", "fibre".
     /// screenshot : path or True, optional
     ///     Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
     /// plotter : pyvista.Plotter, optional

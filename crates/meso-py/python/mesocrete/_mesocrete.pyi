@@ -937,7 +937,7 @@ class Mesh:
         self,
         *,
         cut: _Cut | None = "y",
-        phases: Sequence[Literal["mortar", "ITZ", "aggregate", "fibre"]] | None = None,
+        phases: Sequence[Literal["mortar", "itz", "aggregate", "fibre"]] | None = None,
         screenshot: _Path | bool | None = None,
         plotter: Plotter | None = None,
         **options: object,
@@ -950,7 +950,7 @@ class Mesh:
             "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there. None shows the whole mesh, as
             `phases` do without a cut.
         phases : sequence of str, optional
-            Shows only these: "mortar", "ITZ", "aggregate", "fibre".
+            Shows only these: "mortar", "itz", "aggregate", "fibre".
         screenshot : path or True, optional
             Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
         plotter : pyvista.Plotter, optional

@@ -16,7 +16,7 @@ from ._mesocrete import _colours
 
 # VTK's numbers for the cells a mesh is made of.
 _VTK_TYPES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "tetra10": 24}
-_PHASES = {"mortar": 0, "ITZ": 1, "aggregate": 2}
+_PHASES = {"mortar": 0, "itz": 1, "aggregate": 2}
 _FIBRE = 4
 # Of surfaces; 3 is a void, which meshes do not have.
 _KINDS = {"aggregate": 2, "void": 3, "fibre": _FIBRE}
@@ -82,7 +82,7 @@ def _section(packing: Any, axis: int, at: float, *, itz: bool, px: int = 800) ->
     """Return a plane across an axis with the colours of the phases in its pixels."""
     labels = packing.section(_AXES[axis], at, px=px)
     if not itz:
-        labels = np.where(labels == _PHASES["ITZ"], _PHASES["aggregate"], labels)
+        labels = np.where(labels == _PHASES["itz"], _PHASES["aggregate"], labels)
     low, high = (np.array(corner) for corner in packing.bounds)
     low[axis] = high[axis] = at
     sides = [i for i in range(3) if i != axis]
@@ -215,11 +215,12 @@ def plot_mesh(
     kept = np.ones(grid.n_cells, dtype=bool)
     if phases is not None:
         known = _PHASES | {"fibre": _FIBRE}
-        unknown = [name for name in phases if name not in known]
+        # As materials and results call them; decks write ITZ.
+        unknown = [name for name in phases if str(name).lower() not in known]
         if unknown:
             message = f"phases holds {unknown[0]!r}; it may hold {', '.join(map(repr, known))}"
             raise ValueError(message)
-        kept &= np.isin(mesh.phase, [known[name] for name in phases])
+        kept &= np.isin(mesh.phase, [known[name.lower()] for name in phases])
     part = grid.extract_cells(np.flatnonzero(kept))
     if cut is not None:
         axis, at = _across(cut, (mesh.points.min(axis=0), mesh.points.max(axis=0)))
@@ -337,7 +338,7 @@ def _blocks(mesh: Any) -> tuple[list[tuple[str, Any]], Any, Any]:
     if not len(joints):
         return [(mesh.cell_type, mesh.cells)], mesh.phase, mesh.aggregate
     blocks = [(mesh.cell_type, mesh.cells), ("wedge" if joints.shape[1] == 6 else "hexahedron", joints)]
-    phase = np.concatenate([mesh.phase, np.full(len(joints), _PHASES["ITZ"], dtype=np.uint8)])
+    phase = np.concatenate([mesh.phase, np.full(len(joints), _PHASES["itz"], dtype=np.uint8)])
     return blocks, phase, np.concatenate([mesh.aggregate, mesh._cohesive_aggregate])
 
 
