@@ -4,6 +4,7 @@
     cargo build --release && python3 docs/validation/run.py OUT             everything: a night on two cores
     python3 docs/validation/run.py OUT --jobs 4 --seconds 300               what five minutes give, the most important first
     python3 docs/validation/run.py OUT --side-mm 72                         a quarter of the time
+    python3 docs/validation/run.py OUT --shard 3/40                         a task of an array; --judge afterwards
     python3 docs/validation/run.py OUT --judge                              run nothing; judge what is there
 
 A case whose result is there is skipped, so the same command finishes what was begun. Cases run in the order of their
@@ -136,12 +137,18 @@ def main() -> None:
         for case in chosen:
             print(f"{case.name:28} cost {case.cost:6.2f}  element {case.element_mm} mm")
         return
+    if args.shard:
+        task, tasks = map(int, args.shard.split("/"))
+        if not 1 <= task <= tasks:
+            sys.exit(f"--shard is {args.shard}; it must be K/N with K from 1 to N")
+        chosen = chosen[task - 1 :: tasks]
     if not args.judge:
         end = time.monotonic() + args.seconds
         with ThreadPoolExecutor(args.jobs) as pool:
             for line in pool.map(lambda case: run(case, args, end), chosen):
                 print(line, flush=True)
-    judge(chosen, args.out)
+    if not args.shard:
+        judge(chosen, args.out)
 
 
 def parse_args() -> argparse.Namespace:
@@ -158,6 +165,7 @@ def parse_args() -> argparse.Namespace:
     parser.add_argument("--law", help="another law than the default")
     parser.add_argument("--materials", type=Path, help="other materials than the defaults")
     parser.add_argument("--element-size-mm", type=float, metavar="H", help="coarser or finer elements than a case's")
+    parser.add_argument("--shard", metavar="K/N", help="every N-th case from the K-th on, for a task of an array")
     parser.add_argument("--judge", action="store_true", help="run nothing; judge what is there")
     parser.add_argument("--list", action="store_true", help="list the cases and their costs")
     program = HERE.parent.parent / "target/release/mesocrete"
