@@ -423,6 +423,8 @@ fn two_processes_in_one_folder_share_the_cases_and_other_work_is_refused() {
     let second = twice.run(&["study", "STUDY.toml", "-q", "--force"]);
     assert_eq!(second.code, 1, "{}", second.stderr);
     assert!(second.stderr.starts_with("error: study is in use by "), "{}", second.stderr);
+    // The tables of a running study can be had at any time.
+    assert!(twice.run(&["study", "STUDY.toml", "-q", "--collect"]).code <= 1);
     for more in [&[][..], &["--retry-failed"], &["--jobs", "2"], &["--dry-run"]] {
         assert_eq!(twice.run(&[&["study", "STUDY.toml", "-q"][..], more].concat()).code, 0);
     }

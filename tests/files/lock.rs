@@ -79,3 +79,17 @@ fn equal_works_share_a_folder_and_another_is_refused() {
     drop(join(folder.path(), "b2").unwrap());
     assert_eq!(files(), 0);
 }
+
+/// The case: in two containers both processes had the number 1, and one took the other's lock for its own.
+#[test]
+fn a_lock_is_not_this_process_s_own_for_its_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = hold(folder.path()).unwrap();
+    assert!(matches!(hold(folder.path()), Err(LockError::Busy { is_own: true, .. })));
+    drop(held);
+    // A lock of this process that the list of its own does not have: as another machine's with the same number.
+    let file = std::fs::File::create(folder.path().join(LOCK)).unwrap();
+    file.lock().unwrap();
+    std::fs::write(folder.path().join(LOCK), format!("{}\n", std::process::id())).unwrap();
+    assert!(matches!(hold(folder.path()), Err(LockError::Busy { is_own: false, .. })));
+}

@@ -1,7 +1,7 @@
 //! A study runs once: each case in hand is locked, and leaves its record.
 
 use crate::plan;
-use meso_files::lock::{LOCK, LockError, hold};
+use meso_files::lock::{LOCK, LockError};
 use meso_study::{Again, Begun, CaseOutcome, Heard, RunError, Share, Status, StudyRun};
 use serde_json::{Map, json};
 use std::path::Path;
@@ -105,6 +105,25 @@ fn two_runs_in_one_folder_share_the_cases_and_do_none_twice() {
     assert_eq!(hidden(folder.path()), [""; 0]);
 }
 
+/// The case: a second `study --force` deleted the finished cases of the first, whose table then had 2 rows of 3.
+#[test]
+fn what_runs_again_belongs_to_one_process_for_each_part() {
+    for again in [Again::All, Again::Failed] {
+        let folder = tempfile::tempdir().unwrap();
+        let share = |shard, of| open_share(folder.path(), again, Share { shard, of });
+        let first = share(1, 2).unwrap();
+        assert!(matches!(share(1, 2), Err(RunError::Lock(_))), "{again:?}");
+        let second = share(2, 2).unwrap();
+        // Whoever writes the tables takes nothing from them.
+        let plan = Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap());
+        assert_eq!(StudyRun::look(plan, "", folder.path()).unwrap().tally().cases, 5);
+        assert_eq!(open(folder.path(), Again::None).is_ok(), again == Again::Failed);
+        drop((first, second));
+        drop(share(1, 1).unwrap());
+        assert_eq!(hidden(folder.path()), Vec::<String>::new());
+    }
+}
+
 #[test]
 fn shards_are_disjoint_and_together_the_study() {
     let folder = tempfile::tempdir().unwrap();
@@ -131,9 +150,9 @@ fn cases_of_other_processes_come_last_and_are_waited_for() {
         std::fs::create_dir_all(path).unwrap();
     }
     std::fs::write(of_killed.join(LOCK), "4194305\n").unwrap();
-    // A process with another number: its lock is ours for the test's sake.
-    let other = hold(&of_other).unwrap();
-    std::fs::write(of_other.join(LOCK), "4194306\n").unwrap();
+    // As another process has it: its hidden file is not in the list of this one.
+    let other = std::fs::File::create(of_other.join(LOCK)).unwrap();
+    other.lock().unwrap();
     let other = std::sync::Mutex::new(Some(other));
     let run = open(folder.path(), Again::None).unwrap();
     assert_eq!(run.left(), [2, 3, 4, 0, 1]);

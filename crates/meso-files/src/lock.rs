@@ -7,6 +7,7 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Name of the hidden file.
@@ -16,6 +17,8 @@ const SHARED: (&str, &str) = (".mesocrete-", ".lock");
 /// Looks at a lock that another process has for a moment, and the time between two.
 const TRIES: u32 = 200;
 const MOMENT: Duration = Duration::from_millis(5);
+/// The hidden files that this process has locked. A number names no process: others of a cluster or of a container have it, too.
+static OWN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Why a folder cannot be held.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +30,8 @@ pub enum LockError {
         folder: PathBuf,
         /// Number of the process, where the system lets it be read.
         holder: Option<u32>,
+        /// Whether this process itself holds it.
+        is_own: bool,
     },
     /// The hidden file cannot be made or locked.
     #[error("{}: {}", path.display(), crate::reason(error))]
@@ -57,7 +62,15 @@ pub struct Held {
 /// # Errors
 /// [`LockError::Busy`] where another process holds the folder, or another task of this one.
 pub fn hold(folder: &Path) -> Result<Held, LockError> {
-    take(folder, LOCK, false)
+    hold_as(folder, LOCK)
+}
+
+/// Takes what the hidden file `name` of `folder` stands for, as [`hold`] does.
+///
+/// # Errors
+/// See [`hold`].
+pub fn hold_as(folder: &Path, name: &str) -> Result<Held, LockError> {
+    take(folder, name, false)
 }
 
 /// Takes part in the work `name`, letters and digits, on `folder`, beside other processes that do the same.
@@ -67,20 +80,23 @@ pub fn hold(folder: &Path) -> Result<Held, LockError> {
 pub fn join(folder: &Path, name: &str) -> Result<Held, LockError> {
     let (prefix, suffix) = SHARED;
     let own = format!("{prefix}{name}{suffix}");
-    // The last holder has the file alone for a moment, while it removes it.
-    let mut tries = 0..TRIES;
-    let held = loop {
-        match take(folder, &own, true) {
-            Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
-            taken => break taken?,
+    // The last holder has the file alone for a moment, while it removes it, and so has whoever takes away a killed one's.
+    let patient = |name: &str, is_shared, tries| {
+        let mut tries = 0..tries;
+        loop {
+            match take(folder, name, is_shared) {
+                Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
+                taken => return taken,
+            }
         }
     };
+    let held = patient(&own, true, TRIES)?;
     let fail = |error| LockError::File { path: folder.to_owned(), error };
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let other = entry.map_err(fail)?.file_name().to_string_lossy().into_owned();
         if other.starts_with(prefix) && other.ends_with(suffix) && other != own {
             // The file of a killed process goes.
-            take(folder, &other, false)?;
+            patient(&other, false, TRIES / 10)?;
         }
     }
     Ok(held)
@@ -94,7 +110,8 @@ fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {
         let is_exclusive = match if is_shared { file.try_lock_shared() } else { file.try_lock() } {
             Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
-                return Err(LockError::Busy { folder: folder.to_owned(), holder: number_in(&mut file) });
+                let is_own = own().contains(&path);
+                return Err(LockError::Busy { folder: folder.to_owned(), holder: number_in(&mut file), is_own });
             }
             // Some network file systems have no locks.
             Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => false,
@@ -106,9 +123,14 @@ fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {
             if !is_shared || cfg!(unix) {
                 sign(&mut file).map_err(fail)?;
             }
+            own().push(path.clone());
             return Ok(Held { path, file: Some(file), is_shared, is_exclusive });
         }
     }
+}
+
+fn own() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
+    OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Held {
@@ -130,6 +152,11 @@ impl Held {
 
 impl Drop for Held {
     fn drop(&mut self) {
+        {
+            let mut own = own();
+            let place = own.iter().position(|path| *path == self.path);
+            place.map(|place| own.swap_remove(place));
+        }
         let Some(file) = self.file.take() else { return };
         if self.is_shared {
             let _ = file.unlock();

@@ -9,7 +9,7 @@ use crate::ensemble::{REPLICATE, ensemble};
 use crate::plan::Plan;
 use crate::record::{CaseOutcome, CaseState, Record, Status, save};
 use crate::table::{Table, tabulate};
-use meso_files::lock::{Held, LOCK, LockError, hold, join};
+use meso_files::lock::{Held, LOCK, LockError, hold, hold_as, join};
 use meso_files::whole::{Keeper, Unit};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashSet, VecDeque};
@@ -20,7 +20,8 @@ use std::time::Duration;
 
 /// Names of the tables: all cases, then the ensembles.
 pub const TABLES: [&str; 2] = ["table.csv", "ensemble.csv"];
-/// Time between two looks at the lock of the tables.
+/// Looks at the lock of the tables, which is held as long as it takes to write them, and the time between two.
+const TRIES: u32 = 12_000;
 const MOMENT: Duration = Duration::from_millis(5);
 /// Time between two looks at a case that another process works on.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -130,7 +131,7 @@ impl CaseTurn {
         std::fs::create_dir_all(&path).map_err(file)?;
         let taken = keeper.hold(|hidden| hold(&path).inspect(|held| hidden.push(held.path().to_owned())));
         let held = match taken {
-            Err(LockError::Busy { holder, .. }) if holder != Some(std::process::id()) => return Ok(Begun::Busy),
+            Err(LockError::Busy { is_own: false, .. }) => return Ok(Begun::Busy),
             taken => taken?,
         };
         let mut turn = Self { path: path.clone(), held, is_packed: false };
@@ -219,18 +220,46 @@ pub struct StudyRun {
     again: Again,
     slots: Mutex<Vec<Slot>>,
     before: usize,
-    held: Mutex<Option<Held>>,
+    held: Mutex<Vec<Held>>,
 }
 
 impl StudyRun {
-    /// Makes the folder `out` and looks which cases of `share` are over; `then` is the field of [`Record`].
+    /// Makes the folder `out` and looks which cases of `share` are over; `then` is the field of [`Record`]. Processes share the
+    /// cases that were never over. What runs `again` belongs to one process for each part of a study: another one would do
+    /// it once more.
     ///
     /// # Errors
     /// [`RunError::Lock`] where another process does other work in `out`, and errors of the file system.
     pub fn open(plan: Arc<Plan>, then: &str, out: &Path, again: Again, share: Share) -> Result<Self, RunError> {
         let fail = |error| RunError::File { path: out.to_owned(), error };
         std::fs::create_dir_all(out).map_err(fail)?;
-        let held = join(out, &digest(format!("{then} {}", again == Again::All).as_bytes())[..WORK])?;
+        let Share { shard, of } = share;
+        // A run of all cases has no others beside it but those of its parts.
+        let parts = if again == Again::All { format!("all {of}") } else { String::new() };
+        let mut held = vec![join(out, &digest(format!("{then} {parts}").as_bytes())[..WORK])?];
+        if again != Again::None {
+            held.push(hold_as(out, &format!("{LOCK}-{shard}-of-{of}"))?);
+        }
+        Self::of(plan, then, out, again, share, held)
+    }
+
+    /// The cases that are over in a folder that is there, of which nothing is locked: for the tables.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    pub fn look(plan: Arc<Plan>, then: &str, out: &Path) -> Result<Self, RunError> {
+        Self::of(plan, then, out, Again::None, Share::ALL, Vec::new())
+    }
+
+    fn of(
+        plan: Arc<Plan>,
+        then: &str,
+        out: &Path,
+        again: Again,
+        share: Share,
+        held: Vec<Held>,
+    ) -> Result<Self, RunError> {
+        let fail = |error| RunError::File { path: out.to_owned(), error };
         let there = std::fs::read_dir(out).and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect());
         let there: HashSet<_> = there.map_err(fail)?;
         let look = |(number, case): (usize, &Case)| {
@@ -245,7 +274,7 @@ impl StudyRun {
         };
         let slots: Vec<Slot> = plan.cases.iter().enumerate().map(|(number, case)| look((number, case))).collect();
         let before = slots.iter().filter(|slot| matches!(slot, Slot::Over(_))).count();
-        let (slots, held, then, out) = (Mutex::new(slots), Mutex::new(Some(held)), then.to_owned(), out.to_owned());
+        let (slots, held, then, out) = (Mutex::new(slots), Mutex::new(held), then.to_owned(), out.to_owned());
         Ok(Self { plan, then, out, again, slots, before, held })
     }
 
@@ -256,19 +285,19 @@ impl StudyRun {
 
     /// False on a file system without locks, where two processes may do a case at the same time.
     pub fn is_exclusive(&self) -> bool {
-        lock(&self.held).as_ref().is_none_or(Held::is_exclusive)
+        lock(&self.held).iter().all(Held::is_exclusive)
     }
 
     /// Frees the folder for other work.
     pub fn close(&self) {
-        drop(lock(&self.held).take());
+        lock(&self.held).clear();
     }
 
     /// Closes the lock in a forked process, where it belongs to the parent, and leaves it locked.
     pub fn leave_lock_to_parent(&self) {
         // Another thread of the parent may have held the mutex while the process was forked.
-        if let Some(held) = self.held.try_lock().ok().and_then(|mut held| held.take()) {
-            held.leave();
+        if let Ok(mut held) = self.held.try_lock() {
+            held.drain(..).for_each(Held::leave);
         }
     }
 
@@ -416,9 +445,10 @@ pub fn save_tables<K: Keeper + Copy>(
     records: &dyn Fn() -> Vec<Record>,
     keeper: K,
 ) -> Result<Table, RunError> {
+    let mut tries = 0..TRIES;
     let held = loop {
         match keeper.hold(|hidden| hold(out).inspect(|held| hidden.push(held.path().to_owned()))) {
-            Err(LockError::Busy { .. }) => std::thread::sleep(MOMENT),
+            Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
             taken => break taken?,
         }
     };

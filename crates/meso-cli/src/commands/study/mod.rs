@@ -96,7 +96,17 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     if let Some(tasks) = args.slurm {
         return slurm::print(tasks, &plan, &file, &how.gmsh, args);
     }
-    let study = StudyRun::open(Arc::clone(&plan), "", &args.output, how.again, share).map_err(failure)?;
+    if args.collect && !args.output.is_dir() {
+        let folder = args.output.display();
+        return Err(Failure::Run(format!(
+            "{folder} is not there; --collect takes the folder of a study that has begun"
+        )));
+    }
+    let study = match args.collect {
+        true => StudyRun::look(Arc::clone(&plan), "", &args.output),
+        false => StudyRun::open(Arc::clone(&plan), "", &args.output, how.again, share),
+    };
+    let study = study.map_err(failure)?;
     if !args.collect {
         drive(&study, &plan, &|case| file.steps(case, &inputs::text), &how, &shown)?;
     }

@@ -13,6 +13,10 @@ const BESIDE: f64 = 3e8;
 
 /// Prints the script of an array of so many tasks, at most one a case.
 pub(super) fn print(tasks: u32, plan: &Plan, file: &StudyFile, gmsh: &Gmsh, args: &Args) -> Result<u8, Failure> {
+    if args.study == Path::new("-") {
+        let message = "--slurm takes the study of a file: its tasks read it again; name the file";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let tasks = (tasks as usize).min(plan.cases.len());
     let mut most = 0.0_f64;
     for case in &plan.cases {
@@ -27,7 +31,7 @@ pub(super) fn print(tasks: u32, plan: &Plan, file: &StudyFile, gmsh: &Gmsh, args
     let text = format!(
         "#!/bin/bash
 # {cases} cases by {tasks} tasks. Edit the time; see docs/clusters.md. Afterwards, or at any time: {collect} --collect
-# Without Slurm: parallel -j 2 {command} --shard {{}}/{tasks} ::: $(seq {tasks})
+# Without Slurm: parallel -q -j 2 {command} --shard {{}}/{tasks} ::: $(seq {tasks})
 #SBATCH --job-name={name}
 #SBATCH --array=1-{tasks}
 #SBATCH --cpus-per-task={threads}
