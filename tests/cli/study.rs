@@ -515,6 +515,16 @@ fn a_slurm_script_runs_the_tasks_of_its_array() {
     for line in ["#SBATCH --array=1-2\n", "#SBATCH --cpus-per-task=3\n", "#SBATCH --requeue\n", "#SBATCH --mem="] {
         assert!(script.contains(line), "{script}");
     }
+    // The case: effective properties had no part in the memory, so that each task was killed again.
+    let fine = "[effective]\nvoxel_size_mm = 0.2\n[over]\nseed = [1]\n";
+    let megabytes = |sections: &str| -> f64 {
+        let script = self::folder(&tiny(sections)).run(&["study", "STUDY.toml", "--slurm"]).stdout;
+        let script = String::from_utf8(script).expect("text");
+        script.split("--mem=").nth(1).and_then(|text| text.split('M').next()).expect("a size").parse().expect("MB")
+    };
+    assert!(megabytes(fine) > 100.0 + megabytes("[over]\nseed = [1]\n"));
+    let refused = folder.run(&["study", "-", "--slurm"]);
+    assert!(refused.code == 2, "{}", refused.stderr);
     // A stand-in of Slurm: bash, and the number of the task.
     let mesocrete = std::path::Path::new(env!("CARGO_BIN_EXE_mesocrete")).parent().expect("a folder");
     let path = format!("{}:{}", mesocrete.display(), std::env::var("PATH").unwrap_or_default());

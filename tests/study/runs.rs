@@ -124,6 +124,20 @@ fn what_runs_again_belongs_to_one_process_for_each_part() {
     }
 }
 
+/// The case: a study beside the same one with --min-gap-mm; the table had the rows of whichever ended last.
+#[test]
+fn other_cases_in_a_folder_are_other_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = open(folder.path(), Again::None).unwrap();
+    let other = || {
+        let plan = plan(&[("seed", json!([1, 2, 3]))]).unwrap();
+        StudyRun::open(Arc::new(plan), "", folder.path(), Again::None, Share::ALL)
+    };
+    assert!(matches!(other(), Err(RunError::Lock(_))));
+    drop(first);
+    assert!(other().is_ok());
+}
+
 #[test]
 fn shards_are_disjoint_and_together_the_study() {
     let folder = tempfile::tempdir().unwrap();

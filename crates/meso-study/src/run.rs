@@ -234,9 +234,10 @@ impl StudyRun {
         let fail = |error| RunError::File { path: out.to_owned(), error };
         std::fs::create_dir_all(out).map_err(fail)?;
         let Share { shard, of } = share;
-        // A run of all cases has no others beside it but those of its parts.
+        // The same cases by the same function; a run of all cases has none beside it but those of its parts.
         let parts = if again == Again::All { format!("all {of}") } else { String::new() };
-        let mut held = vec![join(out, &digest(format!("{then} {parts}").as_bytes())[..WORK])?];
+        let cases: Vec<&str> = plan.cases.iter().map(|case| &*case.folder).collect();
+        let mut held = vec![join(out, &digest(format!("{then} {parts} {}", cases.join(" ")).as_bytes())[..WORK])?];
         if again != Again::None {
             held.push(hold_as(out, &format!("{LOCK}-{shard}-of-{of}"))?);
         }

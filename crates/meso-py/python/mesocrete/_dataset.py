@@ -190,7 +190,8 @@ def dataset(
         store.close()
     finally:
         workers.close()
-        pool.shutdown(wait=False, cancel_futures=True)
+        # Threads that write would go on behind the caller's back.
+        pool.shutdown(wait=True, cancel_futures=True)
         if tell is not None:
             tell.close()
     return Dataset(sink)

@@ -80,7 +80,9 @@ impl Steps {
         let effective = section("effective")?;
         let effective = effective.map(|section| EffectiveStep::of(section, giver("effective"), read)).transpose()?;
         let outputs = task.get("outputs").and_then(Value::as_array).into_iter().flatten();
-        let outputs = outputs.map(|name| packing_file(name.as_str().unwrap_or_default())).collect::<Result<_, _>>()?;
+        let outputs = outputs
+            .map(|name| packing_file(name.as_str().unwrap_or_default(), giver("mesh")))
+            .collect::<Result<_, _>>()?;
         let steps = Self { outputs, keep, mesh, solve, effective };
         steps.claim().map_err(|error| AskError::Usage(error.to_string()))?;
         Ok(steps)
@@ -110,7 +112,7 @@ impl Steps {
 
     fn accept_on(&self, machine: &Machine<'_>, spec: &Spec, devices: &Devices<'_>) -> Result<(), AskError> {
         self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, machine))?;
-        self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec))?;
+        self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec, machine))?;
         self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, machine, devices))
     }
 
@@ -211,10 +213,11 @@ impl<K> Doing<'_, K> {
 }
 
 /// A file of the packing.
-fn packing_file(name: &str) -> Result<(String, Format), AskError> {
+fn packing_file(name: &str, mesh: Giver<'_>) -> Result<(String, Format), AskError> {
     let format = Format::from_path(Path::new(name)).ok_or_else(|| {
         let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
-        AskError::Usage(format!("outputs has {name:?}; it must end in one of {known}; meshes go to [mesh] output"))
+        let meshes = mesh.option("output");
+        AskError::Usage(format!("outputs has {name:?}; it must end in one of {known}; meshes go to {meshes}"))
     })?;
     Ok((name.to_owned(), format))
 }

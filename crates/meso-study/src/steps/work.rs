@@ -332,9 +332,10 @@ impl EffectiveStep {
         Ok(Self { ask, values, giver })
     }
 
-    pub(super) fn accept(&self, spec: &Spec) -> Result<(), AskError> {
+    pub(super) fn accept(&self, spec: &Spec, machine: &Machine<'_>) -> Result<(), AskError> {
         let settled = self.ask.settle(Facts::Packing(spec), self.values.clone());
-        settled.map(drop).map_err(|error| EffectiveAsk::fault(&error, self.giver))
+        let tasks = settled.map_err(|error| EffectiveAsk::fault(&error, self.giver))?;
+        tasks.iter().try_for_each(|task| task.accept(machine, self.giver))
     }
 
     /// Solves, and writes the results; the figures.

@@ -275,10 +275,12 @@ fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
 /// Writes the tables, unless the cases are a part of the study; reports the cases that failed, and returns the exit code.
 fn finish(study: &StudyRun, args: &Args) -> Result<u8, Failure> {
     let is_whole = args.shard.is_none() && args.case.is_none();
+    let tally = study.tally();
+    // The tables of another study, or of one with a function of Python, are not replaced by empty ones.
+    let is_whole = is_whole && (!args.collect || tally.over() > 0);
     if is_whole {
         study.save_tables(Signals).map_err(failure)?;
     }
-    let tally = study.tally();
     for record in study.records().iter().filter(|record| record.status == Status::Failed) {
         stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
     }
