@@ -22,7 +22,8 @@ import venv
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import arm64
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tools"))
+import arm64  # noqa: E402
 from stage import ROOT, Ended, run, told_again
 
 VENV = ROOT / ".venv"
