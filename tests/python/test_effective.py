@@ -52,7 +52,7 @@ def test_tetrahedra_have_the_values_of_voxels(cube):
     assert set(stiff) == set(_results.Stiffness.__annotations__) - OF_VOXELS
     bulk, bounds = stiff["isotropic"]["bulk_modulus_mpa"], stiff["bounds"]["bulk_modulus_mpa"]
     assert bounds["reuss"] < bulk < bounds["voigt"]
-    with pytest.raises(ValueError, match="AGGREGATE takes .* in the tetrahedra"):
+    with pytest.raises(ValueError, match="aggregate takes .* in the tetrahedra"):
         cube.effective("stiffness", method="lattice", element_size=5)
 
 

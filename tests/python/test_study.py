@@ -252,8 +252,8 @@ def test_a_killed_study_loses_the_case_in_hand_at_most(tmp_path):
         records = list(out.glob("*/case.json"))
         for record in records:
             assert json.loads(record.read_text(encoding="utf-8"))["status"] == "done"
-        # Folders without a record: the one in hand.
-        assert sum(not (folder / "case.json").exists() for folder in out.glob("seed-*")) <= 1
+        # Folders without a record: the one in hand of each kill. The next run takes other cases first.
+        assert sum(not (folder / "case.json").exists() for folder in out.glob("seed-*")) <= kills
         assert len(records) >= before, "what is done stays done"
         before = len(records)
     assert kills >= 2

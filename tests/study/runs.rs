@@ -107,7 +107,7 @@ fn two_runs_in_one_folder_share_the_cases_and_do_none_twice() {
 
 /// The case: a second `study --force` deleted the finished cases of the first, whose table then had 2 rows of 3.
 #[test]
-fn what_runs_again_belongs_to_one_process_for_each_part() {
+fn repeated_cases_belong_to_one_process_for_each_part() {
     for again in [Again::All, Again::Failed] {
         let folder = tempfile::tempdir().unwrap();
         let share = |shard, of| open_share(folder.path(), again, Share { shard, of });
