@@ -5,6 +5,7 @@
 
 use crate::failure::Failure;
 use crate::{interrupt, stderr};
+use meso_ask::Giver;
 use meso_files::whole::{self, Keeper, Output, folder, new_file};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -92,6 +93,14 @@ fn probe(path: &Path) -> Result<(), Failure> {
     // It is gone before a signal is heard.
     let _held = interrupt::hold();
     new_file(folder).map(drop).map_err(|error| Failure::file(path, &error))
+}
+
+/// Refuses standard output for what is more than one stream, for this reason.
+pub(crate) fn refuse_stdout(output: &Path, why: &str) -> Result<(), Failure> {
+    if output == Path::new("-") {
+        return Err(Failure::Usage(format!("{} - is standard output, but {why}", Giver::Flags.option("output"))));
+    }
+    Ok(())
 }
 
 /// Names the files among `targets` as written.

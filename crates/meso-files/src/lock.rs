@@ -81,25 +81,30 @@ pub fn join(folder: &Path, name: &str) -> Result<Held, LockError> {
     let (prefix, suffix) = SHARED;
     let own = format!("{prefix}{name}{suffix}");
     // The last holder has the file alone for a moment, while it removes it, and so has whoever takes away a killed one's.
-    let patient = |name: &str, is_shared, tries| {
-        let mut tries = 0..tries;
-        loop {
-            match take(folder, name, is_shared) {
-                Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
-                taken => return taken,
-            }
-        }
-    };
-    let held = patient(&own, true, TRIES)?;
+    let held = patiently(TRIES, || take(folder, &own, true))?;
     let fail = |error| LockError::File { path: folder.to_owned(), error };
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let other = entry.map_err(fail)?.file_name().to_string_lossy().into_owned();
         if other.starts_with(prefix) && other.ends_with(suffix) && other != own {
             // The file of a killed process goes.
-            patient(&other, false, TRIES / 10)?;
+            patiently(TRIES / 10, || take(folder, &other, false))?;
         }
     }
     Ok(held)
+}
+
+/// Takes what another process has for a moment: after so many looks, 5 ms apart, it is busy.
+///
+/// # Errors
+/// Those of `take`.
+pub fn patiently(tries: u32, take: impl Fn() -> Result<Held, LockError>) -> Result<Held, LockError> {
+    let mut tries = 0..tries;
+    loop {
+        match take() {
+            Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
+            taken => return taken,
+        }
+    }
 }
 
 fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {

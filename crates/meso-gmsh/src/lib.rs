@@ -56,15 +56,6 @@ impl Gmsh {
         command
     }
 
-    fn look(&self) -> Result<(), MeshError> {
-        let running = in_new_folder()?;
-        let asked = self.outcome(self.command().arg("--version"), &running, &|| false)?;
-        if asked.status.success() {
-            return Ok(());
-        }
-        Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, asked.said)))
-    }
-
     /// This gmsh, which ends where `stop` says so: its errors are [`MeshError::MissingGmsh`], [`MeshError::Stopped`],
     /// [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`] with the output of a gmsh that failed.
     pub fn until<'a>(&'a self, stop: &'a (dyn Fn() -> bool + Sync)) -> Until<'a> {
@@ -143,7 +134,12 @@ impl VolumeMesher for Until<'_> {
 impl VolumeMesher for Gmsh {
     /// [`MeshError::MissingGmsh`] has the output of a gmsh that does not run.
     fn available(&self) -> Result<(), MeshError> {
-        self.look()
+        let running = in_new_folder()?;
+        let asked = self.outcome(self.command().arg("--version"), &running, &|| false)?;
+        if asked.status.success() {
+            return Ok(());
+        }
+        Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, asked.said)))
     }
 
     fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {

@@ -13,7 +13,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 
 const KINDS: [CellKind; 3] = [CellKind::Tetrahedron, CellKind::QuadraticTetrahedron, CellKind::Hexahedron];
-const PHASES: [Phase; 4] = Phase::SOLID;
 
 /// Error of a pickle that holds nothing of ours.
 pub(crate) fn damaged(what: &str) -> PyErr {
@@ -58,7 +57,7 @@ type State<'py> = (
 pub(crate) fn to_mesh(state: &Bound<'_, PyTuple>) -> PyResult<Mesh> {
     let ((kind, periodic, notes), points, cells, phases, owner, id_of, cohesive, below): State<'_> = state.extract()?;
     let kind = KINDS.into_iter().find(|known| cell_type(*known) == kind).ok_or_else(|| damaged("kind of cell"))?;
-    let phase = |label: &u8| PHASES.into_iter().find(|phase| *phase as u8 == *label);
+    let phase = |label: &u8| Phase::SOLID.into_iter().find(|phase| *phase as u8 == *label);
     let phase: Option<Vec<Phase>> = phases.as_slice()?.iter().map(phase).collect();
     let notes: Notes = from_json(&notes)?;
     let mesh = Mesh {

@@ -9,7 +9,7 @@ use crate::ensemble::{REPLICATE, ensemble};
 use crate::plan::Plan;
 use crate::record::{CaseOutcome, CaseState, Record, Status, save};
 use crate::table::{Table, tabulate};
-use meso_files::lock::{Held, LOCK, LockError, hold, hold_as, join};
+use meso_files::lock::{Held, LOCK, LockError, hold, hold_as, join, patiently};
 use meso_files::whole::{Keeper, Unit};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashSet, VecDeque};
@@ -20,9 +20,8 @@ use std::time::Duration;
 
 /// Names of the tables: all cases, then the ensembles.
 pub const TABLES: [&str; 2] = ["table.csv", "ensemble.csv"];
-/// Looks at the lock of the tables, which is held as long as it takes to write them, and the time between two.
+/// Looks at the lock of the tables, which is held as long as it takes to write them: a minute in all.
 const TRIES: u32 = 12_000;
-const MOMENT: Duration = Duration::from_millis(5);
 /// Time between two looks at a case that another process works on.
 const PAUSE: Duration = Duration::from_millis(50);
 /// Digits of the hash in the name of a work.
@@ -446,13 +445,8 @@ pub fn save_tables<K: Keeper + Copy>(
     records: &dyn Fn() -> Vec<Record>,
     keeper: K,
 ) -> Result<Table, RunError> {
-    let mut tries = 0..TRIES;
-    let held = loop {
-        match keeper.hold(|hidden| hold(out).inspect(|held| hidden.push(held.path().to_owned()))) {
-            Err(LockError::Busy { .. }) if tries.next().is_some() => std::thread::sleep(MOMENT),
-            taken => break taken?,
-        }
-    };
+    let take = || keeper.hold(|hidden| hold(out).inspect(|held| hidden.push(held.path().to_owned())));
+    let held = patiently(TRIES, take)?;
     let table = tabulate(keys, &records());
     let groups = ensemble(&table, keys, REPLICATE);
     let saved = save(out, TABLES[0], Unit::new(keeper), |file| table.write_csv(file))

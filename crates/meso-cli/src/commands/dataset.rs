@@ -3,10 +3,10 @@
 use super::shared::Writing;
 use super::values;
 use crate::failure::Failure;
-use crate::inputs;
+use crate::{inputs, outputs};
 use meso_core::spec::options_from_toml;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Quantities of a volume.
 const QUANTITIES: [&str; 5] = ["phase", "grain", "share", "distance", "scan"];
@@ -53,10 +53,7 @@ pub(crate) fn run(args: &Args, datasets: Option<&Datasets<'_>>) -> Result<u8, Fa
                        mesocrete";
         return Err(Failure::Usage(message.to_owned()));
     };
-    if args.output == Path::new("-") {
-        let message = "--output - is standard output, but a data set has many volumes; name a sink";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    outputs::refuse_stdout(&args.output, "a data set has many volumes; name a sink")?;
     let over = args.over.as_deref().map(|path| inputs::toml(path, options_from_toml::<Value>)).transpose()?;
     let shape = if let [longest] = args.shape[..] { json!(longest) } else { json!(args.shape) };
     let request = json!({

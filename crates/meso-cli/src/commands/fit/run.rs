@@ -55,10 +55,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 impl Args {
     /// The fit, with the content of the files.
     fn fit(&self, beside: &mut Beside<'_>) -> Result<FitRun, Failure> {
-        if self.output == Path::new("-") {
-            let message = "--output - is standard output, but a fit writes several files; name a folder";
-            return Err(Failure::Usage(message.to_owned()));
-        }
+        outputs::refuse_stdout(&self.output, "a fit writes several files; name a folder")?;
         let spec = inputs::toml(&self.spec, options_from_toml)?;
         let (name, bytes) = (self.curve.display().to_string(), inputs::table(&self.curve)?);
         let measured = |height_mm: f64| curve(&bytes, height_mm);

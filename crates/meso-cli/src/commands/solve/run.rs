@@ -8,7 +8,7 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::gpu::{self, Choice};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{inputs, interrupt, room, stderr};
+use crate::{inputs, interrupt, outputs, room, stderr};
 use meso_ask::files::{self, is_toml};
 use meso_ask::{MeshAsk, SolveAsk, TestGiven};
 use meso_concrete::{short, thousands};
@@ -18,7 +18,6 @@ use meso_core::{Model, Spec};
 use meso_solve::footing::Footing;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds};
 use meso_solve::{Control, Ended, Response, Run, Test};
-use std::path::Path;
 use std::time::Instant;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -76,10 +75,7 @@ impl Args {
         let (on_device, is_first) = (self.device != Choice::Cpu, self.model.is_none());
         let ask = SolveAsk { mesh, base, from, given: self.given.clone(), brush: self.brush, on_device, is_first };
         ask.accept()?;
-        if self.output == Path::new("-") {
-            let message = "--output - is standard output, but a test writes several files; name a folder";
-            return Err(Failure::Usage(message.to_owned()));
-        }
+        outputs::refuse_stdout(&self.output, "a test writes several files; name a folder")?;
         match self.over.asked().next().filter(|_| !self.packs()) {
             Some(key) => Err(Failure::Usage(format!(
                 "{} has no effect on a saved model; leave it out, or give a SPEC.toml",

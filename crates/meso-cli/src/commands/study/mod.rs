@@ -6,7 +6,7 @@ use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, Watch, bar, show};
-use crate::{gpu, inputs, interrupt, stderr, threads};
+use crate::{gpu, inputs, interrupt, outputs, stderr, threads};
 use meso_ask::AskError;
 use meso_concrete::thousands;
 use meso_gmsh::Gmsh;
@@ -79,10 +79,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    if args.output == Path::new("-") {
-        let message = "--output - is standard output, but a study writes many files; name a folder";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    outputs::refuse_stdout(&args.output, "a study writes many files; name a folder")?;
     let mut file = StudyFile::read(&args.study, &inputs::text)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
@@ -258,7 +255,7 @@ fn failure(error: RunError) -> Failure {
 
 /// Prints each case's folder and whether it is done, failed or open.
 fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
-    crate::outputs::Unit::default().fill(&crate::outputs::Target::Stdout, false, |out| {
+    outputs::Unit::default().fill(&outputs::Target::Stdout, false, |out| {
         plan.cases.iter().try_for_each(|case| {
             let word = match CaseState::of(case, "", &args.output.join(&case.folder)) {
                 _ if args.force => "open",
