@@ -241,6 +241,7 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
         moves,
         pressure_mpa: 0.0,
         stress_ratio: None,
+        drive: None,
     };
     let pressed = |name, side, pressure_mpa| SupportSpec { pressure_mpa, ..on(name, side, 0.0) };
     // Nodes at edges meet two plates, or a plate and two loads; a plate is pressed by a servo before the path begins.

@@ -206,6 +206,7 @@ fn concrete_whose_aggregates_swell_has_the_strain_that_its_bulk_modulus_gives() 
         moves: 0.0,
         pressure_mpa: 10.0,
         stress_ratio: None,
+        drive: None,
     };
     let supports = vec![pressed("mantle", Side::Mantle), pressed("bottom", Side::ZMin), pressed("top", Side::ZMax)];
     // A thousandth of what the pressure does.

@@ -632,6 +632,7 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         moves: -1.0,
         pressure_mpa: 0.0,
         stress_ratio: None,
+        drive: None,
     };
     for (test, specimen, text) in [
         (of(TestKind::Bending), &cube, "a beam must be longer than 10/9 of its depth"),

@@ -11,6 +11,7 @@ mod deck_reader;
 mod determinism;
 mod elastic;
 mod expansion;
+mod fast;
 mod from_deck;
 mod hostile;
 #[path = "../hostile/solver.rs"]

@@ -84,7 +84,7 @@ impl SolveAsk {
         }
         if self.on_device {
             let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
-            meso_solve::device::accept(kind).map_err(|error| self.wrong(&error))?;
+            meso_solve::device::accept(kind, &self.test()).map_err(|error| self.wrong(&error))?;
         }
         Ok(())
     }
@@ -104,6 +104,10 @@ impl SolveAsk {
             (&size, options.element_size_mm),
         )?;
         let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
+        // In real time the mesh decides the step.
+        if test.is_fast() {
+            return Ok(footing);
+        }
         let steps = test.steps(&measures, options.element_size_mm, is_cohesive);
         steps.map(|_| footing).map_err(|error| self.wrong(&error.into()))
     }

@@ -20,8 +20,8 @@ pub use march::{
 };
 pub use meso_element::{InstructionSet, LawName, law, real};
 pub use meso_trial::{
-    Along, Below, Control, Course, Expansion, Gauge, Geometry, Interface, Rule, Sample, Setup, Side, Smoothing, Strip,
-    SupportSpec, Test, TestKind, TrialError, Turn, TurnOf, gross_section_mm2,
+    Along, Below, Control, Course, Drive, Expansion, Gauge, Geometry, Interface, Rule, Sample, Setup, Side, Smoothing,
+    Speed, Strip, SupportSpec, Test, TestKind, TrialError, Turn, TurnOf, gross_section_mm2,
 };
 
 use meso_concrete::watch::Watch;

@@ -165,6 +165,10 @@ impl Test {
             let why = "a deck's plates keep their speed and follow no gauge; take \"steady\", or mesocrete solve";
             return Err(TEST.error("control", word(&self.control), why).into());
         }
+        if self.is_fast() {
+            let why = "a deck has no plates in real time; take mesocrete solve";
+            return Err(TEST.error("supports.drive", "given", why).into());
+        }
         if !self.has_path() {
             return Ok(Vec::new());
         }

@@ -14,7 +14,7 @@ mod stone;
 pub use cdpm2::Cdpm2Parameters;
 pub use concrete::{Mix, Sourced};
 pub use mortar::{LawName, MortarStrength};
-pub use ranges::MATERIALS;
+pub use ranges::{DENSITY, MATERIALS, MODULUS};
 pub use rock::{Rock, RockValues};
 pub use stone::{Stone, StoneKind};
 

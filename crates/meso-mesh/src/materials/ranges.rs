@@ -10,14 +10,15 @@ use meso_concrete::{OutOfRange, PhysicalRange, Ranges};
 pub const MATERIALS: Ranges = Ranges("materials");
 
 /// From foam to ten times lead; kg/mm3, g/cm3 and kg/m3 of stone lie above.
-const DENSITY: PhysicalRange = PhysicalRange {
+pub const DENSITY: PhysicalRange = PhysicalRange {
     least: 1e-11,
     most: 1e-7,
     unit: "tonne/mm3",
     others: &[("kg/m3", 1e-12), ("g/cm3", 1e-9), ("kg/mm3", 1e-3)],
 };
 /// From weak mortar to diamond; rubber has its own range below [`SOFTEST`].
-const MODULUS: PhysicalRange = PhysicalRange { least: 300.0, most: 2e6, unit: "MPa", others: PhysicalRange::STRESSES };
+pub const MODULUS: PhysicalRange =
+    PhysicalRange { least: 300.0, most: 2e6, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Largest modulus of rubber and foam, MPa: GPa of mortar, stone and steel lie above.
 const SOFTEST: f64 = 10.0;
 const COMPRESSIVE: PhysicalRange =

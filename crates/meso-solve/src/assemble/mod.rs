@@ -46,15 +46,30 @@ pub(crate) struct Assembly {
 pub(crate) fn assemble(parts: &Parts) -> Result<Assembly, SolveError> {
     let mesh = parts.sample.mesh;
     let aabb = Aabb::around(&mesh.points);
-    let nodes = along_curve(mesh.points.len(), &aabb, |node| mesh.points[node]);
-    let mut number = vec![0; nodes.len()];
-    (0..).zip(&nodes).for_each(|(new, &old)| number[old as usize] = new);
+    let (nodes, number) = numbered(mesh);
     let patches = patches(parts, &nodes, &number);
     let weight = Weight::of(parts, patches.as_ref())?;
     let mass = nodes.iter().map(|&old| weight.mass[old as usize]).collect();
     let blocks = blocks(parts, &aabb, &number, patches.as_ref());
     let widest_mm = widest(&blocks, parts);
     Ok(Assembly { blocks, patches, nodes, mass, masses: weight.total, stable_s: weight.stable_s, widest_mm })
+}
+
+/// The mesh's number of every node of the engine, and the other way round.
+fn numbered(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
+    let nodes = along_curve(mesh.points.len(), &Aabb::around(&mesh.points), |node| mesh.points[node]);
+    let mut number = vec![0; nodes.len()];
+    (0..).zip(&nodes).for_each(|(new, &old)| number[old as usize] = new);
+    (nodes, number)
+}
+
+/// Longest step for which no solid element needs more than its own mass, s.
+///
+/// # Errors
+/// Cells of no positive volume.
+pub(crate) fn stable_s(parts: &Parts) -> Result<f64, SolveError> {
+    let (nodes, number) = numbered(parts.sample.mesh);
+    Ok(Weight::of(parts, patches(parts, &nodes, &number).as_ref())?.stable_s)
 }
 
 /// Patches of a mesh of tetrahedra; none unless strains are smoothed.

@@ -30,6 +30,16 @@ impl Reader {
         self.weights.iter().map(of).sum()
     }
 
+    /// Adds the displacement along `axis` of nodes with their shares, times a factor.
+    fn weigh(&mut self, nodes: Vec<(u32, f64)>, axis: usize, factor: f64) {
+        let weigh = |(node, share): (u32, f64)| {
+            let mut weight = [0.0; 3];
+            weight[axis] = factor * share;
+            (node, weight)
+        };
+        self.weights.extend(nodes.into_iter().map(weigh));
+    }
+
     /// Adds the mean displacement along `axis` of some nodes, times a factor.
     fn add(&mut self, nodes: &[u32], axis: usize, factor: f64) {
         let mut weight = [0.0; 3];
@@ -72,6 +82,7 @@ impl Setter<'_> {
         let reader = match *gauge {
             Gauge::Lvdt { axis, from_mm, to_mm, .. } => self.lvdt(name, axis as usize, [from_mm, to_mm]),
             Gauge::Sides { axis, .. } => self.sides(name, axis as usize),
+            Gauge::Side { on, .. } => self.side(name, on.bit().unwrap_or_default()),
             Gauge::LateralStrain { .. } => self.lateral(name),
             Gauge::CrackMouth { over_mm, .. } => self.mouth(name, over_mm),
         };
@@ -132,14 +143,22 @@ impl Setter<'_> {
             side.iter().map(|(node, share)| share * self.mesh().points[*node as usize][axis]).sum()
         };
         let scale = factor / (place(&high) - place(&low));
-        for (side, scale) in [(high, scale), (low, -scale)] {
-            let weigh = |(node, share): (u32, f64)| {
-                let mut weight = [0.0; 3];
-                weight[axis] = scale * share;
-                (node, weight)
-            };
-            reader.weights.extend(side.into_iter().map(weigh));
+        reader.weigh(high, axis, scale);
+        reader.weigh(low, axis, -scale);
+        Ok(reader)
+    }
+
+    /// Mean displacement of a side out of the specimen.
+    fn side(&self, name: &str, bit: usize) -> Result<Reader, SolveError> {
+        let sides = Sides::of(self.mesh());
+        let nodes = shares(self.mesh(), &sides.faces()[bit]);
+        if nodes.is_empty() {
+            let why = "this side has no face; take another side";
+            return Err(TEST.error(format!("gauges.{name}"), "side", why).into());
         }
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
+        let outward = if bit % 2 == 1 { 1.0 } else { -1.0 };
+        reader.weigh(nodes, bit / 2, outward);
         Ok(reader)
     }
 

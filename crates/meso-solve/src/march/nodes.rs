@@ -107,6 +107,11 @@ impl Nodes {
         self.shares.len()
     }
 
+    /// Force with which the elements resist at a node, N.
+    pub(crate) fn force(&self, forces: &[[f32; 4]], node: usize) -> [f64; 3] {
+        sum(forces, &self.shares[self.first[node] as usize..self.first[node + 1] as usize])
+    }
+
     /// Moves all nodes by a step under the blocks' `forces`.
     pub(crate) fn advance(&mut self, forces: &[[f32; 4]], supports: &Supports, motion: &Motion) -> Sums {
         let Self { displacement, velocity, mass, first, shares } = self;
@@ -178,11 +183,16 @@ impl Span<'_> {
 
     /// Force with which the elements resist at a node, N.
     fn force(&self, i: usize) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for &place in &self.shares[self.first[i] as usize..self.first[i + 1] as usize] {
-            let share = &self.forces[place as usize];
-            (0..3).for_each(|k| sum[k] += f64::from(share[k]));
-        }
-        sum
+        sum(self.forces, &self.shares[self.first[i] as usize..self.first[i + 1] as usize])
     }
+}
+
+/// Sum of a node's shares in their order.
+fn sum(forces: &[[f32; 4]], shares: &[u32]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for &place in shares {
+        let share = &forces[place as usize];
+        (0..3).for_each(|k| sum[k] += f64::from(share[k]));
+    }
+    sum
 }

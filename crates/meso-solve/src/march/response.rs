@@ -9,7 +9,7 @@ use crate::march::run::Run;
 use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
-use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, TestKind, TurnOf};
+use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, Test, TestKind, TurnOf};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -223,7 +223,7 @@ impl Response {
 /// specimen vibrating, and these rows have ten periods of it.
 fn strains_at_end(run: &Run) -> BTreeMap<String, f64> {
     let (extra, rows, gauges) = (run.extra(), &run.state.rows, run.test.gauges());
-    if run.test.has_path() || rows.is_empty() {
+    if run.test.has_path() || run.test.is_fast() || rows.is_empty() {
         return BTreeMap::new();
     }
     // A row is a mean since the row before it.
@@ -328,6 +328,7 @@ impl Summary {
         self.warn_of_notches(run);
         self.warn_of_turns(run);
         self.warn_of_idle_plates(run);
+        self.warn_of_strains(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
@@ -356,6 +357,11 @@ impl Summary {
     /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal.
     pub fn has_modulus(&self) -> bool {
         !self.test.is_beam() && !matches!(self.test, TestKind::Splitting | TestKind::Shear | TestKind::Expansion)
+    }
+
+    /// Whether its supports moved in real time.
+    pub fn is_fast(&self) -> bool {
+        self.setup.supports.iter().any(|support| support.drive.is_some())
     }
 
     /// Whether no support moves: an expansion has strains and no strength.
@@ -394,7 +400,7 @@ impl Summary {
     /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.
     fn dynamic_percent(&self) -> Option<f64> {
         let share = self.kinetic_over_internal_to_half_peak;
-        (exceeds(share, SLOW) && !self.is_free()).then_some(100.0 * share)
+        (exceeds(share, SLOW) && !self.is_free() && !self.is_fast()).then_some(100.0 * share)
     }
 
     fn dynamic_flag(&self) -> Option<String> {
@@ -420,7 +426,7 @@ impl Summary {
     /// Kinetic energy that is no longer small.
     fn warn_of_speed(&mut self) {
         let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);
-        if kinetic <= SLOW || self.test == TestKind::Expansion {
+        if kinetic <= SLOW || self.test == TestKind::Expansion || self.is_fast() {
             return;
         }
         let share = 100.0 * kinetic;
@@ -503,6 +509,17 @@ impl Summary {
             };
             let text = format!("the plate {name} never touched the specimen: {why}");
             if all_idle { self.errors.push(text) } else { self.warnings.push(text) }
+        }
+    }
+
+    /// Says that a test in real time ended at the largest strain.
+    fn warn_of_strains(&mut self, run: &Run) {
+        let strain = run.state.travel / run.supports.length_mm;
+        if run.test.is_fast() && strain.abs() > Test::LARGEST_STRAIN {
+            let (time, most) = (run.state.time, 100.0 * Test::LARGEST_STRAIN);
+            self.warnings.push(format!(
+                "the test ended after {time:.3e} s, at a strain of {most} %: strains of the engine are small ones"
+            ));
         }
     }
 

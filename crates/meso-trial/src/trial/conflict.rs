@@ -36,7 +36,7 @@ impl SupportSpec {
 
     /// Its way along `axis` on the nodes that it meets, if it holds them along that axis.
     fn way(&self, axis: usize) -> Option<Way> {
-        let is_led = self.pressure_mpa != 0.0 || self.stress_ratio.is_some();
+        let is_led = self.pressure_mpa != 0.0 || self.stress_ratio.is_some() || self.drive.is_some();
         match self.rule {
             Rule::Pressure => None,
             Rule::Plate | Rule::Glued if self.axis() == Some(axis) => Some(Way { moves: self.moves, is_led }),
@@ -112,6 +112,7 @@ impl SupportSpec {
         let led = match (self.rule, self.stress_ratio) {
             (Rule::Pressure, _) => return format!("{rule} {}", word(&self.on)),
             (_, Some(ratio)) => format!("stress_ratio = {ratio}"),
+            _ if self.drive.is_some() => "a drive".to_owned(),
             _ if self.pressure_mpa != 0.0 => format!("pressure_mpa = {}", self.pressure_mpa),
             _ => format!("moves = {}", self.moves),
         };

@@ -1,6 +1,7 @@
 //! Supports, loads, turns and gauges of a test, as a user writes them.
 
 use crate::error::TEST;
+use crate::trial::drive::Drive;
 use meso_concrete::OutOfRange;
 use serde::{Deserialize, Serialize};
 
@@ -106,7 +107,14 @@ pub struct SupportSpec {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub stress_ratio: Option<f64>,
+    /// What moves a plate in real time, in place of the path: `{ kind = "speed" }`, `"bar"` or `"mass"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<Drive>,
 }
+
+/// Ends of the columns of a support: its force, its speed towards the specimen, and the stresses of the waves that run in its
+/// bar to the specimen and from it.
+pub const OF_SUPPORTS: [&str; 4] = ["_n", "_m_per_s", "_in_mpa", "_out_mpa"];
 
 /// Supports of a test, at most.
 pub const MOST_SUPPORTS: usize = 8;
@@ -138,6 +146,7 @@ impl SupportSpec {
         }
         let pressure = self.pressure_mpa;
         TEST.require(named("pressure_mpa"), pressure, pressure.abs() <= 1000.0, "it must be -1000 to 1000")?;
+        self.validate_drive()?;
         self.validate_effects()?;
         let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;
         TEST.require(named("on"), "mantle", on_faces, "only a pressure acts on the mantle; take one of the six sides")
@@ -222,6 +231,13 @@ pub enum Gauge {
         /// The axis along which it measures.
         axis: Along,
     },
+    /// Displacement of a side along its axis, mm, positive out of the specimen: its mean by area.
+    Side {
+        /// Name of the column.
+        name: String,
+        /// The side, not the mantle.
+        on: Side,
+    },
     /// Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height.
     LateralStrain {
         /// Name of the column.
@@ -252,8 +268,12 @@ impl Gauge {
     /// Checks its name.
     pub fn validate(&self) -> Result<(), OutOfRange> {
         column("gauges.name", self.name())?;
-        let met = !self.name().ends_with("_n");
-        TEST.require("gauges.name", self.name(), met, "it must not end in _n, as columns of supports' forces do")
+        if let Self::Side { name, on: Side::Mantle } = self {
+            let why = "it must be one of the six sides: the mantle has no axis";
+            return Err(TEST.error(format!("gauges.{name}.on"), "mantle", why));
+        }
+        let met = OF_SUPPORTS.iter().all(|end| !self.name().ends_with(end));
+        TEST.require("gauges.name", self.name(), met, format!("columns of supports end in {}", OF_SUPPORTS.join(", ")))
     }
 
     /// Finds out whether a specimen of this size has its planes.
@@ -276,6 +296,7 @@ impl Gauge {
     pub fn name(&self) -> &str {
         let (Self::Lvdt { name, .. }
         | Self::Sides { name, .. }
+        | Self::Side { name, .. }
         | Self::LateralStrain { name }
         | Self::CrackMouth { name, .. }) = self;
         name

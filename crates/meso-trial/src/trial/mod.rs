@@ -1,6 +1,7 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
 mod conflict;
+mod drive;
 mod expansion;
 mod load;
 mod named;
@@ -8,8 +9,9 @@ mod recipes;
 mod setup;
 mod tables;
 
+pub use drive::{Drive, Speed};
 pub use expansion::{Below, Course, Expansion, PHASES, STRAINS};
-pub use load::{Along, Gauge, MOST_SUPPORTS, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+pub use load::{Along, Gauge, MOST_SUPPORTS, OF_SUPPORTS, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 pub use named::Rig;
 pub use setup::Setup;
 pub use setup::word;
@@ -290,9 +292,10 @@ impl Test {
         if has_lead { LEAD_PACE * geometry.size_mm.into_iter().fold(0.0, f64::max) } else { 0.0 }
     }
 
-    /// Whether the path moves a support.
+    /// Whether a path moves a support.
     pub fn has_path(&self) -> bool {
-        self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0)
+        !self.is_fast()
+            && (self.kind != TestKind::Expansion || self.supports.iter().any(|support| support.moves != 0.0))
     }
 
     /// Whether plates of the named test rub, so that its friction has an effect.
@@ -374,6 +377,7 @@ impl Test {
         TEST.require("frames", self.frames, self.frames <= 10_000, "it must be at most 10000")?;
         self.validate_kind()?;
         self.validate_loads()?;
+        self.validate_fast()?;
         self.validate_turns()?;
         self.interface.validate()
     }

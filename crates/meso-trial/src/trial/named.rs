@@ -136,10 +136,11 @@ impl Test {
 
     /// The axis of the sides whose supports follow the path.
     fn moving_axis(&self) -> Result<usize, TrialError> {
-        if !self.has_path() {
+        let is_free = !self.has_path() && !self.is_fast();
+        if is_free {
             return Ok(2);
         }
-        let moving = self.supports.iter().find(|support| support.moves != 0.0);
+        let moving = self.supports.iter().find(|support| support.moves != 0.0 || support.drive.is_some());
         let bit = moving.and_then(|support| support.on.bit());
         let why = "no support moves; give one of them moves = 0.5 or -0.5";
         bit.map(|bit| bit / 2).ok_or_else(|| TEST.error("supports", self.supports.len(), why).into())
@@ -297,6 +298,7 @@ impl SupportSpec {
             moves: 0.0,
             pressure_mpa: 0.0,
             stress_ratio: None,
+            drive: None,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Turns of a path and courses of strains from tables in CSV.
 
 use crate::error::TEST;
+use crate::trial::drive::{Speed, unfit_row};
 use crate::trial::expansion::{Course, unfit_strain, unfit_time};
-use crate::trial::{Test, Turn, TurnOf};
+use crate::trial::{Drive, Test, Turn, TurnOf};
 use meso_concrete::OutOfRange;
 use meso_concrete::import::Columns;
 
@@ -23,6 +24,13 @@ impl Test {
             let rows = read(name).and_then(|text| rows(&text));
             *course = Course::Through(rows.map_err(|why| TEST.error(key, &*name, why))?);
         }
+        for support in &mut self.supports {
+            let key = format!("supports.{}.drive.speed_m_per_s", support.name);
+            let Some(speed) = support.drive.as_mut().and_then(Drive::speed_mut) else { continue };
+            let Speed::Table(name) = speed else { continue };
+            let rows = read(name).and_then(|text| speeds(&text));
+            *speed = Speed::Over(rows.map_err(|why| TEST.error(key, &*name, why))?);
+        }
         let Some(name) = self.history.take() else { return Ok(()) };
         if !self.turns.is_empty() {
             return Err(TEST.error("history", name, "the test has turns, too; leave one of them out"));
@@ -36,21 +44,17 @@ impl Test {
     pub fn tables(&self) -> Vec<String> {
         let courses = self.expansion.iter().flat_map(|expansion| expansion.courses());
         let name = |course: &Course| if let Course::Table(name) = course { Some(name.clone()) } else { None };
-        self.history.clone().into_iter().chain(courses.filter_map(name)).collect()
+        let speeds = self.supports.iter().filter_map(|support| support.drive.as_ref()?.speed());
+        let table = |speed: &Speed| if let Speed::Table(name) = speed { Some(name.clone()) } else { None };
+        let history = self.history.clone().into_iter();
+        history.chain(courses.filter_map(name)).chain(speeds.filter_map(table)).collect()
     }
 }
 
 /// Rows of a course: a header, then a time and a strain for each row. A first row of zeros repeats the start.
 fn rows(text: &str) -> Result<Vec<[f64; 2]>, String> {
-    let table = Columns::parse(text)?;
-    let place = |name: &str| table.place(name)?.ok_or_else(|| format!("it has no column {name} in its first line"));
-    let places = [("time", place("time")?), ("strain", place("strain")?)];
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (line, cells) in &table.rows {
-        let number = |(name, place): (&str, usize)| {
-            cells[place].ok_or_else(|| format!("its line {line} has no number in the column {name}"))
-        };
-        let [time, strain] = [number(places[0])?, number(places[1])?];
+    for (line, [time, strain]) in pairs(text, ["time", "strain"])? {
         if rows.is_empty() && [time, strain] == [0.0; 2] {
             continue;
         }
@@ -62,6 +66,34 @@ fn rows(text: &str) -> Result<Vec<[f64; 2]>, String> {
         rows.push([time, strain]);
     }
     if rows.is_empty() { Err("it has no row; give one for each time and its strain".to_owned()) } else { Ok(rows) }
+}
+
+/// Rows of a speed over time: a header, then a time and a speed for each row.
+fn speeds(text: &str) -> Result<Vec<[f64; 2]>, String> {
+    let names = ["time_s", "speed_m_per_s"];
+    let mut rows: Vec<[f64; 2]> = Vec::new();
+    for (line, row) in pairs(text, names)? {
+        if let Some((place, why)) = unfit_row(rows.last().map_or(0.0, |row| row[0]), row) {
+            return Err(format!("its line {line} has {} in the column {}; {why}", row[place], names[place]));
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() { Err("it has no row; give one for each time and its speed".to_owned()) } else { Ok(rows) }
+}
+
+/// The numbers of two columns of a table, each row with the number of its line.
+fn pairs(text: &str, names: [&str; 2]) -> Result<Vec<(usize, [f64; 2])>, String> {
+    let table = Columns::parse(text)?;
+    let place = |name: &str| table.place(name)?.ok_or_else(|| format!("it has no column {name} in its first line"));
+    let places = [place(names[0])?, place(names[1])?];
+    let row = |(line, cells): &(usize, Vec<Option<f64>>)| {
+        let number = |column: usize| {
+            let name = names[column];
+            cells[places[column]].ok_or_else(|| format!("its line {line} has no number in the column {name}"))
+        };
+        Ok((*line, [number(0)?, number(1)?]))
+    };
+    table.rows.iter().map(row).collect()
 }
 
 /// Turns of a table: a header, then a row for each turn.

@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 11;
+const VERSION: u64 = 12;
 /// Bytes of a SHA-256.
 const SEAL: usize = 32;
 const DAMAGED: &str = "the file is cut off or damaged";
@@ -63,8 +63,9 @@ impl Run<'_> {
         numbers(out, &state.leg.values())?;
         numbers(out, state.held.as_flattened())?;
         numbers(out, &state.forces)?;
-        let Since { forces, travel, count, gauges } = &state.since_row;
+        let Since { forces, speeds, travel, count, gauges } = &state.since_row;
         numbers(out, forces)?;
+        numbers(out, speeds)?;
         numbers(out, &[*travel, *count])?;
         // A row that has just begun has no sums yet.
         (0..self.gauges.len()).try_for_each(|gauge| numbers(out, &[gauges.get(gauge).copied().unwrap_or(0.0)]))?;
@@ -115,11 +116,11 @@ impl Run<'_> {
         }
         let mut held = [Held::default(); MOST_SUPPORTS];
         fill(from, held.as_flattened_mut())?;
-        let (forces, since) = (some(from)?, some(from)?);
+        let (forces, since, speeds) = (some(from)?, some(from)?, some(from)?);
         let [way, count] = some(from)?;
         let mut gauges = vec![0.0; self.gauges.len()];
         fill(from, &mut gauges)?;
-        let since_row = Since { forces: since, travel: way, count, gauges };
+        let since_row = Since { forces: since, speeds, travel: way, count, gauges };
         self.state = State {
             step,
             time,
@@ -156,7 +157,7 @@ impl Run<'_> {
 
     /// Back to the state before the first step.
     fn rewind(&mut self) {
-        self.state = State::default();
+        self.state = State { held: self.supports.at_start(), ..State::default() };
         self.nodes.rest();
         for group in self.blocks.iter_mut().flat_map(|block| &mut block.groups) {
             group.memory.fill(Default::default());

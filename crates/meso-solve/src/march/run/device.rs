@@ -21,16 +21,20 @@ use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
-use meso_trial::Control;
-use meso_trial::{MOST_SUPPORTS, Rule};
+use meso_trial::{Control, Drive, MOST_SUPPORTS, Rule, SupportSpec, Test};
 
-/// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
+/// Refuses meshes and tests that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
 /// # Errors
-/// Cells that devices have no code for, with a remedy.
-pub fn accept(kind: CellKind) -> Result<(), SolveError> {
+/// Cells and supports that devices have no code for, with a remedy.
+pub fn accept(kind: CellKind, test: &Test) -> Result<(), SolveError> {
     if kind == CellKind::Hexahedron {
         let why = "voxels run on the processor only; take tetrahedra, or the device cpu";
+        return Err(SolveError::Device(why.to_owned()));
+    }
+    let answers = |support: &SupportSpec| matches!(support.drive, Some(Drive::Bar { .. } | Drive::Mass { .. }));
+    if test.supports.iter().any(answers) {
+        let why = "bars and masses run on the processor only; take the device cpu";
         return Err(SolveError::Device(why.to_owned()));
     }
     Ok(())
@@ -153,7 +157,7 @@ impl Run<'_> {
     /// # Errors
     /// See [`accept`].
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
-        accept(self.sample.mesh.kind)?;
+        accept(self.sample.mesh.kind, &self.test)?;
         Ok(Upload(self))
     }
 
@@ -252,7 +256,7 @@ impl Run<'_> {
         let [bottom, top, way, count] = since_row;
         let mut forces = [0.0; MOST_SUPPORTS];
         forces[..2].copy_from_slice(&[bottom, top]);
-        let since_row = Since { forces, travel: way, count, gauges: Vec::new() };
+        let since_row = Since { forces, travel: way, count, ..Since::default() };
         let before = std::mem::take(&mut self.state);
         let (time, servo) = (step as f64 * self.outline.dt, Servo::from_values(servo));
         self.state = State {

@@ -10,10 +10,11 @@ mod drive;
 
 pub use checkpoint::checkpoint_note;
 
+use crate::assemble::mass::SAFETY;
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
-use crate::assemble::{Assembly, assemble, box_shape};
-use crate::error::SolveError;
+use crate::assemble::{Assembly, assemble, box_shape, stable_s};
+use crate::error::{SolveError, TEST};
 use crate::march::curve::{Extra, Row, validate_columns};
 use crate::march::gauges::{Reader, Setter};
 use crate::march::nodes::{Nodes, Sums};
@@ -21,6 +22,7 @@ use crate::march::path::{Leg, Path};
 use crate::march::servo::{Follower, Servo};
 use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, Moment, Supports};
+use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
@@ -30,7 +32,7 @@ use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use meso_trial::Sample;
 use meso_trial::{Control, Setup, Smoothing, Test};
-use meso_trial::{MOST_SUPPORTS, TurnOf};
+use meso_trial::{MOST_SUPPORTS, OF_SUPPORTS, TurnOf};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
@@ -118,6 +120,8 @@ pub(crate) struct State {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Since {
     pub(crate) forces: [f64; MOST_SUPPORTS],
+    /// Of plates with a servo or a drive, mm/s.
+    pub(crate) speeds: [f64; MOST_SUPPORTS],
     pub(crate) travel: f64,
     pub(crate) count: f64,
     /// One for each gauge.
@@ -144,13 +148,22 @@ impl<'a> Run<'a> {
         let (mesh, geometry) = (sample.mesh, sample.geometry());
         let mut common = common(&sample, &materials.in_mesh(mesh), test)?;
         let rig = test.rig(&geometry)?;
-        let (steps, dt) = test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?;
+        let is_cohesive = !mesh.cohesive.is_empty();
         let smoothing = test.smoothing(mesh.kind);
         let expansion = test.expansion();
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
-        let parts = Parts { sample: &sample, common: &common, dt, smoothing, below: &below };
+        let mut parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
+        let (steps, dt) = match test.duration_s.filter(|_| test.is_fast()) {
+            Some(duration) => in_real_time(test, duration, stable_s(&parts)?)?,
+            None => test.steps(&geometry, sample.element_size_mm, is_cohesive)?,
+        };
+        parts.dt = dt;
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        if test.is_fast() && exceeds(masses[1], masses[0] * (1.0 + 1e-9)) {
+            let why = "its cohesive faces need mass, and a test in real time adds none; take a solid ITZ";
+            return Err(SolveError::mesh(why));
+        }
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
         common.free = test.expansion().map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
@@ -159,7 +172,13 @@ impl<'a> Run<'a> {
         let (length_mm, axis) = (rig.length_mm, rig.axis);
         let setup = Setup::of(test, &geometry, rig.supports.clone());
         let supports = Supports::new(&sample, rig, &number, &mass, e_mpa)?;
-        let setter = Setter { sample: &sample, axis, sign: supports.sign, has_path: test.has_path(), number: &number };
+        let setter = Setter {
+            sample: &sample,
+            axis,
+            sign: supports.sign,
+            has_path: test.has_path() || test.is_fast(),
+            number: &number,
+        };
         let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
         sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
@@ -170,7 +189,8 @@ impl<'a> Run<'a> {
         let steps = path.steps(steps, dt);
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
-        let (test, state) = (test.clone(), State::default());
+        let state = State { held: supports.at_start(), ..State::default() };
+        let test = test.clone();
         let run = Self {
             sample,
             test,
@@ -230,15 +250,26 @@ impl<'a> Run<'a> {
         let (pace, speed) = self.speed(steps);
         self.add_gauges();
         let state = &self.state;
-        let travel = state.travel + speed * dt;
+        let is_driven = self.supports.are_driven();
+        let now = state.progress * dt - self.path.lead_s;
+        let resisted = self.supports.answer() && self.device.is_none();
+        if resisted {
+            self.resist();
+        }
+        if is_driven {
+            self.supports.drive((dt, now), &self.nodes, &self.forces, &mut self.state.held);
+        }
+        let state = &self.state;
+        let travel = if is_driven { self.supports.approach(&state.held) } else { state.travel + speed * dt };
         let (mean_speed, time) = (0.5 * (speed + state.speed), (state.progress + pace) * dt);
         let moment = Moment { travel, mean_speed, share: self.path.share(time), leads: time < self.path.lead_s };
         let motion = self.supports.motion(dt, &moment, &state.held);
-        let (sums, spent) = self.step(&motion)?;
+        let (sums, spent) = self.step(&motion, resisted)?;
         let state = &mut self.state;
         let since = &mut state.since_row;
         since.forces.iter_mut().zip(&sums.supports).for_each(|(sum, force)| *sum += force);
         self.supports.add_pressures(&motion, &mut since.forces);
+        since.speeds.iter_mut().zip(&state.held).for_each(|(sum, [_, speed, before])| *sum += 0.5 * (speed + before));
         since.travel += state.travel;
         since.count += 1.0;
         // A path with turns alone asks for the last forces, and a device that takes many steps does not give them.
@@ -267,12 +298,14 @@ impl<'a> Run<'a> {
     }
 
     /// Lets the elements resist and the nodes move, here or on a device. Returns the sums over the nodes and the energy that the
-    /// elements spent, mJ.
-    fn step(&mut self, motion: &Motion) -> Result<(Sums, f64), String> {
+    /// elements spent, mJ. `resisted`: the forces of this step are there.
+    fn step(&mut self, motion: &Motion, resisted: bool) -> Result<(Sums, f64), String> {
         if self.device.is_some() {
             return self.step_there(motion);
         }
-        self.resist();
+        if !resisted {
+            self.resist();
+        }
         let sums = self.nodes.advance(&self.forces, &self.supports, motion);
         Ok((sums, self.spent.iter().sum()))
     }
@@ -295,7 +328,7 @@ impl<'a> Run<'a> {
     /// Whether the servo counts a step: cracks of phases that grow spend no energy that the supports supplied.
     fn is_followed(&self) -> bool {
         let grows = self.common.free.is_some() && self.state.progress * self.outline.dt < self.path.lead_s;
-        !grows && self.test.has_path()
+        !grows && (self.test.has_path() || self.test.is_fast())
     }
 
     /// Lets the phases expand to their strains at the present displacements.
@@ -348,7 +381,12 @@ impl<'a> Run<'a> {
     /// Further columns of the curve; none where the test has the columns of every test alone.
     pub(crate) fn extra(&self) -> Extra {
         let forces = self.supports.all.iter().map(|fixture| format!("{}_n", fixture.name));
-        let names = self.gauges.iter().map(|gauge| gauge.name.clone()).chain(forces);
+        let driven = self.supports.all.iter().filter_map(|fixture| Some((&fixture.name, fixture.driven.as_ref()?)));
+        let moved = driven.flat_map(|(name, driven)| {
+            let ends = if driven.waves(0.0, 0.0).is_some() { &OF_SUPPORTS[1..] } else { &OF_SUPPORTS[1..2] };
+            ends.iter().map(move |end| format!("{name}{end}"))
+        });
+        let names = self.gauges.iter().map(|gauge| gauge.name.clone()).chain(forces).chain(moved);
         if !self.test.has_extra() {
             return Extra::default();
         }
@@ -373,13 +411,13 @@ impl<'a> Run<'a> {
 
     /// Adds a row of the curve from the steps since the last one, unless a value is NaN or infinite.
     pub(crate) fn add_row(&mut self) -> bool {
-        let Since { forces, travel, count, gauges } = std::mem::take(&mut self.state.since_row);
+        let Since { forces, speeds, travel, count, gauges } = std::mem::take(&mut self.state.since_row);
         let [bottom, top] = self.supports.stresses(self.supports.at_ends(&forces), count);
         let groups = || self.blocks.iter().flat_map(|block| &block.groups);
         let state = &self.state;
         let row = Row {
             strain: travel / count / self.supports.length_mm,
-            stress_mpa: 0.5 * (top + bottom),
+            stress_mpa: self.supports.mean([bottom, top]),
             kinetic: state.kinetic,
             internal: state.internal,
             external: state.external,
@@ -396,10 +434,28 @@ impl<'a> Run<'a> {
             if self.test.has_extra() {
                 let pressed = self.supports.all.iter().zip(&forces).map(|(fixture, force)| fixture.face.inward * force);
                 self.state.extra.extend(gauges.iter().copied().chain(pressed).map(|sum| sum / count));
+                for ((fixture, force), speed) in self.supports.all.iter().zip(&forces).zip(&speeds) {
+                    let Some(driven) = &fixture.driven else { continue };
+                    let [force, speed] = [force, speed].map(|sum| fixture.face.inward * sum / count);
+                    self.state.extra.push(1e-3 * speed);
+                    self.state.extra.extend(driven.waves(force, speed).into_iter().flatten());
+                }
             }
         }
         is_sound
     }
+}
+
+/// Steps of a test in real time that lasts this long, and the length of each, s: the stable one, since no mass is added.
+fn in_real_time(test: &Test, duration_s: f64, stable_s: f64) -> Result<(u64, f64), SolveError> {
+    let most = SAFETY * stable_s;
+    let asked = test.time_step_s.unwrap_or(most);
+    let why = format!("a test in real time adds no mass; take {most:.3e} at most, or leave it out");
+    TEST.require("time_step_s", asked, asked <= most * (1.0 + 1e-9), why)?;
+    let steps = (duration_s / asked.min(most)).ceil();
+    let why = format!("in steps of {asked:.3e} s these are {steps}; they must be 10 to 1e9");
+    TEST.require("duration_s", duration_s, (10.0..=1e9).contains(&steps), why)?;
+    Ok((steps as u64, duration_s / steps))
 }
 
 /// Boxes have no edges to smooth over.

@@ -4,9 +4,11 @@
 //! quarter of that beside a plate at rest, and no wave runs from one plate alone.
 
 pub(crate) mod contact;
+mod driven;
 
 use crate::error::SolveError;
 use crate::march::supports::contact::{Contact, Face, Load, Motion, Moved};
+use crate::march::supports::driven::Driven;
 use meso_mesh::cells::Sides;
 use meso_trial::Rig;
 use meso_trial::Sample;
@@ -54,6 +56,8 @@ pub(crate) struct Fixture {
     area_mm2: f64,
     /// Mass and damping of a plate with a servo, tonne and tonne/s.
     inertia: [f64; 2],
+    /// What moves it in real time.
+    pub(crate) driven: Option<Driven>,
 }
 
 /// Place and speed that a servo gives to a plate, and its speed in the step before, mm and mm/s along its axis.
@@ -104,7 +108,13 @@ impl Supports {
         contacts.sort_by_key(|contact| (contact.node, contact.support));
         contacts.dedup_by(|a, b| a.node == b.node && axis(a) == axis(b));
         loads.sort_by_key(|load| (load.node, load.support));
-        let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(|fixture| fixture.moves).sum::<f64>();
+        for (place, fixture) in (0..).zip(&mut all) {
+            if let Some(driven) = &mut fixture.driven {
+                let own = contacts.iter().filter(|contact| contact.support == place);
+                driven.stand_on(fixture.area_mm2, own.copied().collect());
+            }
+        }
+        let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(Fixture::way).sum::<f64>();
         let sign = if way(1) - way(0) > 0.0 { 1.0 } else { -1.0 };
         let Rig { length_mm, section_mm2, breaking_mm2, .. } = rig;
         Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share: section_mm2 / breaking_mm2 })
@@ -127,10 +137,16 @@ impl Supports {
         [stress(-bottom), stress(top)]
     }
 
+    /// Mean of the stresses of both ends, or the stress of the one that the test has.
+    pub(crate) fn mean(&self, [bottom, top]: [f64; 2]) -> f64 {
+        let has = |end| self.all.iter().any(|fixture| fixture.end == Some(end));
+        let is_one = self.are_driven() && !(has(0) && has(1));
+        if is_one { bottom + top } else { 0.5 * (top + bottom) }
+    }
+
     /// Stress in a step with these forces, MPa.
     pub(crate) fn stress(&self, forces: &[f64; MOST_SUPPORTS]) -> f64 {
-        let [bottom, top] = self.stresses(self.at_ends(forces), 1.0);
-        0.5 * (top + bottom)
+        self.mean(self.stresses(self.at_ends(forces), 1.0))
     }
 
     /// A step of all supports.
@@ -171,6 +187,9 @@ impl Supports {
         let stress = self.stress(forces);
         for ((fixture, force), [at, speed, before]) in self.all.iter().zip(forces).zip(held) {
             *before = *speed;
+            if fixture.driven.is_some() {
+                continue;
+            }
             let Some(pressure) = fixture.wanted(moment, stress) else {
                 *speed = 0.0;
                 continue;
@@ -210,7 +229,18 @@ impl Fixture {
             end: counts.then_some(usize::from(is_upper)),
             area_mm2: 0.0,
             inertia: [1.0, 0.0],
+            driven: support.drive.clone().map(Driven::of),
         }
+    }
+
+    /// The speed of largest size that its drive gives, mm/s towards the specimen; 0 without a drive.
+    fn fastest(&self) -> f64 {
+        self.driven.as_ref().map_or(0.0, |driven| driven.drive.fastest())
+    }
+
+    /// Its way for each mm of the path, or the sense in which it is driven.
+    fn way(&self) -> f64 {
+        if self.driven.is_some() { self.face.inward * self.fastest() } else { self.moves }
     }
 
     /// The pressure that a servo gives to it, MPa; none where it follows the path.

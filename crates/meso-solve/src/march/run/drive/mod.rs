@@ -6,7 +6,7 @@ use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
 use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
-use meso_trial::Expansion;
+use meso_trial::{Expansion, Test};
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 pub(super) const RUNAWAY: f64 = 4.0;
@@ -69,7 +69,12 @@ impl Run<'_> {
         if !self.path.turns.is_empty() {
             return self.path.is_through(&self.state.leg);
         }
-        self.state.progress >= self.outline.steps as f64
+        self.state.progress >= self.outline.steps as f64 || self.is_too_far()
+    }
+
+    /// Whether strains of a test in real time are no longer small.
+    fn is_too_far(&self) -> bool {
+        self.test.is_fast() && self.state.travel.abs() > Test::LARGEST_STRAIN * self.supports.length_mm
     }
 
     /// Share of the test's time at full speed that is over.
@@ -106,7 +111,7 @@ impl Run<'_> {
     /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
     pub(super) fn plate_energy(&self) -> f64 {
         let speeds = self.supports.all.iter().map(|fixture| fixture.moves.abs() * self.path.speed);
-        let moved = 0.5 * self.outline.masses[1] * speeds.fold(0.0, f64::max).powi(2);
+        let moved = 0.5 * self.outline.masses[1] * speeds.fold(self.supports.fastest(), f64::max).powi(2);
         moved + self.test.expansion().map_or(0.0, |expansion| self.stored_by(&expansion))
     }
 

@@ -12,7 +12,7 @@ use meso_element::LawName;
 use meso_mesh::materials::{Elastic, Materials};
 use meso_mesh::{self as mesh, Mesh, MeshOptions, Method, Phase, Tools};
 use meso_trial::Sample;
-use meso_trial::{Smoothing, Test};
+use meso_trial::{Control, Drive, Rule, Side, Smoothing, Speed, SupportSpec, Test};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A specimen of mortar and its mesh; tetrahedra are irregular: their inner nodes are moved by up to 0.2 mm.
@@ -140,6 +140,52 @@ fn a_body_in_free_fall_keeps_its_shape_to_the_last_bit() {
 }
 
 /// About the axis (1, 2, 2) / 3.
+#[test]
+fn the_impulse_of_supports_in_real_time_is_the_change_of_momentum() {
+    for body in Body::all() {
+        let bar = |youngs_modulus_mpa, speed| Drive::Bar {
+            youngs_modulus_mpa,
+            density_t_per_mm3: 7.85e-9,
+            area_mm2: None,
+            speed_m_per_s: Speed::Steady(speed),
+        };
+        let mass = Drive::Mass { mass_kg: 0.01, speed_m_per_s: 3.0 };
+        let of = |name, on, rule, drive| SupportSpec { rule, drive: Some(drive), ..SupportSpec::new(name, on) };
+        let supports = vec![
+            of("input", Side::ZMin, Rule::Plate, bar(2.1e5, 2.0)),
+            of("output", Side::ZMax, Rule::Glued, bar(7e4, 0.0)),
+            of("striker", Side::XMin, Rule::Plate, mass),
+        ];
+        let test = Test {
+            supports,
+            law: LawName::Elastic,
+            control: Control::Steady,
+            smoothing: Some(body.smoothing),
+            duration_s: Some(1e-4),
+            ..Test::default()
+        };
+        let mut run =
+            Run::new(Sample::of(&body.mesh, &body.specimen, &body.options), &Materials::default(), &test).unwrap();
+        let [mut along, mut across] = [0.0; 2];
+        for _ in 0..run.steps() {
+            run.state.since_row = Default::default();
+            run.advance().unwrap();
+            let [input, output, striker, ..] = run.state.since_row.forces;
+            along += run.outline.dt * (input + output);
+            across += run.outline.dt * striker;
+        }
+        let momentum = |k: usize| run.nodes.mass.iter().zip(&run.nodes.velocity).map(|(m, v)| m * v[k]).sum::<f64>();
+        let [x, z] = [momentum(0), momentum(2)];
+        assert!((along / z - 1.0).abs() < 1e-6, "{}: {along} {z}", body.name());
+        // A glued end takes some across, and a mass gives what it loses.
+        let lost = 1e-5 * (3e3 - run.state.held[2][1]);
+        assert!((across / lost - 1.0).abs() < 1e-9 && x < across, "{}: {across} {lost} {x}", body.name());
+        let state = &run.state;
+        let off = state.external - state.internal - state.kinetic - state.friction;
+        assert!(off.abs() < 1e-3 * state.external, "{}: {off} of {}", body.name(), state.external);
+    }
+}
+
 fn turn(angle: f64) -> [Mat3; 2] {
     let n = Vec3::new(1.0, 2.0, 2.0) / 3.0;
     let cross = n.cross_matrix();
