@@ -3,7 +3,7 @@
 use crate::subject::{Number, along, close, peak};
 use meso_core::materials::{Materials, Mesoscale, Strength};
 use meso_element::law::point::{HeldStress, ramp, work};
-use meso_element::law::{Law, LawName, Meso, Tensor};
+use meso_element::law::{Law, LawName, Meso, Rated, Tensor};
 use meso_element::real::Real;
 use std::path::Path;
 
@@ -35,6 +35,12 @@ fn values() -> Materials {
 
 pub(crate) fn meso<R: Real>() -> Meso<R> {
     law(&values())
+}
+
+/// The law with strengths that grow with the rate of strain, in steps of `dt_s`.
+pub(crate) fn rated<R: Real>(dt_s: f64) -> Rated<R> {
+    let of = values();
+    Rated::new(&of.mortar, &of.mortar_strength.of(LawName::Meso), &of.meso, dt_s)
 }
 
 /// The mortar of the defaults, but for its biaxial ratio.

@@ -1,6 +1,6 @@
 //! A point's bits do not depend on its neighbours in a register.
 
-use crate::meso::meso;
+use crate::meso::{meso, rated};
 use crate::safety::Dice;
 use crate::subject::{WIDTH, cdp, cdpm2, mortar};
 use meso_element::law::{Law, Tensor};
@@ -124,5 +124,9 @@ fn a_point_has_the_same_bits_alone_and_beside_another() {
         neighbours(&meso::<Pair>(), &meso::<f32>()),
     ] {
         assert!((500..3900).contains(&mixed), "a point at rest beside an active one in {mixed} of 4000 steps");
+    }
+    // Its history has a rate from the first step on.
+    for dt in [1e-7, 1e-4] {
+        neighbours(&rated::<Pair>(dt), &rated::<f32>(dt));
     }
 }

@@ -78,6 +78,8 @@ pub enum Behaviour {
     Cdpm2(Strength, f64, Cdpm2Parameters),
     /// Mortar between grains.
     Meso(Strength, Mesoscale),
+    /// The same in steps of some seconds, with strengths that grow with the rate of strain.
+    Rated(Strength, Mesoscale, f64),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -195,6 +197,9 @@ impl Matter {
                 task.run(self.prepared.law(&|| self.cdpm2::<R>(strength, *biaxial, own)).get())
             }
             Behaviour::Meso(strength, own) => task.run(self.prepared.law(&|| self.meso::<R>(strength, own)).get()),
+            Behaviour::Rated(strength, own, dt) => {
+                task.run(self.prepared.law(&|| self.rated::<R>(strength, own, *dt)).get())
+            }
         }
     }
 
@@ -210,6 +215,17 @@ impl Matter {
         law::Meso::new(&self.elastic, strength, own)
     }
 
+    fn rated<R: Real>(&self, strength: &Strength, own: &Mesoscale, dt_s: f64) -> law::Rated<R> {
+        law::Rated::new(&self.elastic, strength, own, dt_s)
+    }
+
+    /// Lets strengths grow with the rate of strain, in steps of `dt_s`; elastic phases stay.
+    pub fn rate(&mut self, dt_s: f64) {
+        if let Behaviour::Meso(strength, own) = self.behaviour {
+            self.behaviour = Behaviour::Rated(strength, own, dt_s);
+        }
+    }
+
     /// Registers that an element remembers: the law's history and the integrity.
     pub fn remembered(&self) -> usize {
         fn with_integrity<W: Law<f64>>() -> usize {
@@ -220,6 +236,7 @@ impl Matter {
             Behaviour::Cdp(..) => with_integrity::<law::Cdp<f64>>(),
             Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
             Behaviour::Meso(..) => with_integrity::<law::Meso<f64>>(),
+            Behaviour::Rated(..) => with_integrity::<law::Rated<f64>>(),
         }
     }
 
@@ -230,6 +247,7 @@ impl Matter {
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
             Behaviour::Cdpm2(strength, biaxial, own) => self.cdpm2::<f64>(strength, *biaxial, own).widest_mm(),
             Behaviour::Meso(strength, own) => self.meso::<f64>(strength, own).widest_mm(),
+            Behaviour::Rated(strength, own, dt) => self.rated::<f64>(strength, own, *dt).widest_mm(),
         }
     }
 

@@ -98,6 +98,12 @@ impl<R: Real> Crack<R> {
         }
     }
 
+    /// The law beside another elastic strain of the strength.
+    #[inline(always)]
+    pub(super) fn with(self, elastic_strain: R) -> Self {
+        Self { elastic_strain, ..self }
+    }
+
     /// Width of a band at which the law snaps back, mm.
     pub(super) fn snapping_mm(strength: &Strength, youngs_modulus: f64) -> f64 {
         let ft = strength.tensile_mpa;

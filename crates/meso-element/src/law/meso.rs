@@ -88,6 +88,36 @@ pub struct Meso<R> {
     widest_mm: [f64; 2],
 }
 
+/// What a law whose strengths grow with the rate of strain changes.
+#[derive(Clone, Copy)]
+pub(super) struct Rates<R> {
+    /// Over the tensile strength at rest.
+    pub(super) tensile: R,
+    /// Over the width of a band of cracking, and of crushing.
+    pub(super) crack: R,
+    pub(super) crush: R,
+}
+
+impl<R: Real> Rates<R> {
+    /// At rest.
+    fn none() -> Self {
+        let one = R::splat(1.0);
+        Self { tensile: one, crack: one, crush: one }
+    }
+
+    /// A band's width in cracking.
+    #[inline(always)]
+    fn cracking<const RATED: bool>(&self, width: R) -> R {
+        if RATED { width * self.crack } else { width }
+    }
+
+    /// A tensile strength or strain.
+    #[inline(always)]
+    fn tension<const RATED: bool>(&self, tensile: R) -> R {
+        if RATED { tensile * self.tensile } else { tensile }
+    }
+}
+
 /// Newton's steps of the cone's return.
 const STEPS: usize = 2;
 /// Least share of the cohesion.
@@ -190,8 +220,10 @@ struct Flow<R> {
 impl<R: Real> Meso<R> {
     /// Softening of crushing on this width, per strain.
     #[inline(always)]
-    fn per_scale(&self, width: R) -> R {
-        width.max(self.length).min(self.widest[1]) * self.per_crushing_opening
+    fn per_scale<const RATED: bool>(&self, width: R, rates: &Rates<R>) -> R {
+        let width = width.max(self.length);
+        let width = if RATED { width * rates.crush } else { width };
+        width.min(self.widest[1]) * self.per_crushing_opening
     }
 
     /// Share of the cohesion that is left.
@@ -215,19 +247,20 @@ impl<R: Real> Meso<R> {
 
     /// Share of tension that cracks leave.
     #[inline(always)]
-    fn bridged(&self, cracked: R, width: R) -> R {
-        self.crack.integrity(cracked, width.min(self.widest[0]))
+    fn bridged<const RATED: bool>(&self, cracked: R, width: R, rates: &Rates<R>) -> R {
+        let elastic_strain = rates.tension::<RATED>(self.crack.elastic_strain);
+        self.crack.with(elastic_strain).integrity(cracked, width.min(self.widest[0]))
     }
 
     /// Where a point can yield or has softened: F without the share of a pressed s1, and with s1 at most p + 2 q / 3.
     #[inline(always)]
-    fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
+    fn active(&self, of: &Invariants<R>, tensile: R, [cracked, crushed]: [R; 2]) -> R::Mask {
         let zero = R::splat(0.0);
         let risen = self.rise.at(crushed).0;
         let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean);
         let pressed = self.three_alpha.mul_add(of.mean, R::splat(WIDEST_SECTION) * of.mises);
         let bound = self.gamma.mul_add(largest.positive(), pressed) - self.one_less_alpha * risen;
-        zero.lt(bound) | self.tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
+        zero.lt(bound) | tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
     /// Return to the cracks: the stress after it, and the largest of the openings.
@@ -331,31 +364,45 @@ impl<R: Real> Meso<R> {
 const CRACKED: usize = 6;
 const CRUSHED: usize = 7;
 
-impl<R: Real> Law<R> for Meso<R> {
-    /// Plastic strain, then the strains of cracking and of crushing.
-    type History = [R; 8];
-
-    fn virgin() -> [R; 8] {
-        [R::splat(0.0); 8]
+impl<R: Real> Meso<R> {
+    /// Whether cracks or crushing have begun in a history that begins as this law's.
+    #[inline(always)]
+    pub(super) fn yielded(history: &[R]) -> R::Mask {
+        let zero = R::splat(0.0);
+        zero.lt(history[CRACKED]) | zero.lt(history[CRUSHED])
     }
 
+    /// Whether a sound point can yield at this stress.
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
+    pub(super) fn yields(&self, stress: &Tensor<R>) -> R::Mask {
+        self.active(&Invariants::of(stress), self.tensile, [R::splat(0.0); 2])
+    }
+
+    /// See [`Law::stress`].
+    #[inline(always)]
+    pub(super) fn answer<const RATED: bool>(
+        &self,
+        strain: &Tensor<R>,
+        history: &mut [R; 8],
+        width: R,
+        rates: &Rates<R>,
+    ) -> PointResponse<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
-        let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
+        let tensile = rates.tension::<RATED>(self.tensile);
+        let active = self.active(&invariants, tensile, [history[CRACKED], history[CRUSHED]]);
         if !R::any(active) {
             return PointResponse { stress, integrity: one };
         }
         let Invariants { mean, deviator, mises } = invariants;
         let scale = R::splat(2.0 / 3.0) * mises;
         let trial = Stress { mean, mises, deviator, principal: invariants.shape().map(|y| scale * y) };
-        let per_scale = self.per_scale(width);
+        let (per_scale, cracking) = (self.per_scale::<RATED>(width, rates), rates.cracking::<RATED>(width));
         let left = self.cohesion(history[CRUSHED], per_scale);
-        let standing = self.standing(history[CRACKED], width);
-        let strength =
-            self.tensile * (left / (Self::stiffness(left) * standing)) * self.bridged(history[CRACKED], width);
+        let standing = self.standing(history[CRACKED], cracking);
+        let bridged = self.bridged::<RATED>(history[CRACKED], cracking, rates);
+        let strength = tensile * (left / (Self::stiffness(left) * standing)) * bridged;
         let (cracked, _) = self.open(trial, strength);
         let flow = self.flow(&cracked, history[CRUSHED], [left, standing], per_scale);
         let length = self.back(&flow);
@@ -365,7 +412,7 @@ impl<R: Real> Law<R> for Meso<R> {
         history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
         history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
         let integrity =
-            Self::stiffness(self.cohesion(history[CRUSHED], per_scale)) * self.standing(history[CRACKED], width);
+            Self::stiffness(self.cohesion(history[CRUSHED], per_scale)) * self.standing(history[CRACKED], cracking);
 
         let volumetric = (mean - end.mean) * self.per_volume;
         let mut nominal = stress;
@@ -380,19 +427,46 @@ impl<R: Real> Law<R> for Meso<R> {
         PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
     }
 
+    /// See [`Law::state`].
     #[inline(always)]
-    fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
+    pub(super) fn shown<const RATED: bool>(
+        &self,
+        strain: &Tensor<R>,
+        history: &[R; 8],
+        width: R,
+        rates: &Rates<R>,
+    ) -> State<R> {
         let one = R::splat(1.0);
-        let bridged = self.bridged(history[CRACKED], width);
-        let left = self.cohesion(history[CRUSHED], self.per_scale(width));
-        let stress = self.stress(strain, &mut { *history }, width).stress;
+        let bridged = self.bridged::<RATED>(history[CRACKED], rates.cracking::<RATED>(width), rates);
+        let left = self.cohesion(history[CRUSHED], self.per_scale::<RATED>(width, rates));
+        let elastic_strain = rates.tension::<RATED>(self.crack.elastic_strain);
+        let stress = self.answer::<RATED>(strain, &mut { *history }, width, rates).stress;
         State {
             tension: one - bridged,
             compression: one - left,
             weakened: (-bridged).mul_add(left, one),
-            opening: width.min(self.widest[0]) * (one - bridged).mul_add(self.crack.elastic_strain, history[CRACKED]),
+            opening: width.min(self.widest[0]) * (one - bridged).mul_add(elastic_strain, history[CRACKED]),
             stored: energy(&stress, &elastic_part(strain, history)),
         }
+    }
+}
+
+impl<R: Real> Law<R> for Meso<R> {
+    /// Plastic strain, then the strains of cracking and of crushing.
+    type History = [R; 8];
+
+    fn virgin() -> [R; 8] {
+        [R::splat(0.0); 8]
+    }
+
+    #[inline(always)]
+    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
+        self.answer::<false>(strain, history, width, &Rates::none())
+    }
+
+    #[inline(always)]
+    fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
+        self.shown::<false>(strain, history, width, &Rates::none())
     }
 
     fn widest_mm(&self) -> [f64; 2] {

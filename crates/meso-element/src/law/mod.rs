@@ -10,6 +10,7 @@ mod elastic;
 mod invariants;
 pub mod meso;
 pub mod point;
+mod rated;
 mod softening;
 
 pub use cdp::Cdp;
@@ -17,6 +18,7 @@ pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
 pub use meso::Meso;
 pub use meso_mesh::materials::LawName;
+pub use rated::Rated;
 
 use crate::real::Real;
 

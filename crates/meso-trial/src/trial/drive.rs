@@ -9,7 +9,7 @@ use crate::trial::load::SupportSpec;
 use crate::trial::setup::word;
 use crate::trial::{Control, Rule, Test};
 use meso_concrete::OutOfRange;
-use meso_mesh::materials::{DENSITY, MODULUS};
+use meso_mesh::materials::{DENSITY, LawName, MODULUS};
 use serde::{Deserialize, Serialize};
 
 /// What moves a plate in real time. Speeds are positive towards the specimen.
@@ -207,6 +207,10 @@ impl Test {
 
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.
     pub(super) fn validate_fast(&self) -> Result<(), OutOfRange> {
+        let timed = "the time of a quasi-static test is artificial; leave it out, or give the supports a drive";
+        TEST.require("rate_effect", true, !self.rate_effect || self.is_fast(), timed)?;
+        let has_law = !self.rate_effect || self.law == LawName::Meso;
+        TEST.require("law", word(&self.law), has_law, "only meso has a rate_effect; take it, or leave that out")?;
         if !self.is_fast() {
             return Ok(());
         }
@@ -262,7 +266,9 @@ mod tests {
         };
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 13] = [
+        let edits: [(Edit, &str); 15] = [
+            (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
+            (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
             (&|test| test.control = Control::Servo, "test.control is servo"),
             (&|test| test.duration_s = None, "test.duration_s is absent"),
             (&|test| test.strain = Some(0.01), "test.strain is 0.01"),

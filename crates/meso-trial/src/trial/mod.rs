@@ -58,6 +58,9 @@ pub struct Test {
     pub frames: u32,
     /// The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison
     pub law: LawName,
+    /// Let the strengths of mortar and ITZ grow with the rate of strain, by the first branch of fib Model Code 2010, 5.1.11 (in real
+    /// time, with the law meso).
+    pub rate_effect: bool,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     pub smoothing: Option<Smoothing>,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
@@ -168,6 +171,7 @@ impl Default for Test {
             rows: 400,
             frames: 0,
             law: LawName::Meso,
+            rate_effect: false,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

@@ -153,13 +153,18 @@ impl<'a> Run<'a> {
         let expansion = test.expansion();
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
-        let mut parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
         let (steps, dt) = match test.duration_s.filter(|_| test.is_fast()) {
-            Some(duration) => in_real_time(test, duration, stable_s(&parts)?)?,
+            Some(duration) => {
+                let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
+                in_real_time(test, duration, stable_s(&parts)?)?
+            }
             None => test.steps(&geometry, sample.element_size_mm, is_cohesive)?,
         };
-        parts.dt = dt;
-        let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        if test.rate_effect {
+            common.matter.iter_mut().for_each(|matter| matter.rate(dt));
+        }
+        let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } =
+            assemble(&Parts { sample: &sample, common: &common, dt, smoothing, below: &below })?;
         if test.is_fast() && exceeds(masses[1], masses[0] * (1.0 + 1e-9)) {
             let why = "its cohesive faces need mass, and a test in real time adds none; take a solid ITZ";
             return Err(SolveError::mesh(why));
