@@ -330,6 +330,28 @@ class Test:
         return _checked_test({"test": "shear", **options})
 
     @staticmethod
+    def hopkinson(speed_m_per_s: float = 8.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
+        """Return two steel bars, along one of which a striker of this speed sends a pulse; `pressure_mpa` confines."""
+        return _checked_test({"test": "hopkinson", "speed_m_per_s": speed_m_per_s, **options})
+
+    @staticmethod
+    def spall(speed_m_per_s: float = 1.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
+        """Return a steel bar that sends a triangular pulse, whose reflection from the free end tears the specimen."""
+        return _checked_test({"test": "spall", "speed_m_per_s": speed_m_per_s, **options})
+
+    @staticmethod
+    def drop(
+        mass_kg: float = 1.0, speed_m_per_s: float = 3.0, /, **options: Unpack[_types.SolveOptions]
+    ) -> _types.NamedTest:
+        """Return a mass that falls on a beam on two rollers, or on a specimen on a base, and strikes at this speed."""
+        return _checked_test({"test": "drop", "mass_kg": mass_kg, "speed_m_per_s": speed_m_per_s, **options})
+
+    @staticmethod
+    def impact(speed_m_per_s: float = 8.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
+        """Return a plate of constant speed that presses the specimen against a base."""
+        return _checked_test({"test": "impact", "speed_m_per_s": speed_m_per_s, **options})
+
+    @staticmethod
     def expansion(
         mortar: _types.SolveCourse = 0.0,
         aggregate: _types.SolveCourse = 0.0,

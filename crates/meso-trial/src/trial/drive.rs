@@ -202,7 +202,8 @@ impl Test {
 
     /// Whether its supports move in real time, without a path.
     pub fn is_fast(&self) -> bool {
-        self.supports.iter().any(|support| support.drive.is_some())
+        let is_driven = self.supports.iter().any(|support| support.drive.is_some());
+        is_driven || self.kind.is_fast() && self.supports.is_empty()
     }
 
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.
@@ -214,10 +215,12 @@ impl Test {
         if !self.is_fast() {
             return Ok(());
         }
-        let steady = "a test in real time keeps its speed; take control = \"steady\"";
-        TEST.require("control", word(&self.control), self.control == Control::Steady, steady)?;
+        let steady = "a test in real time keeps its speed; take control = \"steady\", or leave it out";
+        let follows = matches!(self.control, Control::CrackMouth | Control::LateralStrain);
+        TEST.require("control", word(&self.control), !follows, steady)?;
         let lasts = "a test in real time lasts as long as you say; give duration_s, as in duration_s = 2e-4";
-        TEST.require("duration_s", "absent", self.duration_s.is_some(), lasts)?;
+        let has_end = self.duration_s.is_some() || self.kind.is_fast();
+        TEST.require("duration_s", "absent", has_end, lasts)?;
         let ends = "a test in real time ends with its duration; leave it out";
         TEST.require("strain", self.strain.unwrap_or_default(), self.strain.is_none(), ends)?;
         TEST.require("turns", self.turns.len(), self.turns.is_empty(), ends)?;
@@ -269,7 +272,7 @@ mod tests {
         let edits: [(Edit, &str); 15] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
-            (&|test| test.control = Control::Servo, "test.control is servo"),
+            (&|test| test.control = Control::CrackMouth, "test.control is crack-mouth"),
             (&|test| test.duration_s = None, "test.duration_s is absent"),
             (&|test| test.strain = Some(0.01), "test.strain is 0.01"),
             (&|test| test.supports[0].moves = 0.5, "test.supports.base.moves is 0.5"),

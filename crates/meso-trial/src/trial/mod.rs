@@ -3,6 +3,7 @@
 mod conflict;
 mod drive;
 mod expansion;
+mod fast;
 mod load;
 mod named;
 mod recipes;
@@ -83,6 +84,18 @@ pub struct Test {
     /// Strains of the phases that have no stress; they grow before the path begins. An expansion test without them has 1e-4 in
     /// the aggregates.
     pub expansion: Option<Expansion>,
+    /// Speed of the striker, the falling mass or the plate of a test in real time, m/s [default: 8; spall 1, drop 3]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 100.0)))]
+    pub speed_m_per_s: Option<f64>,
+    /// Length of the pulse of a Hopkinson or spall test at half of its height, s [default: 1e-4; spall 4e-5]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
+    pub pulse_s: Option<f64>,
+    /// Time in which the pulse or the plate's speed rises, s: a pulse shaper's [default: 2e-5; spall 5e-6, impact 1e-5]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
+    pub rise_s: Option<f64>,
+    /// Mass that falls, kg [default: 1]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1e6)))]
+    pub mass_kg: Option<f64>,
     /// Supports and loads; those of the named test where none are given.
     pub supports: Vec<SupportSpec>,
     /// Places at which the path turns; straight on to `strain` where none are given.
@@ -120,6 +133,14 @@ pub enum TestKind {
     /// A double-notched prism, glued to the left half of the upper side and the right half of the lower side, which move past
     /// each other.
     Shear,
+    /// Pressed between two steel bars by a pulse that a striker sends along one of them.
+    Hopkinson,
+    /// A pulse comes along a steel bar, and its reflection from the free end tears the specimen.
+    Spall,
+    /// A beam on rollers, or a specimen on a base, that a falling mass strikes.
+    Drop,
+    /// Pressed by a plate of constant speed.
+    Impact,
 }
 
 /// How the plates keep their speed.
@@ -179,6 +200,10 @@ impl Default for Test {
             stress_ratio: None,
             strip_mm: None,
             span_mm: None,
+            speed_m_per_s: None,
+            pulse_s: None,
+            rise_s: None,
+            mass_kg: None,
             expansion: None,
             supports: Vec::new(),
             turns: Vec::new(),
@@ -235,6 +260,7 @@ impl Test {
             TestKind::Splitting => 0.0015,
             TestKind::Bending | TestKind::FourPoint => 0.006,
             TestKind::Shear => 0.002,
+            TestKind::Hopkinson | TestKind::Spall | TestKind::Drop | TestKind::Impact => Self::LARGEST_STRAIN,
         })
     }
 
@@ -250,6 +276,7 @@ impl Test {
                 BENDING_PERIODS * self.period_s(geometry) * (self.strain() / 0.002).max(0.25)
             }
             TestKind::Expansion => LEAST_PACE * height_mm,
+            _ if self.kind.is_fast() => self.fast_duration_s(geometry),
             _ => paced(COMPRESSION_PACE, height_mm),
         })
     }
@@ -304,7 +331,7 @@ impl Test {
 
     /// Whether plates of the named test rub, so that its friction has an effect.
     pub fn rubs(&self) -> bool {
-        let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion);
+        let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion | TestKind::Spall);
         !is_glued && !self.kind.is_beam() && self.supports.is_empty()
     }
 
@@ -324,7 +351,7 @@ impl Test {
 
     /// Gauges of the test, with the one that controls it.
     pub fn gauges(&self) -> Vec<Gauge> {
-        let mut gauges = if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() };
+        let mut gauges = if self.gauges.is_empty() { self.named_gauges() } else { self.gauges.clone() };
         if let Some(own) = self.control.gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
             gauges.push(own);
         }
@@ -381,6 +408,7 @@ impl Test {
         TEST.require("frames", self.frames, self.frames <= 10_000, "it must be at most 10000")?;
         self.validate_kind()?;
         self.validate_loads()?;
+        self.validate_named_fast()?;
         self.validate_fast()?;
         self.validate_turns()?;
         self.interface.validate()
@@ -390,13 +418,13 @@ impl Test {
 impl Test {
     /// Refuses values that the named test does not have.
     fn validate_kind(&self) -> Result<(), OutOfRange> {
-        let [pressed, split] = [TestKind::Triaxial, TestKind::Splitting].map(|kind| kind == self.kind);
-        let bent = self.kind.is_beam();
+        let pressed = matches!(self.kind, TestKind::Triaxial | TestKind::Hopkinson);
+        let (split, bent) = (self.kind == TestKind::Splitting, self.kind.is_beam() || self.kind == TestKind::Drop);
         for (key, value, has, of) in [
-            ("pressure_mpa", self.pressure_mpa, pressed, "triaxial"),
+            ("pressure_mpa", self.pressure_mpa, pressed, "triaxial and hopkinson"),
             ("stress_ratio", self.stress_ratio, self.kind == TestKind::Biaxial, "biaxial"),
-            ("strip_mm", self.strip_mm, bent || split, "splitting and bending"),
-            ("span_mm", self.span_mm, bent, "bending"),
+            ("strip_mm", self.strip_mm, bent || split, "splitting, bending and drop"),
+            ("span_mm", self.span_mm, bent, "bending and drop"),
         ] {
             let accepted = format!("only {of} has it; leave it out, or take that kind of test");
             TEST.require(key, value.unwrap_or_default(), has || value.is_none(), accepted)?;

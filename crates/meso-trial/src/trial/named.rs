@@ -72,6 +72,9 @@ impl Test {
             let section_mm2 = geometry.section_mm2 * z / length_mm;
             return Ok(of(self.supports.clone(), axis, length_mm, section_mm2));
         }
+        if self.kind.is_fast() {
+            return self.fast_rig(geometry);
+        }
         Ok(match self.kind {
             TestKind::Compression | TestKind::Cyclic => along_z(self.plates(self.seating_mpa()).to_vec()),
             TestKind::Tension => along_z(self.pair(Rule::Glued, 0.5, 0.0).to_vec()),
@@ -80,7 +83,7 @@ impl Test {
             TestKind::Splitting => self.split(geometry)?,
             TestKind::Bending | TestKind::FourPoint => self.bent(geometry)?,
             TestKind::Expansion => along_z(Vec::new()),
-            TestKind::Shear => self.sheared(geometry),
+            _ => self.sheared(geometry),
         })
     }
 
@@ -221,7 +224,7 @@ impl Test {
     /// A beam on two rollers, pressed by a third one, or by two at its third points. With a from a roller below to the next
     /// one above, and h as the depth above the notch, 3 F a / (b h^2) is the stress and 3 h w / (a (3 l - 4 a)) the strain:
     /// 3 F l / (2 b h^2) and 6 h w / l^2 by one roller, F l / (b h^2) and 27 h w / (5 l^2) by two.
-    fn bent(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
+    pub(super) fn bent(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [x, y, z] = geometry.size_mm;
         let span = self.span_mm(geometry);
         let why = format!("a beam must be longer than 10/9 of its depth, {z} mm; take a longer prism");
@@ -303,17 +306,23 @@ impl SupportSpec {
     }
 }
 
-/// Gauges of a named test.
-pub(super) fn gauges(kind: TestKind) -> Vec<Gauge> {
+impl Test {
+    /// Gauges of the named test.
+    pub(super) fn named_gauges(&self) -> Vec<Gauge> {
+        if self.kind.is_fast() { self.fast_gauges() } else { gauges(self.kind) }
+    }
+}
+
+fn gauges(kind: TestKind) -> Vec<Gauge> {
     match kind {
-        TestKind::Compression | TestKind::Tension | TestKind::Splitting | TestKind::Shear => Vec::new(),
+        TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic => {
+            vec![Gauge::LateralStrain { name: "lateral_strain".to_owned() }]
+        }
         TestKind::Expansion => [("strain_x", Along::X), ("strain_y", Along::Y), ("strain_z", Along::Z)]
             .map(|(name, axis)| Gauge::Sides { name: name.to_owned(), axis })
             .to_vec(),
         TestKind::Bending | TestKind::FourPoint => vec![Gauge::mouth()],
-        TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic => {
-            vec![Gauge::LateralStrain { name: "lateral_strain".to_owned() }]
-        }
+        _ => Vec::new(),
     }
 }
 

@@ -21,6 +21,10 @@ impl TestKind {
             Self::Biaxial => "Plates press along z; the stress of plates across x follows in a ratio.",
             Self::Cyclic => "Plates press along z and make the turns that are listed.",
             Self::Expansion => "Phases swell or shrink in a specimen without supports.",
+            Self::Hopkinson => "A pulse in a steel bar presses the specimen along z against another one.",
+            Self::Spall => "A pulse comes along a steel bar below; its reflection from the free upper end tears the specimen.",
+            Self::Drop => "A mass falls on the middle of a beam on two rollers, or on a specimen on a base.",
+            Self::Impact => "A plate of constant speed presses along z.",
             Self::Shear => {
                 "Plates glued to the upper left and the lower right half of a double-notched prism move past each other along z."
             }
@@ -42,6 +46,19 @@ impl TestKind {
             Self::Triaxial => "pressure_mpa = 5.0\n".to_owned(),
             Self::Biaxial => "stress_ratio = 1.0          # lateral over axial stress\n".to_owned(),
             Self::Cyclic => turns(strain),
+            Self::Hopkinson | Self::Spall => {
+                let [speed, pulse, rise] = [test.speed_m_per_s(), test.pulse_s(), test.rise_s()];
+                format!(
+                    "# speed_m_per_s = {speed:?}         # of the striker\n# pulse_s = {pulse:?}\n# rise_s = {rise:?}\n{RATED}"
+                )
+            }
+            Self::Drop => format!(
+                "# mass_kg = 1.0\n# speed_m_per_s = {:?}       # of the mass when it strikes\n{RATED}",
+                test.speed_m_per_s()
+            ),
+            Self::Impact => {
+                format!("# speed_m_per_s = {:?}       # of the plate\n# rise_s = {:?}\n{RATED}", test.speed_m_per_s(), test.rise_s())
+            }
             _ => String::new(),
         };
         let kind = serde_json::to_value(self).unwrap_or_default();
@@ -67,6 +84,9 @@ fn turns(strain: f64) -> String {
     format!("turns = [                   # strains, and stresses between them\n{}]\n", lines.collect::<String>())
 }
 
+/// Options of tests in real time.
+const RATED: &str = "# rate_effect = true         # strengths of mortar and ITZ grow with the rate of strain\n";
+
 /// Strains of an expansion test.
 const STRAINS: &str = "
 [expansion]
@@ -91,7 +111,7 @@ mod tests {
     use crate::sample::Geometry;
     use crate::trial::{Test, TestKind};
 
-    const ALL: [TestKind; 10] = [
+    const ALL: [TestKind; 14] = [
         TestKind::Compression,
         TestKind::Tension,
         TestKind::Splitting,
@@ -102,6 +122,10 @@ mod tests {
         TestKind::Cyclic,
         TestKind::Expansion,
         TestKind::Shear,
+        TestKind::Hopkinson,
+        TestKind::Spall,
+        TestKind::Drop,
+        TestKind::Impact,
     ];
     const BEAM: Geometry = Geometry {
         size_mm: [120.0, 30.0, 32.0],

@@ -156,10 +156,12 @@ impl Args {
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         // A servo adds steps while the specimen breaks.
-        let at_least = if asked.control != Control::Steady { "at least " } else { "" };
+        let at_least = if asked.control != Control::Steady && !asked.is_fast() { "at least " } else { "" };
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         let swollen = asked.expansion().map(|expansion| expansion.words());
-        let loads = if asked.has_path() {
+        let loads = if asked.is_fast() {
+            format!("{test} in real time")
+        } else if asked.has_path() {
             let after = swollen.map(|words| format!(" after an expansion of {words}")).unwrap_or_default();
             format!("{test}{after} to a strain of {strain}, friction {}", asked.friction())
         } else {

@@ -21,7 +21,7 @@ use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
-use meso_trial::{Control, Drive, MOST_SUPPORTS, Rule, SupportSpec, Test};
+use meso_trial::{Control, Drive, MOST_SUPPORTS, Rule, SupportSpec, Test, TestKind};
 
 /// Refuses meshes and tests that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
@@ -33,7 +33,8 @@ pub fn accept(kind: CellKind, test: &Test) -> Result<(), SolveError> {
         return Err(SolveError::Device(why.to_owned()));
     }
     let answers = |support: &SupportSpec| matches!(support.drive, Some(Drive::Bar { .. } | Drive::Mass { .. }));
-    if test.supports.iter().any(answers) {
+    let is_named = test.is_fast() && test.supports.is_empty() && test.kind != TestKind::Impact;
+    if is_named || test.supports.iter().any(answers) {
         let why = "bars and masses run on the processor only; take the device cpu";
         return Err(SolveError::Device(why.to_owned()));
     }

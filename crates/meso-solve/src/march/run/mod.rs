@@ -153,7 +153,7 @@ impl<'a> Run<'a> {
         let expansion = test.expansion();
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
-        let (steps, dt) = match test.duration_s.filter(|_| test.is_fast()) {
+        let (steps, dt) = match Some(test.duration_s(&geometry)).filter(|_| test.is_fast()) {
             Some(duration) => {
                 let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
                 in_real_time(test, duration, stable_s(&parts)?)?
@@ -195,7 +195,9 @@ impl<'a> Run<'a> {
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
         let state = State { held: supports.at_start(), ..State::default() };
-        let test = test.clone();
+        // Plates in real time keep their speed.
+        let control = if test.is_fast() { Control::Steady } else { test.control };
+        let test = Test { control, ..test.clone() };
         let run = Self {
             sample,
             test,

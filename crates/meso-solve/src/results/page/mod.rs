@@ -112,6 +112,9 @@ impl Axes {
         if result.is_free() {
             return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "strain, µm/m" };
         }
+        if matches!(result.test, TestKind::Spall | TestKind::Drop) {
+            return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "stress, MPa" };
+        }
         let (x, y) = match result.test {
             TestKind::Bending => ("strain 6 h w / l² of the roller's way", "stress 3 F l / (2 b h²), MPa"),
             TestKind::FourPoint => ("strain 27 h w / (5 l²) of the rollers' way", "stress F l / (b h²), MPa"),
