@@ -164,6 +164,16 @@ fn every_key_of_every_recipe_is_explained_and_the_text_reads_back() {
     }
 }
 
+/// Hashes of cases are made of this text.
+#[cfg(feature = "schema")]
+#[test]
+fn the_sorted_text_of_a_spec_is_that_of_its_tree_of_values() {
+    for recipe in Recipe::ALL {
+        let spec = Spec::from_toml(recipe.text).unwrap();
+        assert_eq!(spec.sorted_json(), serde_json::to_value(&spec).unwrap().to_string(), "{}", recipe.name);
+    }
+}
+
 #[cfg(feature = "schema")]
 #[test]
 fn a_key_of_few_words_names_them_and_a_variant_says_what_it_is() {

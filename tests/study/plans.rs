@@ -17,6 +17,18 @@ fn every_combination_is_a_case_and_the_last_axis_runs_fastest() {
     assert!(plan.cases[1].folder.starts_with("seed-1_fraction-0.3_"), "{}", plan.cases[1].folder);
 }
 
+/// Cases share the texts of their specs.
+#[test]
+fn the_hash_of_each_case_is_that_of_its_whole_tree() {
+    let (seeds, fractions) = (("seed", json!([1, 12, 2])), ("fraction", json!([0.2, 0.25])));
+    for axes in [[seeds.clone(), fractions.clone()], [fractions, seeds]] {
+        for case in plan(&axes).unwrap().cases {
+            let whole = json!({ "mesocrete": env!("CARGO_PKG_VERSION"), "spec": case.spec, "task": case.task });
+            assert_eq!(case.hash, digest(whole.to_string().as_bytes()));
+        }
+    }
+}
+
 #[test]
 fn no_axes_are_one_case() {
     assert_eq!(plan(&[]).unwrap().cases.len(), 1);

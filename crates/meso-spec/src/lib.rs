@@ -15,7 +15,6 @@ mod library;
 mod limits;
 mod messages;
 mod mix_design;
-mod overlay;
 mod read;
 mod room;
 #[cfg(feature = "schema")]
@@ -23,6 +22,7 @@ mod schema;
 mod sieves;
 mod surface;
 mod tree;
+mod values;
 
 pub use error::SpecError;
 pub use files::Files;

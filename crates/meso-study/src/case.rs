@@ -2,7 +2,7 @@
 
 use meso_pack::Spec;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// Characters of a folder's name before the hash.
@@ -26,19 +26,44 @@ pub struct Case {
 }
 
 impl Case {
-    pub(crate) fn new(values: &[(&str, &Value)], spec: Spec, task: Value) -> Self {
-        let spec_tree = serde_json::to_value(&spec).expect("a spec is a tree of values");
-        let whole = json!({ "mesocrete": env!("CARGO_PKG_VERSION"), "spec": spec_tree, "task": task });
-        let hash = digest(whole.to_string().as_bytes());
+    pub(crate) fn new(values: &[(&str, &Value)], spec: Spec, task: Value, texts: &mut SpecTexts) -> Self {
+        let version = env!("CARGO_PKG_VERSION");
+        let whole = format!(r#"{{"mesocrete":"{version}","spec":{},"task":{task}}}"#, texts.of(&spec));
+        let hash = digest(whole.as_bytes());
         let folder = folder(values, &hash);
         let values = values.iter().map(|(key, value)| ((*key).to_owned(), (*value).clone())).collect();
         Self { folder, hash, values, spec, task }
     }
 }
 
+/// Texts of specs, one after the other. Two that differ in their seeds have one text but for these.
+#[derive(Default)]
+pub(crate) struct SpecTexts {
+    /// The spec before, and its text up to the seed and from there on.
+    last: Option<(Spec, [String; 2])>,
+}
+
+impl SpecTexts {
+    fn of(&mut self, spec: &Spec) -> String {
+        if let Some((last, [before, behind])) = &mut self.last {
+            last.seed = spec.seed;
+            if last == spec {
+                return format!("{before}{}{behind}", spec.seed);
+            }
+        }
+        let text = spec.sorted_json();
+        let seed = format!("\"seed\":{}", spec.seed);
+        self.last = text.split_once(&seed).map(|(before, behind)| {
+            (spec.clone(), [before.to_owned() + &seed[..r#""seed":"#.len()], behind.to_owned()])
+        });
+        text
+    }
+}
+
 /// SHA-256 of `bytes` in hexadecimal digits.
 pub fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    let digit = |half: u8| char::from(b"0123456789abcdef"[usize::from(half)]);
+    Sha256::digest(bytes).iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
 /// `seed-3_fraction-0.4_1a2b3c4d5e6f7a8b`: the name depends only on the case, so a longer axis keeps existing folders.

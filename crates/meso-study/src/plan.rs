@@ -1,6 +1,6 @@
 //! The cases of a study: a base, and axes whose values are laid over it in every combination.
 
-use crate::case::Case;
+use crate::case::{Case, SpecTexts};
 use meso_pack::spec::Files;
 use meso_pack::{Spec, SpecError};
 use serde_json::{Map, Value};
@@ -142,13 +142,14 @@ impl Plan {
             PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.rows.len())))
         })?;
         let bases: Vec<Value> = bases(base, axes).into_iter().map(|base| with_specimen(base, axes)).collect();
-        let mut cases = Vec::with_capacity(count);
+        let (mut cases, mut texts) = (Vec::with_capacity(count), SpecTexts::default());
         for number in 0..count {
             if number % REPORT == 0 && !planning.goes_on(number, count) {
                 return Err(PlanError::Stopped);
             }
             let (values, base) = combination(axes, number);
-            cases.push(case(&bases[base], &values, task, files, planning)?);
+            let (spec, task) = complete(&bases[base], &values, task, files, planning)?;
+            cases.push(Case::new(&values, spec, task, &mut texts));
         }
         distinct(&cases)?;
         Ok(Self { keys: axes.iter().flat_map(|axis| axis.keys.clone()).collect(), cases })
@@ -218,13 +219,14 @@ fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
     tree
 }
 
-fn case(
+/// The spec and the task of a combination.
+fn complete(
     base: &Value,
     values: &[(&str, &Value)],
     task: &Value,
     files: &mut dyn Files,
     planning: &mut dyn Planning,
-) -> Result<Case, PlanError> {
+) -> Result<(Spec, Value), PlanError> {
     let (mut tree, mut task) = (base.clone(), task.clone());
     let options = values.iter().filter(|(key, _)| *key != SPEC);
     let (of_task, of_spec) = options.partition(|(key, _)| is_of_task(key.split('.').next().unwrap_or_default()));
@@ -232,7 +234,7 @@ fn case(
     Spec::overlay(&mut task, one_tree(of_task));
     let spec = Spec::from_value_with(&tree, files).map_err(|error| PlanError::Spec(describe(values), error))?;
     planning.complete(&mut task).map_err(|message| PlanError::Task(describe(values), message))?;
-    Ok(Case::new(values, spec, task))
+    Ok((spec, task))
 }
 
 /// A tree with each value at its path; no path is a part of another.

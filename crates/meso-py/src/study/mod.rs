@@ -13,9 +13,12 @@ use crate::pickle;
 use crate::run::{Watch, beside_python_on};
 use crate::spec::{self, options, spec_error};
 use crate::tree::{self, plain};
-use meso_ask::{AskError, Giver};
+use meso_ask::{AskError, Giver, Machine};
+use meso_core::mesh::Tools;
 use meso_core::saved;
+
 use meso_core::{Model, Silent};
+use meso_files::free;
 use meso_files::lock::{LOCK, LockError};
 use meso_gpu::Choice;
 use meso_solve::Run;
@@ -531,11 +534,12 @@ impl PyStudyPlan {
         if !self.plan.cases.first().is_some_and(has_steps) {
             return Ok(());
         }
-        let gmsh = mesh::gmsh(py)?;
+        let tools = Tools { gmsh: &mesh::gmsh(py)?, ..Tools::default() };
+        let machine = Machine { memory: free::memory(), tools, asked: None };
         self.plan.cases.iter().try_for_each(|case| {
             py.check_signals()?;
             let steps = self.steps.steps(&case.task).map_err(|fault| raised(&fault))?;
-            steps.accept(&case.spec, &gmsh, &device).map_err(|fault| raised(&fault))
+            steps.accept(&case.spec, &machine, &device).map_err(|fault| raised(&fault))
         })
     }
 

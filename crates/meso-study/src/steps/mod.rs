@@ -101,16 +101,11 @@ impl Steps {
         self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.claim("[mesh] output", &mut names))
     }
 
-    /// Refuses options that the packing of `spec` cannot be meshed or tested with, and a missing gmsh or device.
+    /// Refuses options that the packing of `spec` cannot be meshed or tested with on a machine, and a missing gmsh or device.
     ///
     /// # Errors
     /// The option, in the giver's spelling.
-    pub fn accept(&self, spec: &Spec, gmsh: &Gmsh, devices: &Devices<'_>) -> Result<(), AskError> {
-        let tools = Tools { gmsh, ..Tools::default() };
-        self.accept_on(&Machine { memory: free::memory(), tools, asked: None }, spec, devices)
-    }
-
-    fn accept_on(&self, machine: &Machine<'_>, spec: &Spec, devices: &Devices<'_>) -> Result<(), AskError> {
+    pub fn accept(&self, spec: &Spec, machine: &Machine<'_>, devices: &Devices<'_>) -> Result<(), AskError> {
         self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.accept(spec, machine))?;
         self.effective.as_ref().map_or(Ok(()), |effective| effective.accept(spec, machine))?;
         self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, machine, devices))
@@ -121,7 +116,7 @@ impl Steps {
         let asked = Cell::new(0.0);
         let machine = Machine { memory: None, tools: Tools { gmsh, ..Tools::default() }, asked: Some(&asked) };
         // A refusal is that of `accept`.
-        let _ = self.accept_on(&machine, spec, &|_, _| Ok(Attached::default()));
+        let _ = self.accept(spec, &machine, &|_, _| Ok(Attached::default()));
         asked.get()
     }
 

@@ -19,8 +19,9 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut beside = Beside(args.spec.parent().unwrap_or(Path::new("")));
     let mut fit = args.fit(&mut beside)?;
     let how = Working::new(args.jobs, args.threads, Path::new("gmsh"), Again::Failed);
+    let machine = how.machine();
     for case in fit.first(&mut beside)?.cases {
-        how.settle(&case, &fit.steps(&case, &inputs::text)?)?;
+        study::settle(&case, &fit.steps(&case, &inputs::text)?, &machine)?;
     }
     let _own = OwnFolder::open(&args.output)?;
     let [materials, report] = RESULTS.map(|name| Target::new(&args.output.join(name), args.writing.force));

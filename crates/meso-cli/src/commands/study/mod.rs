@@ -6,9 +6,10 @@ use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, Watch, bar, show};
-use crate::{gpu, inputs, interrupt, outputs, stderr, threads};
-use meso_ask::AskError;
+use crate::{gpu, inputs, interrupt, outputs, room, stderr, threads};
+use meso_ask::{AskError, Machine};
 use meso_concrete::thousands;
+use meso_core::mesh::Tools;
 use meso_gmsh::Gmsh;
 use meso_study::{
     Again, Case, CaseOutcome, CaseState, Doing, Heard, Plan, RunError, Share, Status, Steps, StudyFile, StudyRun,
@@ -149,9 +150,9 @@ impl Working {
         Self { jobs, threads: shared_threads(jobs, threads), gmsh: Gmsh::program(gmsh), again }
     }
 
-    /// Refuses a case whose options its specimen cannot have.
-    pub(crate) fn settle(&self, case: &Case, steps: &Steps) -> Result<(), AskError> {
-        steps.accept(&case.spec, &self.gmsh, &gpu::device)
+    /// This machine, which [`settle`] asks.
+    pub(crate) fn machine(&self) -> Machine<'_> {
+        room::machine(Tools { gmsh: &self.gmsh, ..Tools::default() })
     }
 
     /// Does a case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
@@ -178,13 +179,19 @@ impl Working {
     }
 }
 
+/// Refuses a case whose options its specimen cannot have.
+pub(crate) fn settle(case: &Case, steps: &Steps, machine: &Machine<'_>) -> Result<(), AskError> {
+    steps.accept(&case.spec, machine, &gpu::device)
+}
+
 /// The plan. An invalid option of any case is named before the work, while nothing is lost.
 fn checked_plan(file: &StudyFile, how: &Working, shown: &Shown) -> Result<Arc<Plan>, Failure> {
     let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
+    let machine = how.machine();
     for (number, case) in plan.cases.iter().enumerate() {
         shown.count("checking options", number, plan.cases.len());
         let steps = file.steps(case, &inputs::text)?;
-        how.settle(case, &steps).map_err(|fault| file.wrong(&fault))?;
+        settle(case, &steps, &machine).map_err(|fault| file.wrong(&fault))?;
     }
     shown.clear();
     Ok(plan)
