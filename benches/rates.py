@@ -37,7 +37,7 @@ def fib(load: str, rate: float) -> float:
 def spec(seed: int) -> str:
     """The concrete."""
     return (
-        f"seed = {seed}\nfraction = 0.4\n[specimen]\nkind = \"cube\"\nsize_mm = {SIDE_MM}\n"
+        f"seed = {seed}\nfraction = 0.4\n[specimen]\nkind = \"cube\"\nside_mm = {SIDE_MM}\n"
         "[grading]\nd_min_mm = 5.0\nd_max_mm = 16.0\n[placement]\nmin_gap_mm = 1.0\n"
     )
 

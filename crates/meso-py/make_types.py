@@ -182,7 +182,9 @@ class Types:
 
 def join(types: list[str]) -> str:
     """Return a union; literals become one."""
-    literals = [text[8:-1] for text in types if text.startswith("Literal[")]
+    # A word may stand in two of them.
+    words = (word for text in types if text.startswith("Literal[") for word in text[8:-1].split(", "))
+    literals = list(dict.fromkeys(words))
     others = [text for text in types if not text.startswith("Literal[")]
     return " | ".join(dict.fromkeys([*([f"Literal[{', '.join(literals)}]"] if literals else []), *others]))
 

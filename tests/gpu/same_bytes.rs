@@ -263,6 +263,14 @@ fn pressures_and_plates_with_a_servo_have_the_bytes_of_the_processor_on_a_device
 }
 
 #[test]
+fn plates_in_real_time_and_strengths_that_grow_with_the_rate_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let test = Test { kind: TestKind::Impact, rate_effect: true, frames: 2, duration_s: Some(4e-5), ..Test::default() };
+    let response = same(&cube(20.0, 4.0), &test, &device);
+    assert!(response.result.energies.dissipated > 0.0, "{:?}", response.result);
+}
+
+#[test]
 fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = cube(16.0, 4.0);

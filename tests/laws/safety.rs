@@ -3,7 +3,7 @@
 use crate::meso::{meso, rated, with_biaxial_ratio};
 use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
 use meso_element::law::point::ramp;
-use meso_element::law::{Law, Rated, Tensor, cdpm2 as options};
+use meso_element::law::{Law, Tensor, cdpm2 as options};
 
 /// Numbers from -1 to 1, the same every time.
 pub(crate) struct Dice(pub(crate) u64);
@@ -126,8 +126,7 @@ fn closed(dice: &mut Dice, size: f64, round: bool) -> Vec<Tensor<f64>> {
 
 /// Energy per volume that the law spends along closed paths in `steps` steps from corner to corner, and the part of it
 /// that steps give back, N/mm2: the flow's work against the stress at the end of a step, and the fall of the stiffness.
-/// Plastic strains of its history are in units of `unit`.
-fn spent_and_returned<L: Law<f64>>(law: &L, unit: fn(&L::History) -> f64, steps: u32, loops: usize) -> [f64; 2] {
+fn spent_and_returned<L: Law<f64>>(law: &L, steps: u32, loops: usize) -> [f64; 2] {
     let (mut dice, mut spent, mut returned) = (Dice(5), 0.0, 0.0);
     for turn in 0..loops {
         let (mut history, mut before, mut from) = (L::virgin(), 1.0, [0.0; 6]);
@@ -136,9 +135,9 @@ fn spent_and_returned<L: Law<f64>>(law: &L, unit: fn(&L::History) -> f64, steps:
                 let strain: Tensor<f64> = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share);
                 let old = history;
                 let answer = law.stress(&strain, &mut history, WIDTH);
-                let (unit, old, new) = (unit(&history), old.as_ref(), history.as_ref());
-                let flowed: f64 = (0..6).map(|i| answer.stress[i] * unit * (new[i] - old[i])).sum();
-                let stored: f64 = (0..6).map(|i| 0.5 * answer.stress[i] * (strain[i] - unit * new[i])).sum();
+                let (old, new) = (old.as_ref(), history.as_ref());
+                let flowed: f64 = (0..6).map(|i| answer.stress[i] * (new[i] - old[i])).sum();
+                let stored: f64 = (0..6).map(|i| 0.5 * answer.stress[i] * (strain[i] - new[i])).sum();
                 let step = flowed + stored * (before - answer.integrity) / answer.integrity.max(1e-6);
                 before = answer.integrity;
                 spent += step.max(0.0);
@@ -156,12 +155,12 @@ fn spent_and_returned<L: Law<f64>>(law: &L, unit: fn(&L::History) -> f64, steps:
 fn mortar_between_grains_spends_in_steps_of_every_size() {
     let laws = [1.0, 1.16, 2.0].map(with_biaxial_ratio);
     for (law, steps) in laws.iter().flat_map(|law| [200, 20, 4, 1].map(|steps| (law, steps))) {
-        let [spent, returned] = spent_and_returned(law, |_| 1.0, steps, 200);
+        let [spent, returned] = spent_and_returned(law, steps, 200);
         assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent} in {steps} steps");
     }
     // The rates of these paths are from 1e-3 to 1e6 /s.
     for (dt, steps) in [1e-7, 1e-3, 1.0].into_iter().flat_map(|dt| [200, 20, 4, 1].map(|steps| (dt, steps))) {
-        let [spent, returned] = spent_and_returned(&rated::<f64>(dt), Rated::unit, steps, 200);
+        let [spent, returned] = spent_and_returned(&rated::<f64>(dt), steps, 200);
         assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent} in {steps} steps of {dt} s");
     }
 }

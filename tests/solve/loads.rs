@@ -570,6 +570,11 @@ pub(crate) fn all_kinds() -> Vec<(Meshed, Test)> {
     all.push((beam(16.0, 4.0), of(TestKind::Bending)));
     all.push((notched([24.0, 6.0, 24.0], [6.0, 6.0, 3.0], 3.0), of(TestKind::Shear)));
     all.push((Meshed::mortar([48.0, 6.0, 12.0], Method::FITTED, 3.0), of(TestKind::FourPoint)));
+    let rated = |kind| Test { rate_effect: true, ..of(kind) };
+    all.push((cylinder(12.0, 12.0, 3.0), Test { pressure_mpa: Some(3.0), ..rated(TestKind::Hopkinson) }));
+    all.push((Meshed::mortar([6.0, 6.0, 48.0], Method::FITTED, 3.0), of(TestKind::Spall)));
+    all.push((Meshed::mortar([48.0, 6.0, 12.0], Method::FITTED, 3.0), of(TestKind::Drop)));
+    all.push((cylinder(12.0, 12.0, 3.0), rated(TestKind::Impact)));
     all
 }
 
@@ -595,7 +600,7 @@ fn a_test_of_every_kind_has_the_same_curve_on_1_and_3_threads() {
         pool.install(|| meshed.solve(&brittle(), test))
     };
     let kinds = all_kinds();
-    assert_eq!(kinds.len(), 10);
+    assert_eq!(kinds.len(), 14);
     for (meshed, test) in kinds {
         let [one, three] = [1, 3].map(|threads| on(threads, &meshed, &test));
         assert!(one.curve == three.curve && one.extra == three.extra, "{:?}", test.kind);

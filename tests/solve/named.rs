@@ -81,7 +81,9 @@ fn every_named_test_has_a_small_specimen() {
     for (specimen, tests) in &small {
         tests.iter().for_each(|test| test.suits(specimen).unwrap());
     }
-    let all = named(all_kinds().into_iter().map(|(_, test)| test.kind).collect());
+    // Tests in real time are not slow.
+    let slow = all_kinds().into_iter().filter(|(_, test)| !test.is_fast());
+    let all = named(slow.map(|(_, test)| test.kind).collect());
     assert_eq!(named(small.into_iter().flat_map(|(_, tests)| tests).map(|test| test.kind).collect()), all);
     assert_eq!(all.len(), 10);
 }

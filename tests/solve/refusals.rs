@@ -35,7 +35,7 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
         (Test { interface: Interface { friction: f64::NAN }, ..base.clone() }, "test.interface.friction"),
         (named("strain"), "test.gauges.name is strain; every curve has this column; take another name"),
         (named("a,b"), "test.gauges.name is a,b; it must be letters, digits and _"),
-        (named("a_n"), "it must not end in _n, as columns of supports' forces do"),
+        (named("a_n"), "it must not end in _n, _m_per_s, _in_mpa, _out_mpa, as columns of supports do"),
     ] {
         let error = refusal(meshed.sample(), &Materials::default(), &test);
         assert!(error.contains(text), "{error}");

@@ -167,7 +167,10 @@ impl Test {
         }
         if self.is_fast() {
             let why = "a deck has no plates in real time; take mesocrete solve";
-            return Err(TEST.error("supports.drive", "given", why).into());
+            let named = TEST.error("kind", word(&self.kind), why);
+            return Err(
+                if self.supports.is_empty() { named } else { TEST.error("supports.drive", "given", why) }.into()
+            );
         }
         if !self.has_path() {
             return Ok(Vec::new());

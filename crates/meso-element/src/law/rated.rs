@@ -61,27 +61,35 @@ impl<R: Real> Rated<R> {
         }
     }
 
-    /// Unit of the plastic strains in a history: the factor of f_c.
-    pub fn unit(history: &[R; 10]) -> R {
-        Self::factors(history)[0]
-    }
-
     /// Factors of f_c and f_t at the rate of a history.
     #[inline(always)]
     fn factors(history: &[R; 10]) -> [R; 2] {
-        [COMPRESSION, TENSION].map(|branch| factor(history[RATE], branch))
+        [factor(history[RATE], COMPRESSION), factor(history[RATE], TENSION)]
     }
+}
+
+/// A tensor times a number.
+#[inline(always)]
+fn scaled<R: Real>(tensor: &Tensor<R>, by: R) -> Tensor<R> {
+    let mut scaled = *tensor;
+    for component in &mut scaled {
+        *component = *component * by;
+    }
+    scaled
 }
 
 /// The history of `meso`, and its rates at these factors.
 #[inline(always)]
 fn parts<R: Real>(history: &[R; 10], [c, t]: [R; 2]) -> ([R; 8], Rates<R>) {
-    let [a, b, d, e, f, g, h, i, ..] = *history;
-    ([a, b, d, e, f, g, h, i], Rates { tensile: t / c, crack: c * t, crush: c * c })
+    let (mut own, per) = ([history[0]; 8], R::splat(1.0) / c);
+    for i in 0..8 {
+        own[i] = if i < 6 { history[i] * per } else { history[i] };
+    }
+    (own, Rates { tensile: t / c, crack: c * t, crush: c * c })
 }
 
 impl<R: Real> Law<R> for Rated<R> {
-    /// That of `meso` in units of the factor of f_c; the equivalent strain, and the rate.
+    /// That of `meso`, the strains of cracking and crushing in units of the factor of f_c; the equivalent strain, and the rate.
     type History = [R; 10];
 
     fn virgin() -> [R; 10] {
@@ -103,13 +111,19 @@ impl<R: Real> Law<R> for Rated<R> {
             return PointResponse { stress: elastic, integrity: one };
         }
         let factors = Self::factors(history);
-        let ([c, _], (mut own, rates)) = (factors, parts(history, factors));
-        let per = one / c;
-        let answer = self.meso.answer::<true>(&strain.map(|strain| strain * per), &mut own, width, &rates);
-        history[..8].copy_from_slice(&own);
+        let ([c, _], (before, rates)) = (factors, parts(history, factors));
+        let (per, mut own) = (one / c, before);
+        let answer = self.meso.answer::<true>(&scaled(strain, per), &mut own, width, &rates);
+        for i in 0..8 {
+            // Where nothing flows, not a bit changes.
+            history[i] = if i < 6 { c.mul_add(own[i] - before[i], history[i]) } else { own[i] };
+        }
         // A point at rest has the same bits as where all of its register are.
         let flows = Meso::yielded(history);
-        let stress = [0, 1, 2, 3, 4, 5].map(|i| R::select(flows, answer.stress[i] * c, elastic[i]));
+        let mut stress = elastic;
+        for i in 0..6 {
+            stress[i] = R::select(flows, answer.stress[i] * c, elastic[i]);
+        }
         PointResponse { stress, integrity: answer.integrity }
     }
 
@@ -118,8 +132,8 @@ impl<R: Real> Law<R> for Rated<R> {
         let factors = Self::factors(history);
         let ([c, _], (own, rates)) = (factors, parts(history, factors));
         let per = R::splat(1.0) / c;
-        let state = self.meso.shown::<true>(&strain.map(|strain| strain * per), &own, width, &rates);
-        State { opening: state.opening * c, stored: state.stored * c * c, ..state }
+        let state = self.meso.shown::<true>(&scaled(strain, per), &own, width, &rates);
+        State { opening: state.opening * c, stored: state.stored * (c * c), ..state }
     }
 
     fn widest_mm(&self) -> [f64; 2] {

@@ -565,7 +565,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "spall", "drop"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
     """Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]"""
@@ -609,6 +609,44 @@ class SolveBelow(TypedDict, total=False):
 
 
 SolveCourse = float | Sequence[_Numbers] | str
+
+
+class SpeedSolveDrive(TypedDict, total=False):
+    """It has this speed."""
+
+    kind: Literal["speed"]
+    """Name of this form: 'speed'."""
+    speed_m_per_s: SolveSpeed
+    """Its speed, m/s."""
+
+
+class BarSolveDrive(TypedDict, total=False):
+    """It is the plane end of a long elastic bar, from which no wave returns."""
+
+    area_mm2: float | None
+    """Section of the bar, mm2; absent, it is the area of the side."""
+    density_t_per_mm3: float
+    """Density of the bar, tonne/mm3."""
+    kind: Literal["bar"]
+    """Name of this form: 'bar'."""
+    speed_m_per_s: SolveSpeed
+    """Particle speed of the wave that comes along the bar, m/s: half of the speed of a striker of the same bar. Absent, none comes."""
+    youngs_modulus_mpa: float
+    """Young's modulus of the bar, MPa."""
+
+
+class MassSolveDrive(TypedDict, total=False):
+    """It is rigid, has a mass, and strikes the specimen."""
+
+    kind: Literal["mass"]
+    """Name of this form: 'mass'."""
+    mass_kg: float
+    """Its mass, kg."""
+    speed_m_per_s: float
+    """Its speed when the test begins, m/s."""
+
+
+SolveDrive = SpeedSolveDrive | BarSolveDrive | MassSolveDrive
 
 
 class SolveExpansion(TypedDict, total=False):
@@ -656,6 +694,17 @@ class SidesSolveGauge(TypedDict, total=False):
     """Name of the column."""
 
 
+class SideSolveGauge(TypedDict, total=False):
+    """Displacement of a side along its axis, mm, positive out of the specimen: its mean by area."""
+
+    kind: Literal["side"]
+    """Name of this form: 'side'."""
+    name: str
+    """Name of the column."""
+    on: Literal["x-min", "x-max", "y-min", "y-max", "z-min", "z-max", "mantle"]
+    """The side, not the mantle."""
+
+
 class LateralStrainSolveGauge(TypedDict, total=False):
     """Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height."""
 
@@ -676,7 +725,7 @@ class CrackMouthSolveGauge(TypedDict, total=False):
     """Gauge length along the lower side, mm; absent, it is the notch's, or the depth of a beam without one."""
 
 
-SolveGauge = LvdtSolveGauge | SidesSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
+SolveGauge = LvdtSolveGauge | SidesSolveGauge | SideSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
 
 
 class SolveInterface(TypedDict, total=False):
@@ -684,6 +733,9 @@ class SolveInterface(TypedDict, total=False):
 
     friction: float
     """Coulomb's coefficient in a crack."""
+
+
+SolveSpeed = float | Sequence[_Numbers] | str
 
 
 class SolveStrip(TypedDict, total=False):
@@ -700,6 +752,8 @@ class SolveStrip(TypedDict, total=False):
 class SolveSupportSpec(TypedDict, total=False):
     """A support or a load of a specimen."""
 
+    drive: SolveDrive | None
+    """What moves a plate in real time, in place of the path: `{ kind = 'speed' }`, `'bar'` or `'mass'`."""
     friction: float
     """Coulomb's coefficient of a plate."""
     moves: float
@@ -750,16 +804,26 @@ class SolveOptions(TypedDict, total=False):
     """Cohesive faces."""
     law: Literal["meso", "cdp", "cdpm2", "elastic"]
     """The law of mortar and ITZ: meso is that of mortar between grains, cdp the twin of a deck, cdpm2 for comparison"""
+    mass_kg: float | None
+    """Mass that falls, kg [default: 1]"""
     pressure_mpa: float | None
     """Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent."""
+    pulse_s: float | None
+    """Length of the pulse of a Hopkinson or spall test at half of its height, s [default: 1e-4; spall 4e-5]"""
     ramp: float
     """Share of the time in which the plates gain their speed."""
+    rate_effect: bool
+    """Let the strengths of mortar and ITZ grow with the rate of strain, by the first branch of fib Model Code 2010, 5.1.11 (in real time, with the law meso)."""
+    rise_s: float | None
+    """Time in which the pulse or the plate's speed rises, s: a pulse shaper's [default: 2e-5; spall 5e-6, impact 1e-5]"""
     rows: int
     """Rows of the curve, at most, and as densely where the servo adds steps."""
     smoothing: Literal["none", "edges"] | None
     """Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]"""
     span_mm: float | None
     """Distance of a beam's rollers, mm."""
+    speed_m_per_s: float | None
+    """Speed of the striker, the falling mass or the plate of a test in real time, m/s [default: 8; spall 1, drop 3]"""
     strain: float | None
     """Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]"""
     stress_ratio: float | None
@@ -842,7 +906,7 @@ class StatisticsOptions(TypedDict, total=False):
 class NamedTest(SolveOptions, total=False):
     """A test and its name, as `Test` returns it."""
 
-    test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear"]
+    test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "spall", "drop", "impact"]
     """The named test."""
 
 

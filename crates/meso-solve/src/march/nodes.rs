@@ -107,9 +107,11 @@ impl Nodes {
         self.shares.len()
     }
 
-    /// Force with which the elements resist at a node, N.
-    pub(crate) fn force(&self, forces: &[[f32; 4]], node: usize) -> [f64; 3] {
-        sum(forces, &self.shares[self.first[node] as usize..self.first[node + 1] as usize])
+    /// Mass of a node, and its displacement and its velocity along `axis` after a step under the blocks' `forces` alone.
+    pub(crate) fn free(&self, forces: &[[f32; 4]], dt: f64, (node, axis): (usize, usize)) -> [f64; 3] {
+        let (m, u, v) = (self.mass[node], self.displacement[node][axis], self.velocity[node][axis]);
+        let force = sum(forces, &self.shares[self.first[node] as usize..self.first[node + 1] as usize]);
+        [m, u, v - dt / m * force[axis]]
     }
 
     /// Moves all nodes by a step under the blocks' `forces`.
@@ -166,7 +168,12 @@ impl Span<'_> {
                 let impact =
                     self.supports.all[support].face.meet(contact.gap, moved, m, u, v, touched.get_or_insert_default());
                 sums.supports[support] += impact.force;
-                sums.external += impact.work;
+                let fixture = &self.supports.all[support];
+                // What a bar or a mass loses in an impact is not the specimen's.
+                let is_own = fixture.answers();
+                let axis = fixture.face.axis;
+                let work = 0.5 * dt * impact.force * (before[axis] + v[axis]);
+                sums.external += if is_own { work } else { impact.work };
             }
             if let Some(touched) = touched {
                 sums.friction += touched.friction(dt, &before, v);

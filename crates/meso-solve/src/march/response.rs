@@ -356,7 +356,11 @@ impl Summary {
 
     /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal.
     pub fn has_modulus(&self) -> bool {
-        !self.test.is_beam() && !matches!(self.test, TestKind::Splitting | TestKind::Shear | TestKind::Expansion | TestKind::Spall | TestKind::Drop)
+        !self.test.is_beam()
+            && !matches!(
+                self.test,
+                TestKind::Splitting | TestKind::Shear | TestKind::Expansion | TestKind::Spall | TestKind::Drop
+            )
     }
 
     /// Whether its supports moved in real time.

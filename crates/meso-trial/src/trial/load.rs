@@ -107,7 +107,7 @@ pub struct SupportSpec {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 10.0)))]
     pub stress_ratio: Option<f64>,
-    /// What moves a plate in real time, in place of the path: `{ kind = "speed" }`, `"bar"` or `"mass"`.
+    /// What moves a plate in real time; the test has no path then: `{ kind = "speed" }`, `"bar"` or `"mass"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<Drive>,
 }
@@ -273,7 +273,12 @@ impl Gauge {
             return Err(TEST.error(format!("gauges.{name}.on"), "mantle", why));
         }
         let met = OF_SUPPORTS.iter().all(|end| !self.name().ends_with(end));
-        TEST.require("gauges.name", self.name(), met, format!("columns of supports end in {}", OF_SUPPORTS.join(", ")))
+        TEST.require(
+            "gauges.name",
+            self.name(),
+            met,
+            format!("it must not end in {}, as columns of supports do", OF_SUPPORTS.join(", ")),
+        )
     }
 
     /// Finds out whether a specimen of this size has its planes.

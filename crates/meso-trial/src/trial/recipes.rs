@@ -22,7 +22,9 @@ impl TestKind {
             Self::Cyclic => "Plates press along z and make the turns that are listed.",
             Self::Expansion => "Phases swell or shrink in a specimen without supports.",
             Self::Hopkinson => "A pulse in a steel bar presses the specimen along z against another one.",
-            Self::Spall => "A pulse comes along a steel bar below; its reflection from the free upper end tears the specimen.",
+            Self::Spall => {
+                "A pulse comes along a steel bar below; its reflection from the free upper end tears the specimen."
+            }
             Self::Drop => "A mass falls on the middle of a beam on two rollers, or on a specimen on a base.",
             Self::Impact => "A plate of constant speed presses along z.",
             Self::Shear => {
@@ -57,7 +59,11 @@ impl TestKind {
                 test.speed_m_per_s()
             ),
             Self::Impact => {
-                format!("# speed_m_per_s = {:?}       # of the plate\n# rise_s = {:?}\n{RATED}", test.speed_m_per_s(), test.rise_s())
+                format!(
+                    "# speed_m_per_s = {:?}       # of the plate\n# rise_s = {:?}\n{RATED}",
+                    test.speed_m_per_s(),
+                    test.rise_s()
+                )
             }
             _ => String::new(),
         };

@@ -264,7 +264,9 @@ impl<'a> Run<'a> {
             self.resist();
         }
         if is_driven {
-            self.supports.drive((dt, now), &self.nodes, &self.forces, &mut self.state.held);
+            let Self { supports, nodes, forces, state, .. } = self;
+            let free = |node, axis| nodes.free(forces, dt, (node, axis));
+            supports.drive((dt, now), free, &mut state.held);
         }
         let state = &self.state;
         let travel = if is_driven { self.supports.approach(&state.held) } else { state.travel + speed * dt };

@@ -5,9 +5,8 @@
 //! side falls and the right side grows, so there is one root, which Newton's steps reach in as many as nodes change sides.
 //! So momentum is kept to the last bit, and no penalty, filter or artificial mass comes between bar and specimen.
 
-use crate::march::nodes::Nodes;
 use crate::march::supports::contact::Contact;
-use crate::march::supports::{Held, Supports};
+use crate::march::supports::{Fixture, Held, Supports};
 use meso_trial::{Drive, MOST_SUPPORTS, Rule};
 
 /// Steps of Newton at most; some three are usual.
@@ -47,7 +46,7 @@ impl Driven {
     }
 
     /// Whether its speed hangs on the specimen's forces.
-    fn answers(&self) -> bool {
+    pub(crate) fn answers(&self) -> bool {
         !matches!(self.drive, Drive::Speed { .. })
     }
 
@@ -67,7 +66,7 @@ impl Supports {
 
     /// Whether the speed of one hangs on the specimen's forces of the step.
     pub(crate) fn answer(&self) -> bool {
-        self.all.iter().filter_map(|fixture| fixture.driven.as_ref()).any(Driven::answers)
+        self.all.iter().any(Fixture::answers)
     }
 
     /// Places and speeds before the first step.
@@ -92,35 +91,32 @@ impl Supports {
         at(0).zip(at(1)).map_or(0.0, |(bottom, top)| self.sign * (top - bottom))
     }
 
-    /// Moves the plates in real time by the step from `time`, in which the specimen has these `forces` at its nodes.
+    /// Moves the plates in real time by the step from `time`; `free` gives a node's mass, and its displacement and its velocity
+    /// without a plate along an axis.
     pub(crate) fn drive(
         &self,
         (dt, time): (f64, f64),
-        nodes: &Nodes,
-        forces: &[[f32; 4]],
+        free: impl Fn(usize, usize) -> [f64; 3],
         held: &mut [Held; MOST_SUPPORTS],
     ) {
         for (fixture, [at, speed, before]) in self.all.iter().zip(held) {
             let Some(driven) = &fixture.driven else { continue };
             let (axis, inward) = (fixture.face.axis, fixture.face.inward);
             *before = *speed;
-            let drive_speed = driven.drive.speed();
-            *speed = inward
-                * if driven.answers() {
-                    let free = |contact: &Contact| {
-                        let node = contact.node as usize;
-                        let (m, u, v) = (nodes.mass[node], nodes.displacement[node][axis], nodes.velocity[node][axis]);
-                        let v = inward * (v - dt / m * nodes.force(forces, node)[axis]);
-                        [m / dt, v - (inward * (*at - u) - contact.gap) / dt]
-                    };
-                    let own: Vec<[f64; 2]> = driven.contacts.iter().map(free).collect();
-                    let incoming = drive_speed.map_or(0.0, |speed| speed.at(time));
-                    let (z, m, w0) = (driven.impedance, driven.mass / dt, inward * *before);
-                    let line = [z * (2.0 * incoming - 0.5 * w0) + m * w0, 0.5 * z + m];
-                    root(line, &own, fixture.face.rule == Rule::Plate, w0)
-                } else {
-                    drive_speed.map_or(0.0, |speed| speed.at(time + 0.5 * dt))
+            let wave = |time| driven.drive.speed().map_or(0.0, |speed| speed.at(time));
+            let next = if driven.answers() {
+                let node = |contact: &Contact| {
+                    let [m, u, v] = free(contact.node as usize, axis);
+                    [m / dt, inward * v - (inward * (*at - u) - contact.gap) / dt]
                 };
+                let own: Vec<[f64; 2]> = driven.contacts.iter().map(node).collect();
+                let (z, m, w0) = (driven.impedance, driven.mass / dt, inward * *before);
+                let line = [z * (2.0 * wave(time) - 0.5 * w0) + m * w0, 0.5 * z + m];
+                root(line, &own, fixture.face.rule == Rule::Plate, w0)
+            } else {
+                wave(time + 0.5 * dt)
+            };
+            *speed = inward * next;
             *at += dt * *speed;
         }
     }

@@ -233,6 +233,11 @@ impl Fixture {
         }
     }
 
+    /// Whether its speed hangs on the specimen's forces.
+    pub(crate) fn answers(&self) -> bool {
+        self.driven.as_ref().is_some_and(Driven::answers)
+    }
+
     /// The speed of largest size that its drive gives, mm/s towards the specimen; 0 without a drive.
     fn fastest(&self) -> f64 {
         self.driven.as_ref().map_or(0.0, |driven| driven.drive.fastest())
