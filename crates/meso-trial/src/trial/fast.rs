@@ -131,7 +131,7 @@ impl Test {
             let Some(value) = value else { continue };
             TEST.positive(key, value)?;
             TEST.require(key, value, value <= most, format!("it must be {most} at most"))?;
-            let accepted = format!("only {of} have it; leave it out, or take that kind of test");
+            let accepted = format!("only {of} tests take it; leave it out, or take that kind of test");
             TEST.require(key, value, has && !is_own, accepted)?;
         }
         let is_short = !pulsed || self.rise_s() < self.pulse_s();

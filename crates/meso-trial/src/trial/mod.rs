@@ -426,7 +426,7 @@ impl Test {
             ("strip_mm", self.strip_mm, bent || split, "splitting, bending and drop"),
             ("span_mm", self.span_mm, bent, "bending and drop"),
         ] {
-            let accepted = format!("only {of} has it; leave it out, or take that kind of test");
+            let accepted = format!("only {of} tests take it; leave it out, or take that kind of test");
             TEST.require(key, value.unwrap_or_default(), has || value.is_none(), accepted)?;
         }
         let rubs = self.friction.is_none() || self.rubs();
