@@ -484,6 +484,42 @@ fn an_array_with_killed_tasks_leaves_the_bytes_of_the_serial_study() {
     assert_equal(&array, &straight, &["case.json", "model.json"]);
 }
 
+/// Processes at the same time, some killed, started again: one file of records and the tables, whoever did which case.
+#[test]
+fn records_in_one_file_have_the_bytes_of_one_process_and_the_tables_of_folders() {
+    let study = "spec = 'small.toml'\noutputs = ['g.csv']\n[over]\nseed = { from = 1, to = 12 }\n";
+    let (array, straight, folders) = (folder(study), folder(study), folder(study));
+    folders.run(&["study", "STUDY.toml", "-q"]);
+    let flags = ["study", "STUDY.toml", "-q", "--layout", "table"];
+    assert_eq!(straight.run(&flags).code, 0);
+    for kills in [true, false] {
+        let mut tasks: Vec<_> = (0..4).map(|_| array.command(&flags).spawn().expect("it starts")).collect();
+        if kills {
+            std::thread::sleep(std::time::Duration::from_millis(30));
+            tasks.iter_mut().take(3).for_each(|task| drop(task.kill()));
+        }
+        let ends: Vec<bool> = tasks.iter_mut().map(|task| task.wait().expect("an end").success()).collect();
+        assert!(ends[3] && (kills || ends[0]), "{ends:?}");
+    }
+    let files = ["ensemble.csv", "records.jsonl", "table.csv"];
+    assert_eq!(
+        (array.names_in("study"), straight.names_in("study")),
+        (files.map(str::to_owned).into(), files.map(str::to_owned).into())
+    );
+    for file in files.map(|name| format!("study/{name}")) {
+        assert!(array.read(&file) == straight.read(&file), "{file}");
+        assert!(file.contains("records") || array.read(&file) == folders.read(&file), "{file}");
+    }
+    // The same command without the flag goes on there; the flag changes no study that has begun.
+    let again = array.run(&["study", "STUDY.toml"]);
+    assert!(again.code == 0 && again.stderr.contains("12 of 12 cases done (12 before)"), "{}", again.stderr);
+    assert!(String::from_utf8(array.run(&["study", "STUDY.toml", "--dry-run"]).stdout).unwrap().starts_with("done"));
+    for (folder, layout) in [(&array, "folders"), (&folders, "table")] {
+        let refused = folder.run(&["study", "STUDY.toml", "--layout", layout]);
+        assert!(refused.code == 1 && refused.stderr.contains("leave the layout out"), "{}", refused.stderr);
+    }
+}
+
 #[test]
 fn a_case_runs_alone_by_its_number_and_leaves_the_tables_to_others() {
     let folder = folder("spec = 'small.toml'\n[over]\nseed = [1, 2, 3]\n");

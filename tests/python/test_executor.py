@@ -67,6 +67,34 @@ def test_a_pool_that_loses_a_worker_goes_on_with_the_same_bytes(made, tmp_path):
     assert contents(study.out) == contents(straight.out)
 
 
+@kills
+def test_records_in_one_file_survive_a_killed_worker_and_leave_few_files(tmp_path):
+    def write(packing: mc.Packing, folder: Path) -> int:
+        (folder / "mine").mkdir()
+        (folder / "mine" / "notes.txt").write_text("kept by the layout folders only")
+        return len(packing)
+
+    over = {"seed": range(12)}
+    folders = mc.study(TINY, over, then=grains, version=1, out=tmp_path / "f")
+    straight = mc.study(TINY, over, then=write, version=1, out=tmp_path / "t", layout="table")
+    with spawned(2) as executor:
+
+        def kill(over: int, _: int) -> None:
+            if over == 3:
+                os.kill(next(iter(executor._processes)), signal.SIGKILL)
+
+        study = mc.study(TINY, over, then=slow, version=1, out=tmp_path / "s", layout="table", executor=executor, progress=kill)
+    assert set(contents(study.out)) == {"records.jsonl", "table.csv", "ensemble.csv"} == {path.name for path in study.out.iterdir()}
+    assert (straight.out / "table.csv").read_bytes() != b"" and len(study.results) == 12 and not study.failures
+    figures = [study.table(), straight.table(), folders.table()]
+    assert all(np.array_equal(table["value"], figures[0]["value"]) for table in figures)
+    assert len(study.packing(3)) == study.table()["value"][3]
+    with pytest.raises(ValueError, match="leave the layout out, or name another folder"):
+        mc.study(TINY, over, then=slow, version=1, out=tmp_path / "s", layout="folders")
+    with pytest.raises(ValueError, match='layout is "flat"; it must be|layout is \'flat\'; it must be'):
+        mc.study(TINY, over, out=tmp_path / "s", layout="flat")
+
+
 def check_poison(study: mc.Study, cases: int) -> None:
     """Check that one case has failed, with its reason, and the others are done."""
     assert len(study.results) == cases

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import csv
+import importlib.util
 import json
 import math
 import multiprocessing
@@ -141,6 +142,21 @@ def test_the_tables_are_frames_by_a_word_and_keep_what_is_missing(tmp_path, libr
     assert missing.to_list() == [False, True, False]
     assert frame["seed"].to_list() == [1, 2, 3] and frame["status"].to_list() == ["done", "failed", "done"]
     assert groups["mean"].to_list() == [5.0]
+
+
+def test_the_table_is_a_data_set_along_the_cases_with_units(tmp_path):
+    pytest.importorskip("xarray")
+    work = lambda packing: {"peak_mpa": 30.0 + packing.seed, "work_n_per_mm": 0.1, "n": len(packing)}
+    study = mc.study(TINY, {"seed": [1, 2, 3], "specimen.side_mm": [20, 25]}, then=work, out=tmp_path / "s")
+    data = study.table("xarray")
+    units = {name: of.attrs.get("units") for name, of in data.variables.items()}
+    expected = {"peak_mpa": "MPa", "work_n_per_mm": "N/mm", "specimen.side_mm": "mm", "n": None, "seed": None}
+    assert expected.items() <= units.items()
+    grid = data.set_index(case=study.keys).unstack("case")
+    assert grid["peak_mpa"].dims == ("seed", "specimen.side_mm") and grid["peak_mpa"].values.tolist() == [[31, 31], [32, 32], [33, 33]]
+    assert study.ensemble(frame="xarray")["mean"].dims == ("row",)
+    if importlib.util.find_spec("pandas"):
+        assert study.table("pandas").attrs["units"]["peak_mpa"] == "MPa"
 
 
 def test_a_missing_library_is_reported_before_a_study_reads_its_folder(tmp_path, monkeypatch):

@@ -51,11 +51,11 @@ def test_the_curve_of_a_test_is_a_frame_by_a_word(library):
 
 def test_a_frame_that_cannot_be_had_is_refused_with_the_way_out(packing, monkeypatch):
     """Of a library that is missing, of a name that is none, and of a type that is no name."""
-    for library in ("pandas", "polars"):
+    for library in ("pandas", "polars", "xarray"):
         monkeypatch.setitem(sys.modules, library, None)
         with pytest.raises(ImportError, match=f"{library} is not installed; get it with: pip install {library}"):
             packing.table(library)
-    with pytest.raises(ValueError, match='frame is "panda"; it must be "pandas", "polars" or None'):
+    with pytest.raises(ValueError, match='frame is "panda"; it must be "pandas", "polars", "xarray" or None'):
         packing.table("panda")
     with pytest.raises(TypeError, match="frame is of type bool; it must be"):
         packing.table(True)

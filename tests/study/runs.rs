@@ -2,7 +2,7 @@
 
 use crate::plan;
 use meso_files::lock::{LOCK, LockError};
-use meso_study::{Again, Begun, CaseOutcome, Heard, RunError, Share, Status, StudyRun};
+use meso_study::{Again, Begun, CaseOutcome, Heard, RECORDS, RunError, Share, Status, StudyLayout, StudyRun};
 use serde_json::{Map, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ fn open(out: &Path, again: Again) -> Result<StudyRun, RunError> {
 
 /// The cases of this run of the seeds 1 to 5.
 fn open_share(out: &Path, again: Again, share: Share) -> Result<StudyRun, RunError> {
-    StudyRun::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again, share)
+    StudyRun::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again, share, None)
 }
 
 /// Names of the hidden files in the folder and in those of its cases.
@@ -131,7 +131,7 @@ fn other_cases_in_a_folder_are_other_work() {
     let first = open(folder.path(), Again::None).unwrap();
     let other = || {
         let plan = plan(&[("seed", json!([1, 2, 3]))]).unwrap();
-        StudyRun::open(Arc::new(plan), "", folder.path(), Again::None, Share::ALL)
+        StudyRun::open(Arc::new(plan), "", folder.path(), Again::None, Share::ALL, None)
     };
     assert!(matches!(other(), Err(RunError::Lock(_))));
     drop(first);
@@ -151,6 +151,59 @@ fn shards_are_disjoint_and_together_the_study() {
     assert_eq!(all, [0, 3, 1, 4, 2]);
     let collected = open(folder.path(), Again::None).unwrap();
     assert_eq!((collected.tally().before, collected.save_tables(()).unwrap().rows()), (5, 5));
+}
+
+/// A run of the seeds 1 to 5 whose records are in one file.
+fn open_table(out: &Path, again: Again) -> StudyRun {
+    let plan = Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap());
+    StudyRun::open(plan, "", out, again, Share::ALL, Some(StudyLayout::Table)).unwrap()
+}
+
+/// A kill or a full disk tears the last line; the next record begins on a line of its own.
+#[test]
+fn a_torn_or_damaged_record_of_many_is_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join(RECORDS);
+    let run = open_table(folder.path(), Again::None);
+    run.drive(1, (), &|_| (), &|number| (number < 4).then(|| outcome(number))).unwrap();
+    drop(run);
+    let text = std::fs::read_to_string(&place).unwrap();
+    std::fs::write(&place, text[..text.len() - 20].replacen("\"n\":1", "\"n\":7", 1)).unwrap();
+    let run = open_table(folder.path(), Again::None);
+    assert_eq!((run.left(), run.tally().before), (vec![1, 3, 4], 2));
+    run.drive(2, (), &|_| (), &|number| Some(outcome(number))).unwrap();
+    assert_eq!(run.save_tables(()).unwrap().rows(), 5);
+    let found: Vec<_> = run.records().iter().map(|record| record.results.get("n").cloned()).collect();
+    assert_eq!(found, [Some(json!(0)), Some(json!(1)), None, Some(json!(3)), Some(json!(4))]);
+    assert_eq!(std::fs::read_to_string(&place).unwrap().lines().count(), 5);
+}
+
+/// Two runs at the same time take each other's records into account, also where one has put them in order meanwhile.
+#[test]
+fn runs_with_records_in_one_file_do_no_case_twice_and_failed_ones_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = [(); 2].map(|()| open_table(folder.path(), Again::None));
+    let calls = AtomicUsize::new(0);
+    let work = |number| {
+        calls.fetch_add(1, Ordering::SeqCst);
+        Some(outcome(number))
+    };
+    for run in &runs {
+        run.drive(3, (), &|_| (), &work).unwrap();
+        run.save_tables(()).unwrap();
+        assert_eq!((run.tally().done, run.tally().failed, calls.load(Ordering::SeqCst)), (4, 1, 5));
+    }
+    drop(runs);
+    let again = open_table(folder.path(), Again::Failed);
+    assert_eq!(again.left(), [2]);
+    again.drive(1, (), &|_| (), &|_| Some(Ok(Map::new()).into())).unwrap();
+    assert_eq!((again.save_tables(()).unwrap().rows(), again.tally().done), (5, 5));
+    drop(again);
+    assert_eq!(open_table(folder.path(), Again::All).left(), [0, 1, 2, 3, 4]);
+    assert!(open_table(folder.path(), Again::None).left().is_empty());
+    let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["ensemble.csv", "records.jsonl", "table.csv"]);
 }
 
 /// A case in the hand of another process is waited for; the case of a killed one is taken over. Both come last, so that a case

@@ -157,9 +157,20 @@ impl Record {
 
     /// Reads the record in `folder`; `None` where it is missing, torn or damaged.
     fn read(folder: &Path) -> Option<Self> {
-        let bytes = std::fs::read(folder.join(RECORD)).ok()?;
-        let record: Self = serde_json::from_slice(&bytes).ok()?;
+        Self::sound(&std::fs::read(folder.join(RECORD)).ok()?)
+    }
+
+    /// Reads a record; `None` where it is torn or damaged.
+    pub(crate) fn sound(bytes: &[u8]) -> Option<Self> {
+        let record: Self = serde_json::from_slice(bytes).ok()?;
         (record.sha256 == record.seal()).then_some(record)
+    }
+
+    /// The record of a case whose files are not kept.
+    pub(crate) fn without_files(self) -> Self {
+        let mut record = Self { files: BTreeMap::new(), model_sha256: None, curve_sha256: None, ..self };
+        record.sha256 = record.seal();
+        record
     }
 
     /// Hash of all other fields.

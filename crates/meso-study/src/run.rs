@@ -6,13 +6,14 @@
 
 use crate::case::{Case, digest};
 use crate::ensemble::{REPLICATE, ensemble};
+use crate::journal::{self, Seen, StudyLayout};
 use crate::plan::Plan;
-use crate::record::{CaseOutcome, CaseState, Record, Status, save};
+use crate::record::{CaseOutcome, CaseState, RECORD, Record, Status, save};
 use crate::table::{Table, tabulate};
 use meso_files::lock::{Held, LOCK, LockError, hold, hold_as, join, patiently};
-use meso_files::whole::{Keeper, Unit};
+use meso_files::whole::{self, Keeper, Unit};
 use serde::{Deserialize, Serialize};
-use std::collections::{HashSet, VecDeque};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -80,6 +81,9 @@ pub enum RunError {
         /// The system's reason.
         error: io::Error,
     },
+    /// A study of another layout is in the folder.
+    #[error("{} has a study of another layout, which stays as it is; leave the layout out, or name another folder", _0.display())]
+    Layout(PathBuf),
 }
 
 /// Numbers of cases.
@@ -107,6 +111,7 @@ pub struct CaseTurn {
     path: PathBuf,
     held: Held,
     is_packed: bool,
+    layout: StudyLayout,
 }
 
 /// A case before the work.
@@ -120,21 +125,36 @@ pub enum Begun {
 }
 
 impl CaseTurn {
-    /// Locks and prepares the folder of `case` in `out`, unless it is over; `then` is the field of [`Record`].
+    /// Locks and prepares the folder of `case` in `out`, unless it is over; `then` is the field of [`Record`]. Of records in one
+    /// file those that were `seen` have none of the case.
     ///
     /// # Errors
     /// Errors of the file system, and [`RunError::Lock`] where this process works on the case already.
-    pub fn begin(case: &Case, then: &str, out: &Path, again: Again, keeper: &impl Keeper) -> Result<Begun, RunError> {
+    pub fn begin(
+        case: &Case,
+        then: &str,
+        out: &Path,
+        again: Again,
+        seen: Seen,
+        keeper: &impl Keeper,
+    ) -> Result<Begun, RunError> {
         let path = out.join(&case.folder);
         let file = |error| RunError::File { path: path.clone(), error };
-        std::fs::create_dir_all(&path).map_err(file)?;
-        let taken = keeper.hold(|hidden| hold(&path).inspect(|held| hidden.push(held.path().to_owned())));
-        let held = match taken {
-            Err(LockError::Busy { is_own: false, .. }) => return Ok(Begun::Busy),
-            taken => taken?,
+        let held = loop {
+            std::fs::create_dir_all(&path).map_err(file)?;
+            match keeper.hold(|hidden| hold(&path).inspect(|held| hidden.push(held.path().to_owned()))) {
+                Err(LockError::Busy { is_own: false, .. }) => return Ok(Begun::Busy),
+                // Whoever had ended the case removed the folder.
+                Err(LockError::File { error, .. }) if error.kind() == io::ErrorKind::NotFound => {}
+                taken => break taken?,
+            }
         };
-        let mut turn = Self { path: path.clone(), held, is_packed: false };
-        let state = if again == Again::All { CaseState::Open } else { CaseState::of(case, then, &path) };
+        let mut turn = Self { path: path.clone(), held, is_packed: false, layout: StudyLayout::of(out) };
+        let state = match turn.layout {
+            _ if again == Again::All => CaseState::Open,
+            StudyLayout::Folders => CaseState::of(case, then, &path),
+            StudyLayout::Table => journal::state(case, then, out, seen).map_err(file)?,
+        };
         match state {
             CaseState::Over(record) if record.status == Status::Done || again != Again::Failed => {
                 turn.leave(keeper);
@@ -179,19 +199,27 @@ impl CaseTurn {
         outcome: CaseOutcome,
         keeper: impl Keeper + Copy,
     ) -> Result<Status, RunError> {
-        let made = Record::new(case, then, outcome, &self.path);
-        let saved = made.and_then(|record| record.save(&self.path, keeper).map(|()| record.status));
-        let saved = saved.map_err(|error| RunError::File { path: self.path.clone(), error });
+        let fail = |error| RunError::File { path: self.path.clone(), error };
+        let saved = Record::new(case, then, outcome, &self.path).map_err(fail).and_then(|record| {
+            let status = record.status;
+            if self.layout == StudyLayout::Folders {
+                return record.save(&self.path, keeper).map(|()| status).map_err(fail);
+            }
+            let (out, record) = (whole::folder(&self.path), record.without_files());
+            alone(out, &keeper, || journal::append(out, &record))?;
+            clear(&self.path).map(|()| status).map_err(fail)
+        });
         self.leave(&keeper);
         saved
     }
 
     /// Frees the folder of the case, which stays open.
     pub fn leave(self, keeper: &impl Keeper) {
-        keeper.hold(|hidden| {
-            hidden.retain(|path| path != self.held.path());
-            drop(self.held);
-        });
+        free(self.held, keeper);
+        if self.layout == StudyLayout::Table {
+            // One with files stays.
+            let _ = std::fs::remove_dir(&self.path);
+        }
     }
 
     /// Closes the lock in a forked process, where it belongs to the parent, and leaves it locked.
@@ -220,16 +248,25 @@ pub struct StudyRun {
     slots: Mutex<Vec<Slot>>,
     before: usize,
     held: Mutex<Vec<Held>>,
+    /// Of records in one file: what has been read of them, and the numbers of the cases by their hashes.
+    listed: Option<Mutex<(Seen, HashMap<String, usize>)>>,
 }
 
 impl StudyRun {
     /// Makes the folder `out` and looks which cases of `share` are over; `then` is the field of [`Record`]. Processes share the
     /// cases that were never over. What runs `again` belongs to one process for each part of a study: another one would do
-    /// it once more.
+    /// it once more. Absent: the `layout` of the study in `out`, of a new one folders.
     ///
     /// # Errors
     /// [`RunError::Lock`] where another process does other work in `out`, and errors of the file system.
-    pub fn open(plan: Arc<Plan>, then: &str, out: &Path, again: Again, share: Share) -> Result<Self, RunError> {
+    pub fn open(
+        plan: Arc<Plan>,
+        then: &str,
+        out: &Path,
+        again: Again,
+        share: Share,
+        layout: Option<StudyLayout>,
+    ) -> Result<Self, RunError> {
         let fail = |error| RunError::File { path: out.to_owned(), error };
         std::fs::create_dir_all(out).map_err(fail)?;
         let Share { shard, of } = share;
@@ -239,6 +276,9 @@ impl StudyRun {
         let mut held = vec![join(out, &digest(format!("{then} {parts} {}", cases.join(" ")).as_bytes())[..WORK])?];
         if again != Again::None {
             held.push(hold_as(out, &format!("{LOCK}-{shard}-of-{of}"))?);
+        }
+        if !layout.map_or(Ok(true), |layout| layout.begin(out)).map_err(fail)? {
+            return Err(RunError::Layout(out.to_owned()));
         }
         Self::of(plan, then, out, again, share, held)
     }
@@ -268,14 +308,64 @@ impl StudyRun {
                 () if !share.has(number) => Slot::Elsewhere,
                 () if !there.contains(std::ffi::OsStr::new(&case.folder)) => Slot::Left,
                 () if folder.join(LOCK).exists() => Slot::Touched,
-                () if again == Again::All => Slot::Left,
-                () => slot(CaseState::of(case, then, &folder), again),
+                () => match CaseState::of(case, then, &folder) {
+                    CaseState::Over(record) => Slot::Over(record.status),
+                    CaseState::Packed | CaseState::Open => Slot::Left,
+                },
             }
         };
         let slots: Vec<Slot> = plan.cases.iter().enumerate().map(|(number, case)| look((number, case))).collect();
-        let before = slots.iter().filter(|slot| matches!(slot, Slot::Over(_))).count();
+        let listed = (StudyLayout::of(out) == StudyLayout::Table).then(|| {
+            let hashes = plan.cases.iter().enumerate().map(|(number, case)| (case.hash.clone(), number));
+            Mutex::new((Seen::default(), hashes.collect()))
+        });
         let (slots, held, then, out) = (Mutex::new(slots), Mutex::new(held), then.to_owned(), out.to_owned());
-        Ok(Self { plan, then, out, again, slots, before, held })
+        let mut run = Self { plan, then, out, again, slots, before: 0, held, listed };
+        run.look_again(0)?;
+        // What runs again is left whatever the records say.
+        for slot in run.slots.get_mut().unwrap_or_else(PoisonError::into_inner) {
+            let is_left = match *slot {
+                Slot::Over(Status::Failed) => again != Again::None,
+                Slot::Over(Status::Done) => again == Again::All,
+                _ => false,
+            };
+            *slot = if is_left { Slot::Left } else { *slot };
+        }
+        run.before = run.tally().over();
+        Ok(run)
+    }
+
+    /// Takes note of the records in one file that others have appended. Returns how much of it has been read, in which none is of
+    /// case `number`.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    pub fn look_again(&self, number: usize) -> Result<Seen, RunError> {
+        let Some(listed) = &self.listed else { return Ok(Seen::default()) };
+        let (seen, numbers) = &mut *lock(listed);
+        let mut slots = lock(&self.slots);
+        let mut note = |record: Record| match numbers.get(&record.hash) {
+            Some(&number) if record.then == self.then && slots[number] != Slot::Elsewhere => {
+                slots[number] = Slot::Over(record.status);
+            }
+            _ => {}
+        };
+        let read = journal::read(&self.out, seen, &mut note);
+        read.map_err(|error| RunError::File { path: self.out.clone(), error })?;
+        Ok(if matches!(slots[number], Slot::Over(_)) { Seen::default() } else { *seen })
+    }
+
+    /// Whether the record of a case that is over can be read here.
+    pub fn is_recorded(&self, number: usize) -> bool {
+        match self.listed {
+            None => self.out.join(&self.plan.cases[number].folder).join(RECORD).is_file(),
+            Some(_) => self.look_again(number).is_ok() && self.status(number).is_some(),
+        }
+    }
+
+    /// How a case ended; `None` where it is not over.
+    pub fn status(&self, number: usize) -> Option<Status> {
+        if let Slot::Over(status) = lock(&self.slots)[number] { Some(status) } else { None }
     }
 
     /// The study's folder.
@@ -320,18 +410,8 @@ impl StudyRun {
 
     /// Records of the cases of this run that are over, in order.
     pub fn records(&self) -> Vec<Record> {
-        let numbers: Vec<usize> = {
-            let slots = lock(&self.slots);
-            (0..slots.len()).filter(|number| slots[*number] != Slot::Elsewhere).collect()
-        };
-        numbers.into_iter().filter_map(|number| self.record(&self.plan.cases[number])).collect()
-    }
-
-    fn record(&self, case: &Case) -> Option<Record> {
-        match CaseState::of(case, &self.then, &self.out.join(&case.folder)) {
-            CaseState::Over(record) => Some(*record),
-            CaseState::Packed | CaseState::Open => None,
-        }
+        let slots = lock(&self.slots).clone();
+        records(&self.plan, &self.then, &self.out, &|number| slots[number] != Slot::Elsewhere)
     }
 
     /// Takes the turn of this process on case `number`.
@@ -339,7 +419,8 @@ impl StudyRun {
     /// # Errors
     /// See [`CaseTurn::begin`].
     pub fn begin(&self, number: usize, keeper: &impl Keeper) -> Result<Begun, RunError> {
-        let begun = CaseTurn::begin(&self.plan.cases[number], &self.then, &self.out, self.again, keeper)?;
+        let (case, seen) = (&self.plan.cases[number], self.look_again(number)?);
+        let begun = CaseTurn::begin(case, &self.then, &self.out, self.again, seen, keeper)?;
         if let Begun::Over(status) = begun {
             self.note(number, status);
         }
@@ -428,43 +509,78 @@ impl StudyRun {
     /// # Errors
     /// Errors of the file system.
     pub fn save_tables(&self, keeper: impl Keeper + Copy) -> Result<Table, RunError> {
-        let records = || self.plan.cases.iter().filter_map(|case| self.record(case)).collect::<Vec<_>>();
-        save_tables(&self.out, &self.plan.keys, &records, keeper)
+        save_tables(&self.plan, &self.then, &self.out, keeper)
     }
 }
 
-/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases. `keeper` removes
-/// temporary files after a signal. Processes that end at the same time write one after the other, so that the last one
+/// Records of the cases of `plan` that are over in `out` and `wanted` by their numbers, in order.
+pub fn records(plan: &Plan, then: &str, out: &Path, wanted: &dyn Fn(usize) -> bool) -> Vec<Record> {
+    let cases = plan.cases.iter().enumerate().filter(|(number, _)| wanted(*number));
+    let mut found: BTreeMap<usize, Record> = BTreeMap::new();
+    if StudyLayout::of(out) == StudyLayout::Folders {
+        found.extend(cases.filter_map(|(number, case)| match CaseState::of(case, then, &out.join(&case.folder)) {
+            CaseState::Over(record) => Some((number, *record)),
+            CaseState::Packed | CaseState::Open => None,
+        }));
+    } else {
+        let numbers: HashMap<&str, usize> = cases.map(|(number, case)| (&*case.hash, number)).collect();
+        let mut keep = |record: Record| match numbers.get(&*record.hash) {
+            Some(number) if record.then == then => drop(found.insert(*number, record)),
+            _ => {}
+        };
+        // What cannot be read counts as absent, like the record in a folder.
+        let _ = journal::read(out, &mut Seen::default(), &mut keep);
+    }
+    found.into_values().collect()
+}
+
+/// Writes the tables of all cases that are over in `out`, each whole or not at all; returns the table of the cases. `keeper`
+/// removes temporary files after a signal. Processes that end at the same time write one after the other, so that the last one
 /// finds the records of all.
 ///
 /// # Errors
 /// Errors of the file system.
-pub fn save_tables<K: Keeper + Copy>(
-    out: &Path,
-    keys: &[String],
-    records: &dyn Fn() -> Vec<Record>,
-    keeper: K,
-) -> Result<Table, RunError> {
+pub fn save_tables(plan: &Plan, then: &str, out: &Path, keeper: impl Keeper + Copy) -> Result<Table, RunError> {
+    alone(out, &keeper, || {
+        if StudyLayout::of(out) == StudyLayout::Table {
+            journal::tidy(out, keeper)?;
+        }
+        let table = tabulate(&plan.keys, &records(plan, then, out, &|_| true));
+        let groups = ensemble(&table, &plan.keys, REPLICATE);
+        save(out, TABLES[0], Unit::new(keeper), |file| table.write_csv(file))?;
+        save(out, TABLES[1], Unit::new(keeper), |file| groups.write_csv(file))?;
+        Ok(table)
+    })
+}
+
+/// Does short work in the folder of a study while no other process does such.
+fn alone<T>(out: &Path, keeper: &impl Keeper, work: impl FnOnce() -> io::Result<T>) -> Result<T, RunError> {
     let take = || keeper.hold(|hidden| hold(out).inspect(|held| hidden.push(held.path().to_owned())));
     let held = patiently(TRIES, take)?;
-    let table = tabulate(keys, &records());
-    let groups = ensemble(&table, keys, REPLICATE);
-    let saved = save(out, TABLES[0], Unit::new(keeper), |file| table.write_csv(file))
-        .and_then(|()| save(out, TABLES[1], Unit::new(keeper), |file| groups.write_csv(file)));
+    let done = work();
+    free(held, keeper);
+    done.map_err(|error| RunError::File { path: out.to_owned(), error })
+}
+
+/// Gives back a lock, whose file a signal would have removed.
+fn free(held: Held, keeper: &impl Keeper) {
     keeper.hold(|hidden| {
         hidden.retain(|path| path != held.path());
         drop(held);
     });
-    saved.map(|()| table).map_err(|error| RunError::File { path: out.to_owned(), error })
 }
 
-/// A case in `state`, where the cases `again` run once more.
-fn slot(state: CaseState, again: Again) -> Slot {
-    match state {
-        CaseState::Over(record) if record.status == Status::Failed && again == Again::Failed => Slot::Left,
-        CaseState::Over(record) => Slot::Over(record.status),
-        CaseState::Packed | CaseState::Open => Slot::Left,
+/// Removes what is in the folder of a case but its lock.
+fn clear(folder: &Path) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        match entry.file_type()?.is_dir() {
+            true => std::fs::remove_dir_all(entry.path())?,
+            false if entry.file_name() == LOCK => {}
+            false => std::fs::remove_file(entry.path())?,
+        }
     }
+    Ok(())
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

@@ -171,7 +171,7 @@ def mean_curves(
         _, found = groups.setdefault(json.dumps(others, sort_keys=True), (others, []))
         found.append(_curve(root / record["case"] / _CURVE, x, y))
     if not groups:
-        message = f"no finished case in {root} has a {_CURVE}; a study with [solve], or response.write(folder), makes it"
+        message = f"no finished case in {root} has a {_CURVE}; a study with [solve], or response.write(folder), makes it, and the layout folders keeps it"
         raise FileNotFoundError(message)
     return Curves(x, y, [_group(others, found, points) for others, found in groups.values()])
 

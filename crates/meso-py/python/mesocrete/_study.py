@@ -28,6 +28,7 @@ from ._progress import Bar
 if TYPE_CHECKING:
     import pandas as _pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
     import polars as _polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import xarray as _xarray  # type: ignore[import-not-found, import-untyped, unused-ignore]
     from typing_extensions import NotRequired
 
     from ._types import EffectiveStep, MeshStep, SolveStep
@@ -125,15 +126,18 @@ class Study:
     def table(self, frame: Literal["pandas"]) -> _pandas.DataFrame: ...
     @overload
     def table(self, frame: Literal["polars"]) -> _polars.DataFrame: ...
+    @overload
+    def table(self, frame: Literal["xarray"]) -> _xarray.Dataset: ...
     def table(self, frame: str | None = None) -> object:
         """Return one row a case, as in `table.csv`: a dict of arrays, or a frame; also writes the files anew.
 
-        `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`; absent values are
-        missing there, and in arrays NaN, or "" among texts. ImportError where the library is not installed.
+        `table("pandas")` is a `pandas.DataFrame` with `attrs["units"]`, `table("polars")` a `polars.DataFrame`, and
+        `table("xarray")` an `xarray.Dataset` along `case`, whose variables have `units`. Absent values are missing in frames, and in
+        arrays NaN, or "" among texts. ImportError where the library is not installed.
         """
         framed = framing(frame)
         columns = self._plan.tables(self._then, self.out)[0]
-        return framed(_arrays(columns) if frame is None else _wide(columns))
+        return framed(_wide(columns) if frame in ("pandas", "polars") else _arrays(columns))
 
     @overload
     def ensemble(self, replicate: str = "seed", *, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
@@ -141,6 +145,8 @@ class Study:
     def ensemble(self, replicate: str = "seed", *, frame: Literal["pandas"]) -> _pandas.DataFrame: ...
     @overload
     def ensemble(self, replicate: str = "seed", *, frame: Literal["polars"]) -> _polars.DataFrame: ...
+    @overload
+    def ensemble(self, replicate: str = "seed", *, frame: Literal["xarray"]) -> _xarray.Dataset: ...
     def ensemble(self, replicate: str = "seed", *, frame: str | None = None) -> object:
         """Return mean and scatter over the axis `replicate`, for each combination of the others and each figure.
 
@@ -150,7 +156,7 @@ class Study:
         """
         framed = framing(frame)
         columns = self._plan.ensemble(self._then, self.out, replicate)
-        return framed(_arrays(columns) if frame is None else _wide(columns))
+        return framed(_wide(columns) if frame in ("pandas", "polars") else _arrays(columns))
 
     def __len__(self) -> int:
         """Return the number of cases."""
@@ -174,6 +180,7 @@ def study(
     solve: SolveStep | None = None,
     effective: EffectiveStep | None = None,
     model: Literal["json", "json.gz", "none"] = "json",
+    layout: Literal["folders", "table"] | None = None,
     then: Callable[..., object] | None = None,
     version: str | int | None = None,
     out: str | os.PathLike[str] = "study",
@@ -210,6 +217,10 @@ def study(
         Computes effective properties of each packing: keywords of `Packing.effective`. Files and columns as for `solve`.
     model : {"json", "json.gz", "none"}
         The packing that a finished case keeps. With "none", another `then` packs again.
+    layout : {"folders", "table"}, optional
+        How cases are kept: a folder each, with its files, or one file `records.jsonl` with the records of all. With "table" a finished
+        case has no files, so that thousands of cases do not drown a shared disk. Absent: as the folder has them; a new one has
+        folders.
     then : callable, optional
         Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; its result, a dict or a
         number, becomes columns of the table. It comes after the other steps, whose files are in the folder. Absent, and without
@@ -219,7 +230,7 @@ def study(
         `then` and of every value that it uses.
     out : path
         The study's folder: one folder for each case with `model.json` and `case.json`, `table.csv` and
-        `ensemble.csv`.
+        `ensemble.csv`; see `layout`.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the cases; all workers must see the folder `out`. Absent: one case after the other, here.
     threads : int, optional
@@ -250,6 +261,9 @@ def study(
     if model not in ("json", "json.gz", "none"):
         message = f'model is {model!r}; it must be "json", "json.gz" or "none"'
         raise ValueError(message)
+    if layout not in (None, "folders", "table"):
+        message = f'layout is {layout!r}; it must be "folders" or "table"'
+        raise ValueError(message)
     steps = {"mesh": mesh, "solve": solve, "effective": effective, "outputs": list(outputs) or None}
     given = {name: step for name, step in steps.items() if step is not None}
     plan = _StudyPlan.of_file(spec) if isinstance(spec, (str, os.PathLike)) else None
@@ -261,7 +275,7 @@ def study(
         message = f"{spec} is a study, which has its own steps and axes; change the file, or name a SPEC.toml"
         raise ValueError(message)
     name = fingerprint(then, version)
-    _drive(plan, Path(out).absolute(), _Way(then, name, executor, threads, progress, retry_failed))
+    _drive(plan, Path(out).absolute(), _Way(then, name, executor, threads, progress, retry_failed, layout))
     return Study(plan, name, Path(out).absolute())
 
 
@@ -274,6 +288,7 @@ class _Way(NamedTuple):
     threads: int | None = None
     progress: bool | Callable[[int, int], object] | None = None
     retry_failed: bool = False
+    layout: str | None = None
 
 
 # Seconds between two looks at a case that another process works on.
@@ -282,10 +297,10 @@ _PAUSE = 0.1
 
 def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
     """Do the cases of a plan that are left."""
-    then, name, executor, threads, progress, retry_failed = way
+    then, name, executor, threads, progress, retry_failed, layout = way
     workers = None if executor is None else Workers(executor, then)
     tell = _teller(progress, len(plan))
-    run = _StudyRun(plan, name, folder, retry_failed)
+    run = _StudyRun(plan, name, folder, retry_failed, layout)
     _LOCKED.add(run)
     try:
         if not run.is_exclusive:

@@ -23,9 +23,9 @@ use meso_files::lock::{LOCK, LockError};
 use meso_gpu::Choice;
 use meso_solve::Run;
 use meso_study::{
-    Again, Attached, Axis, Begun, Case, CaseOutcome, CaseState, CaseTurn, Doing, Keep, MODELS, NamedFiles, Plan,
-    PlanError, Planning, RECORD, Record, RunError, Sampling, Share, Status, Steps, StudyFile, StudyRun, Table,
-    ensemble, of_packing, read_text, save_tables,
+    Again, Attached, Axis, Begun, Case, CaseOutcome, CaseTurn, Doing, Keep, MODELS, NamedFiles, Plan, PlanError,
+    Planning, Record, RunError, Sampling, Seen, Share, Status, Steps, StudyFile, StudyLayout, StudyRun, Table,
+    ensemble, of_packing, read_text, records, save_tables,
 };
 use pyo3::exceptions::{PyBlockingIOError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -256,7 +256,7 @@ impl PyStudyPlan {
         then: &str,
         out: PathBuf,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
-        let table = save_tables(&out, &self.plan.keys, &|| self.records(then, &out), ()).map_err(run_error)?;
+        let table = save_tables(&self.plan, then, &out, ()).map_err(run_error)?;
         let groups = ensemble(&table, &self.plan.keys, meso_study::REPLICATE);
         Ok((columns(py, &table)?, columns(py, &groups)?))
     }
@@ -291,6 +291,7 @@ impl PyStudyPlan {
 pub(crate) fn run_error(error: RunError) -> PyErr {
     match error {
         RunError::Lock(LockError::Busy { .. }) => PyBlockingIOError::new_err(error.to_string()),
+        RunError::Layout(_) => PyValueError::new_err(error.to_string()),
         RunError::Lock(LockError::File { path, error }) | RunError::File { path, error } => file_error(&path, error),
     }
 }
@@ -299,11 +300,15 @@ pub(crate) fn run_error(error: RunError) -> PyErr {
 impl PyStudyRun {
     /// Looks which cases of `plan` are over in the folder `out`; `then` names the work beyond packing.
     #[new]
-    fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool) -> PyResult<Self> {
+    #[pyo3(signature = (plan, then, out, retry_failed, layout=None))]
+    fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool, layout: Option<&str>) -> PyResult<Self> {
         let again = if retry_failed { Again::Failed } else { Again::None };
+        let layout = layout.map(|name| if name == "table" { StudyLayout::Table } else { StudyLayout::Folders });
         guard(|| {
-            let run = StudyRun::open(Arc::clone(&plan.plan), then, &out, again, Share::ALL).map_err(run_error)?;
-            let of = CaseOf { case: None, how: plan.steps.clone(), then: then.to_owned(), out, again };
+            let run =
+                StudyRun::open(Arc::clone(&plan.plan), then, &out, again, Share::ALL, layout).map_err(run_error)?;
+            let (how, seen) = (plan.steps.clone(), Seen::default());
+            let of = CaseOf { case: None, how, then: then.to_owned(), out, again, seen };
             Ok(Self { run, plan: Arc::clone(&plan.plan), of })
         })
     }
@@ -329,15 +334,16 @@ impl PyStudyRun {
     /// A case, for whoever does it.
     fn case(&self, number: usize) -> PyResult<PyStudyCase> {
         let case = self.plan.cases.get(number).cloned();
-        Ok(PyStudyCase { of: CaseOf { case, ..self.of.clone() }, turn: Mutex::default() })
+        let seen = self.run.look_again(number).map_err(run_error)?;
+        Ok(PyStudyCase { of: CaseOf { case, seen, ..self.of.clone() }, turn: Mutex::default() })
     }
 
     /// Raises where a case that a worker has recorded is not in the folder.
     fn seen(&self, number: usize) -> PyResult<()> {
-        let folder = self.of.out.join(&self.plan.cases[number].folder);
-        if folder.join(RECORD).is_file() {
+        if self.run.is_recorded(number) {
             return Ok(());
         }
+        let folder = self.of.out.join(&self.plan.cases[number].folder);
         let folder = folder.display();
         let message =
             format!("a worker recorded a case in {folder}; all workers must see this folder (a shared file system)");
@@ -378,6 +384,8 @@ struct CaseOf {
     then: String,
     out: PathBuf,
     again: Again,
+    /// Of records in one file those that the driver has read.
+    seen: Seen,
 }
 
 /// A case for a worker. It is sent as JSON.
@@ -402,8 +410,8 @@ impl PyStudyCase {
     /// Takes the turn of this process: "turn", "done" and "failed" for a case that is over, "busy" for one of another process.
     fn begin(&self) -> PyResult<&'static str> {
         guard(|| {
-            let CaseOf { then, out, again, .. } = &self.of;
-            let begun = CaseTurn::begin(self.whole()?, then, out, *again, &()).map_err(run_error)?;
+            let CaseOf { then, out, again, seen, .. } = &self.of;
+            let begun = CaseTurn::begin(self.whole()?, then, out, *again, *seen, &()).map_err(run_error)?;
             Ok(match begun {
                 Begun::Turn(turn) => {
                     *self.turn() = Some(turn);
@@ -548,9 +556,7 @@ impl PyStudyPlan {
     }
 
     pub(crate) fn records(&self, then: &str, out: &Path) -> Vec<Record> {
-        let state = |case: &Case| CaseState::of(case, then, &out.join(&case.folder));
-        let states = self.plan.cases.iter().map(state);
-        states.filter_map(|state| if let CaseState::Over(record) = state { Some(*record) } else { None }).collect()
+        records(&self.plan, then, out, &|_| true)
     }
 }
 

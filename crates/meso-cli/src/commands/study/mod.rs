@@ -7,12 +7,13 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, Watch, bar, show};
 use crate::{gpu, inputs, interrupt, outputs, room, stderr, threads};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use meso_ask::{AskError, Machine};
 use meso_concrete::thousands;
 use meso_core::mesh::Tools;
 use meso_gmsh::Gmsh;
 use meso_study::{
-    Again, Case, CaseOutcome, CaseState, Doing, Heard, Plan, RunError, Share, Status, Steps, StudyFile, StudyRun,
+    Again, Case, CaseOutcome, Doing, Heard, Plan, RunError, Share, Status, Steps, StudyFile, StudyLayout, StudyRun,
     TABLES, Tally,
 };
 use serde_json::Map;
@@ -59,6 +60,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40",
           value_parser = values::count, conflicts_with_all = ["dry_run", "force"])]
     slurm: Option<u32>,
+    /// Way to keep cases: a folder each, or one file with the records of all and no other file; absent: as the folder has them
+    #[arg(long, value_name = "LAYOUT", value_parser = layout(), conflicts_with_all = ["collect", "dry_run"])]
+    layout: Option<StudyLayout>,
     /// Number of cases that run at the same time. It changes the time, never the result
     #[arg(short, long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     jobs: Option<u16>,
@@ -88,7 +92,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let how = Working::new(args.jobs, args.threads, gmsh, args.again());
     let plan = checked_plan(&file, &how, &shown)?;
     if args.dry_run {
-        return list(&plan, args);
+        return list(plan, args);
     }
     let share = args.share(plan.cases.len())?;
     if let Some(tasks) = args.slurm {
@@ -102,7 +106,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     }
     let study = match args.collect {
         true => StudyRun::look(Arc::clone(&plan), "", &args.output),
-        false => StudyRun::open(Arc::clone(&plan), "", &args.output, how.again, share),
+        false => StudyRun::open(Arc::clone(&plan), "", &args.output, how.again, share, args.layout),
     };
     let study = study.map_err(failure)?;
     if !args.collect {
@@ -119,6 +123,12 @@ fn share(text: &str) -> Result<Share, String> {
     if (1..=of).contains(&shard) { Ok(Share { shard, of }) } else { Err(wrong()) }
 }
 
+/// Reads a layout.
+fn layout() -> impl TypedValueParser<Value = StudyLayout> {
+    let layout = |name: String| if name == "table" { StudyLayout::Table } else { StudyLayout::Folders };
+    PossibleValuesParser::new(["folders", "table"]).map(layout)
+}
+
 /// Does the cases that are left of a plan that another command made; `steps` are those of a case.
 pub(crate) fn cases(
     plan: Plan,
@@ -128,7 +138,7 @@ pub(crate) fn cases(
     quiet: bool,
 ) -> Result<StudyRun, Failure> {
     let plan = Arc::new(plan);
-    let study = StudyRun::open(Arc::clone(&plan), "", out, how.again, Share::ALL).map_err(failure)?;
+    let study = StudyRun::open(Arc::clone(&plan), "", out, how.again, Share::ALL, None).map_err(failure)?;
     drive(&study, &plan, steps, how, &Shown::new(quiet))?;
     Ok(study)
 }
@@ -261,14 +271,15 @@ fn failure(error: RunError) -> Failure {
 }
 
 /// Prints each case's folder and whether it is done, failed or open.
-fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
+fn list(plan: Arc<Plan>, args: &Args) -> Result<u8, Failure> {
+    let begun = args.output.is_dir().then(|| StudyRun::look(Arc::clone(&plan), "", &args.output));
+    let begun = begun.transpose().map_err(failure)?;
     outputs::Unit::default().fill(&outputs::Target::Stdout, false, |out| {
-        plan.cases.iter().try_for_each(|case| {
-            let word = match CaseState::of(case, "", &args.output.join(&case.folder)) {
-                _ if args.force => "open",
-                CaseState::Over(record) if record.status == Status::Failed => "failed",
-                CaseState::Over(_) => "done",
-                CaseState::Open | CaseState::Packed => "open",
+        plan.cases.iter().enumerate().try_for_each(|(number, case)| {
+            let word = match begun.as_ref().and_then(|begun| begun.status(number)) {
+                Some(Status::Failed) if !args.force => "failed",
+                Some(Status::Done) if !args.force => "done",
+                _ => "open",
             };
             writeln!(out, "{word:6}  {}", case.folder)
         })

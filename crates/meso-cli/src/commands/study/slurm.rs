@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{Target, Unit};
 use meso_gmsh::Gmsh;
-use meso_study::{Plan, StudyFile};
+use meso_study::{Plan, StudyFile, StudyLayout};
 use std::path::Path;
 
 /// Memory of a process beside what its case asks for, bytes.
@@ -60,6 +60,7 @@ impl Args {
         add("--min-gap-mm", self.min_gap_mm.map(|gap| gap.to_string()));
         add("--time-limit", self.time_limit.map(|seconds| seconds.to_string()));
         add("--gmsh", self.gmsh.as_deref().map(path));
+        add("--layout", self.layout.filter(|layout| *layout == StudyLayout::Table).map(|_| "table".to_owned()));
         add("--retry-failed", self.retry_failed.then(String::new));
         words.trim_end().to_owned()
     }
