@@ -722,3 +722,12 @@ fn a_data_set_names_the_package_that_makes_it() {
     let run = folder.run(&["dataset", "small.toml", "-n", "2"]);
     assert!(run.code == 2 && run.stderr.contains("pip install mesocrete, and run its mesocrete"), "{}", run.stderr);
 }
+
+#[test]
+fn a_study_on_dask_names_the_package_that_does_it_and_the_line_of_python() {
+    let folder = folder(STUDY);
+    let run = folder.run(&["study", "STUDY.toml", "-o", "s", "--dask", "tcp://10.0.0.1:8786"]);
+    let line = r#"mc.study("STUDY.toml", out="s", executor=Client("tcp://10.0.0.1:8786"))"#;
+    assert!(run.code == 2 && run.stderr.contains(line), "{}", run.stderr);
+    assert!(!folder.path("s").exists());
+}

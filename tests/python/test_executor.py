@@ -5,6 +5,7 @@ import importlib.util
 import multiprocessing
 import os
 import signal
+import subprocess
 import threading
 import time
 from pathlib import Path
@@ -135,6 +136,32 @@ def test_dask_loses_no_more_workers_to_a_case_than_it_allows(tmp_path):
     check_poison(study, 30)
 
 
+def test_the_command_does_the_study_of_a_file_on_dask(command, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    spec = "[spec]\nfraction = 0.15\nspecimen = { kind = 'cube', side_mm = 20 }\ngrading = { d_min_mm = 5, d_max_mm = 8 }\n"
+    (tmp_path / "STUDY.toml").write_text(spec + "[over]\nseed = { from = 1, to = 6 }\n")
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([command, "study", "STUDY.toml", *words], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+
+    assert run("-o", "here").returncode == 0
+    with distributed.LocalCluster(1, processes=False, protocol="tcp://", threads_per_worker=1, dashboard_address=None) as cluster:
+        ended = run("-o", "there", "--dask", cluster.scheduler_address)
+        assert ended.returncode == 0 and "6 of 6 cases done, 0 failed" in ended.stderr, ended.stderr
+        assert contents(tmp_path / "there") == contents(tmp_path / "here")
+        with distributed.Client(cluster) as client:
+            study = mc.study(tmp_path / "STUDY.toml", out=tmp_path / "there", executor=client, progress=lambda over, _: assert_over(over))
+        assert len(study.results) == 6
+    (tmp_path / "STUDY.toml").write_text(spec + "fracton = 0.2\n")
+    wrong = run("--dask", "tcp://127.0.0.1:1")
+    assert wrong.returncode == 2 and "fracton" in wrong.stderr
+
+
+def assert_over(over: int) -> None:
+    """Check that no case is left."""
+    assert over == 6
+
+
 class Counting(concurrent.futures.ThreadPoolExecutor):
     """Counts the calls in flight."""
 
@@ -213,7 +240,6 @@ def test_a_data_set_on_processes_has_the_bytes_of_the_serial_one(sink, tmp_path)
 def test_mpi_gives_the_bytes_of_the_serial_study(tmp_path):
     pytest.importorskip("mpi4py", reason="mpi4py is not installed")
     import shutil
-    import subprocess
     import sys
 
     if shutil.which("mpirun") is None:

@@ -18,7 +18,6 @@ mod stderr;
 mod threads;
 
 use clap::Parser;
-pub use commands::dataset::Datasets;
 use commands::{Cli, Command};
 use failure::Failure;
 use meso_concrete::printable;
@@ -27,20 +26,24 @@ use std::io::{ErrorKind, Write};
 use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
+/// The Python package around the command: it does the work of this name that a request in JSON asks for, and returns the exit
+/// code, or says why it cannot.
+pub type Python<'a> = dyn Fn(&str, &str) -> Result<u8, String> + Sync + 'a;
+
 /// Runs the command with `args` (the program's name first) and returns its exit code.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     run_in(args, None)
 }
 
-/// Runs the command within the Python package, which makes its data sets; see [`run`].
-pub fn run_in(args: impl IntoIterator<Item = OsString>, datasets: Option<&Datasets<'_>>) -> u8 {
+/// Runs the command within the Python package, which does some work for it; see [`run`].
+pub fn run_in(args: impl IntoIterator<Item = OsString>, python: Option<&Python<'_>>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
     failure::hush_panics();
     interrupt::install();
-    std::panic::catch_unwind(AssertUnwindSafe(|| dispatch(cli.command, datasets)))
+    std::panic::catch_unwind(AssertUnwindSafe(|| dispatch(cli.command, python)))
         .unwrap_or(Err(Failure::Bug))
         .unwrap_or_else(|failure| failure.print())
 }
@@ -70,14 +73,14 @@ pub fn validate_study(text: &str) -> Result<Vec<Vec<std::path::PathBuf>>, String
     commands::study::unread(text).map_err(|failure| failure.message().to_owned())
 }
 
-fn dispatch(command: Command, datasets: Option<&Datasets<'_>>) -> Result<u8, Failure> {
+fn dispatch(command: Command, python: Option<&Python<'_>>) -> Result<u8, Failure> {
     match command {
         Command::Pack(args) => commands::pack::run(&args),
         Command::Mesh(args) => commands::mesh::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
         Command::Devices(args) => commands::devices::run(&args),
-        Command::Study(args) => commands::study::run(&args),
-        Command::Dataset(args) => commands::dataset::run(&args, datasets),
+        Command::Study(args) => commands::study::run(&args, python),
+        Command::Dataset(args) => commands::dataset::run(&args, python),
         Command::Fit(args) => commands::fit::run(&args),
         Command::Check(args) => commands::check::run(&args),
         Command::Report(args) => commands::report::run(&args),

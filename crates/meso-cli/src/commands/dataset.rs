@@ -3,7 +3,7 @@
 use super::shared::Writing;
 use super::values;
 use crate::failure::Failure;
-use crate::{inputs, outputs};
+use crate::{Python, inputs, outputs};
 use meso_core::spec::options_from_toml;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -44,11 +44,8 @@ pub(crate) struct Args {
     writing: Writing,
 }
 
-/// The Python package around the command: it makes the data set of a request in JSON, or says why it cannot.
-pub type Datasets<'a> = dyn Fn(&str) -> Result<(), String> + Sync + 'a;
-
-pub(crate) fn run(args: &Args, datasets: Option<&Datasets<'_>>) -> Result<u8, Failure> {
-    let Some(datasets) = datasets else {
+pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failure> {
+    let Some(python) = python else {
         let message = "a data set is made by the Python package, which writes its arrays; pip install mesocrete, and run its \
                        mesocrete";
         return Err(Failure::Usage(message.to_owned()));
@@ -61,5 +58,5 @@ pub(crate) fn run(args: &Args, datasets: Option<&Datasets<'_>>) -> Result<u8, Fa
         "seed": args.seed, "model": args.model, "jobs": args.jobs, "overwrite": args.writing.force,
         "progress": !args.writing.quiet,
     });
-    datasets(&request.to_string()).map(|()| 0).map_err(Failure::Run)
+    python("dataset", &request.to_string()).map_err(Failure::Run)
 }

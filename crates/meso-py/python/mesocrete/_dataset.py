@@ -197,8 +197,8 @@ def dataset(
     return Dataset(sink)
 
 
-def of_command(request: str) -> None:
-    """Make the data set that `mesocrete dataset` asks for."""
+def of_command(request: str) -> int:
+    """Make the data set that `mesocrete dataset` asks for; return the exit code."""
     asked = json.loads(request)
     over = asked.pop("sampler") or {}
     sampler = {key: (value["low"], value["high"]) if isinstance(value, dict) else value for key, value in _leaves(over)}
@@ -208,6 +208,7 @@ def of_command(request: str) -> None:
         raise FileExistsError(str(error).replace("overwrite=True", "--force")) from error
     if asked["progress"]:
         print(f"wrote {made.path}: {len(made):,} volumes", file=sys.stderr)
+    return 0
 
 
 def _leaves(over: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
+import sys
 import time
 import warnings
 from collections import deque
@@ -277,6 +279,32 @@ def study(
     name = fingerprint(then, version)
     _drive(plan, Path(out).absolute(), _Way(then, name, executor, threads, progress, retry_failed, layout))
     return Study(plan, name, Path(out).absolute())
+
+
+def of_command(request: str) -> int:
+    """Do the study that `mesocrete study --dask` asks for; return the exit code of the command."""
+    asked = json.loads(request)
+    try:
+        from distributed import Client
+    except ImportError as error:
+        message = 'dask is not installed; get it with: pip install "dask[distributed]"'
+        raise ImportError(message) from error
+    # The command's own answer to these would stop nothing here.
+    for name in ("SIGINT", "SIGTERM"):
+        signal.signal(getattr(signal, name), signal.default_int_handler)
+    try:
+        with Client(asked.pop("dask")) as client:
+            made = study(asked.pop("study"), executor=client, **asked)
+    except KeyboardInterrupt:
+        print("stopped; the same command goes on with the next case", file=sys.stderr)
+        return 130
+    for case, message in made.failures.items():
+        print(f"warning: {case} failed: {message}", file=sys.stderr)
+    failed = len(made.failures)
+    if asked["progress"]:
+        hint = "; --retry-failed runs them again" if failed else ""
+        print(f"{len(made) - failed} of {len(made)} cases done, {failed} failed{hint}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 class _Way(NamedTuple):

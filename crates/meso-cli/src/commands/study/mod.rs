@@ -6,7 +6,7 @@ use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, Watch, bar, show};
-use crate::{gpu, inputs, interrupt, outputs, room, stderr, threads};
+use crate::{Python, gpu, inputs, interrupt, outputs, room, stderr, threads};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use meso_ask::{AskError, Machine};
 use meso_concrete::thousands;
@@ -16,7 +16,7 @@ use meso_study::{
     Again, Case, CaseOutcome, Doing, Heard, Plan, RunError, Share, Status, Steps, StudyFile, StudyLayout, StudyRun,
     TABLES, Tally,
 };
-use serde_json::Map;
+use serde_json::{Map, json};
 use std::io::{self, IsTerminal};
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -60,6 +60,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40",
           value_parser = values::count, conflicts_with_all = ["dry_run", "force"])]
     slurm: Option<u32>,
+    /// Run the cases on the workers of a dask scheduler, e.g. tcp://10.0.0.1:8786; they must see the folder, too
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["shard", "case", "collect", "slurm", "dry_run", "force", "jobs",
+          "min_gap_mm", "time_limit", "gmsh"])]
+    dask: Option<String>,
     /// Way to keep cases: a folder each, or one file with the records of all and no other file; absent: as the folder has them
     #[arg(long, value_name = "LAYOUT", value_parser = layout(), conflicts_with_all = ["collect", "dry_run"])]
     layout: Option<StudyLayout>,
@@ -83,14 +87,18 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
-pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failure> {
     outputs::refuse_stdout(&args.output, "a study writes many files; name a folder")?;
+    let on_dask = args.dask.as_deref().map(|address| args.on_dask(address, python)).transpose()?;
     let mut file = StudyFile::read(&args.study, &inputs::text)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);
     let gmsh = args.gmsh.as_deref().unwrap_or(Path::new("gmsh"));
     let how = Working::new(args.jobs, args.threads, gmsh, args.again());
     let plan = checked_plan(&file, &how, &shown)?;
+    if let Some(on_dask) = on_dask {
+        return on_dask();
+    }
     if args.dry_run {
         return list(plan, args);
     }
@@ -248,6 +256,29 @@ pub(crate) fn unread(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
 }
 
 impl Args {
+    /// What runs the cases on the workers of a dask scheduler.
+    fn on_dask<'a>(
+        &'a self,
+        address: &'a str,
+        python: Option<&'a Python<'_>>,
+    ) -> Result<impl FnOnce() -> Result<u8, Failure> + 'a, Failure> {
+        let (study, out) = (&self.study, &self.output);
+        let python = python.ok_or_else(|| {
+            let line = format!("mc.study({study:?}, out={out:?}, executor=Client({address:?}))");
+            let install = "pip install mesocrete \"dask[distributed]\", and run its mesocrete";
+            Failure::Usage(format!("--dask is done by the Python package: {install}, or in Python {line}"))
+        })?;
+        if study == Path::new("-") {
+            return Err(Failure::Usage("--dask takes the study of a file; name the file".to_owned()));
+        }
+        let layout = self.layout.map(|layout| if layout == StudyLayout::Table { "table" } else { "folders" });
+        let request = json!({
+            "study": study, "dask": address, "out": out, "layout": layout, "threads": self.threads,
+            "retry_failed": self.retry_failed, "progress": !self.quiet,
+        });
+        Ok(move || python("study", &request.to_string()).map_err(Failure::Run))
+    }
+
     /// The cases of this process.
     fn share(&self, cases: usize) -> Result<Share, Failure> {
         match self.case {
