@@ -753,7 +753,7 @@ class SolveSupportSpec(TypedDict, total=False):
     """A support or a load of a specimen."""
 
     drive: SolveDrive | None
-    """What moves a plate in real time, in place of the path: `{ kind = 'speed' }`, `'bar'` or `'mass'`."""
+    """What moves a plate in real time; the test has no path then: `{ kind = 'speed' }`, `'bar'` or `'mass'`."""
     friction: float
     """Coulomb's coefficient of a plate."""
     moves: float

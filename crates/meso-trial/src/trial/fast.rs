@@ -72,7 +72,7 @@ impl Test {
             let [youngs_modulus_mpa, density_t_per_mm3] = STEEL;
             Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2: None, speed_m_per_s }
         };
-        let at_rest = Drive::Speed { speed_m_per_s: Speed::default() };
+        let base = SupportSpec { friction, ..SupportSpec::new("base", Side::ZMin) };
         // A striker of the same bar gives it half of its speed.
         let supports = match self.kind {
             TestKind::Hopkinson => {
@@ -98,19 +98,16 @@ impl Test {
                     // Rollers and strips of a bent beam; the loading one falls.
                     let bent = self.bent(geometry)?;
                     let supports = bent.supports.into_iter().map(|support| {
-                        let drive = if support.moves == 0.0 { at_rest.clone() } else { mass.clone() };
-                        SupportSpec { moves: 0.0, drive: Some(drive), ..support }
+                        let drive = (support.moves != 0.0).then(|| mass.clone());
+                        SupportSpec { moves: 0.0, drive, ..support }
                     });
                     return Ok(Rig { supports: supports.collect(), ..bent });
                 }
-                vec![driven("base", Side::ZMin, at_rest), driven("load", Side::ZMax, mass)]
+                vec![base, driven("load", Side::ZMax, mass)]
             }
             _ => {
                 let rows = Speed::Over(vec![[0.0, 0.0], [rise, v]]);
-                vec![
-                    driven("base", Side::ZMin, at_rest),
-                    driven("plate", Side::ZMax, Drive::Speed { speed_m_per_s: rows }),
-                ]
+                vec![base, driven("plate", Side::ZMax, Drive::Speed { speed_m_per_s: rows })]
             }
         };
         let section_mm2 = geometry.section_mm2;

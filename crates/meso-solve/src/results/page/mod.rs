@@ -9,7 +9,7 @@ use crate::march::{Ended, Row, Summary};
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
-use meso_trial::{Gauge, TestKind, word};
+use meso_trial::{Gauge, OF_SUPPORTS, TestKind, word};
 use meso_view::embedded::{TURNTABLE, base64};
 use meso_view::plot::{Plot, Series, escape};
 use meso_view::section::ACROSS;
@@ -112,8 +112,9 @@ impl Axes {
         if result.is_free() {
             return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "strain, µm/m" };
         }
+        // With one plate alone there is no strain.
         if matches!(result.test, TestKind::Spall | TestKind::Drop) {
-            return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "stress, MPa" };
+            return Self::in_time();
         }
         let (x, y) = match result.test {
             TestKind::Bending => ("strain 6 h w / l² of the roller's way", "stress 3 F l / (2 b h²), MPa"),
@@ -123,6 +124,11 @@ impl Axes {
             _ => ("mean axial strain", "stress, MPa"),
         };
         Self { x, of: |row| row.strain, y }
+    }
+
+    /// Of a test in real time.
+    fn in_time() -> Self {
+        Self { x: "time, µs", of: |row| 1e6 * row.time_s, y: "stress, MPa" }
     }
 
     /// A column over the x axis.
@@ -151,14 +157,20 @@ fn curve(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io
         ("Strains", "Mean strains over time", lines.take(3).collect())
     } else {
         let start = std::iter::once((0.0, 0.0));
-        let peak = vec![(figures.peak_strain, figures.peak_mpa)];
-        let moments = shots.iter().map(|(_, shot)| (shot.moment.strain, shot.moment.stress_mpa)).collect();
+        let place = |strain, time_s| (axes.of)(&Row { strain, time_s, ..Row::default() });
+        let top = rows.iter().find(|row| row.stress_mpa == figures.peak_mpa).copied().unwrap_or_default();
+        let peak = vec![((axes.of)(&top), figures.peak_mpa)];
+        let moments =
+            shots.iter().map(|(_, Shot { moment, .. })| (place(moment.strain, moment.time_s), moment.stress_mpa));
+        let moments = moments.collect();
         let curves = vec![
-            Series::line("stress", start.chain(rows.iter().map(|row| (row.strain, row.stress_mpa))).collect()),
+            Series::line("stress", start.chain(rows.iter().map(|row| ((axes.of)(row), row.stress_mpa))).collect()),
             Series::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
             Series::moving("moment below", moments),
         ];
-        ("Stress and strain", "Stress over strain", curves)
+        let is_timed = axes.x == Axes::in_time().x;
+        let heading = if is_timed { "Stress" } else { "Stress and strain" };
+        (heading, if is_timed { "Stress over time" } else { "Stress over strain" }, curves)
     };
     writeln!(out, "<h2>{heading}</h2>\n<div class=\"large\">")?;
     Plot { title, x: axes.x, y: axes.y, log_x: false, size: LARGE, curves }.write(out)?;
@@ -343,17 +355,29 @@ fn further(outcome: &Outcome) -> io::Result<Vec<(String, Vec<f64>)>> {
 
 /// Gauges and forces of supports, one plot each, and the load over the crack mouth. Columns of zeros have none.
 fn gauges(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
-    let (columns, axes) = (further(outcome)?, Axes::of(&outcome.response.result));
+    let (columns, result) = (further(outcome)?, &outcome.response.result);
+    let axes = if result.is_fast() { Axes::in_time() } else { Axes::of(result) };
     let plot = |title, x, y, points| {
         let curves = vec![Series::line(title, points)];
         Plot { title, x, y, log_x: false, size: Plot::SMALL, curves }
     };
     let rows = &outcome.response.curve;
-    let over_mouth = load_over_mouth(&outcome.response.result, &columns);
+    let over_mouth = load_over_mouth(result, &columns);
     let over_mouth =
         over_mouth.map(|points| plot("load over crack mouth", "opening of the crack mouth, mm", "N", points));
     let single = columns.iter().map(|(name, values)| plot(name, axes.x, "", axes.points(rows, values)));
-    let plots: Vec<Plot> = over_mouth.into_iter().chain(single).collect();
+    let waves = columns.iter().filter(|(name, _)| OF_SUPPORTS[2..].iter().any(|end| name.ends_with(end)));
+    let waves: Vec<Series> = waves.map(|(name, values)| Series::line(name, axes.points(rows, values))).collect();
+    let title = "Waves in the bars, positive in compression";
+    let waves = (!waves.is_empty()).then_some(Plot {
+        title,
+        x: axes.x,
+        y: axes.y,
+        log_x: false,
+        size: Plot::SMALL,
+        curves: waves,
+    });
+    let plots: Vec<Plot> = over_mouth.into_iter().chain(waves).chain(single).collect();
     group("Gauges and supports", "grid", &plots, out)
 }
 
