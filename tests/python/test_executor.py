@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 
 import mesocrete as mc
+from mesocrete._mesocrete import _Lock
 
 TINY = {"specimen": {"kind": "cube", "side_mm": 20.0}, "fraction": 0.15, "grading": {"d_min_mm": 5, "d_max_mm": 8}}
+SPEC = "fraction = 0.15\nspecimen = { kind = 'cube', side_mm = 20 }\ngrading = { d_min_mm = 5, d_max_mm = 8 }\n"
 kills = pytest.mark.skipif(os.name == "nt", reason="kills by signal")
 
 
@@ -138,7 +140,7 @@ def test_dask_loses_no_more_workers_to_a_case_than_it_allows(tmp_path):
 
 def test_the_command_does_the_study_of_a_file_on_dask(command, tmp_path):
     distributed = pytest.importorskip("distributed")
-    spec = "[spec]\nfraction = 0.15\nspecimen = { kind = 'cube', side_mm = 20 }\ngrading = { d_min_mm = 5, d_max_mm = 8 }\n"
+    spec = f"[spec]\n{SPEC}"
     (tmp_path / "STUDY.toml").write_text(spec + "[over]\nseed = { from = 1, to = 6 }\n")
 
     def run(*words: str) -> subprocess.CompletedProcess[str]:
@@ -235,6 +237,51 @@ def test_a_data_set_on_processes_has_the_bytes_of_the_serial_one(sink, tmp_path)
             mc.dataset(6, sink=tmp_path / "x", jobs=2, executor=executor)
     assert np.array_equal(made[5]["phase"], mc.Dataset(tmp_path / "serial" / sink)[5]["phase"])
     assert contents(tmp_path / "pool") == contents(tmp_path / "serial")
+
+
+@kills
+@pytest.mark.parametrize("sink", ["volumes", "volumes.zarr"])
+def test_processes_make_parts_of_a_data_set_in_one_sink(command, sink, tmp_path):
+    (tmp_path / "SPEC.toml").write_text(SPEC)
+    words = [command, "dataset", "SPEC.toml", "-n", "12", "--shape", "10", "--jobs", "1", "-q", "-o"]
+    subprocess.run([*words, f"serial/{sink}"], cwd=tmp_path, check=True, timeout=120)
+
+    def start(part: str) -> subprocess.Popen[str]:
+        return subprocess.Popen([*words, f"parts/{sink}", "--shard", part], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+
+    first = [start(f"{part}/3") for part in (1, 2, 3)]
+    while not list((tmp_path / "parts" / sink / "cases").glob("0*.json")):
+        time.sleep(0.01)
+    first[0].kill()
+    assert [process.wait(120) for process in first[1:]] == [0, 0]
+    # Nobody makes a part that another process makes.
+    lock = _Lock(tmp_path / "parts" / sink, None, "1-of-3")
+    refused = start("1/3")
+    assert "is in use by" in refused.communicate(timeout=120)[1] and refused.returncode == 1
+    lock.release()
+    again = start("1/3")
+    assert again.wait(120) == 0, again.stderr
+    assert contents(tmp_path / "parts") == contents(tmp_path / "serial")
+    with pytest.raises(ValueError, match=r"shard is \(4, 3\); it must be \(K, N\)"):
+        mc.dataset(2, spec=TINY, shape=8, sink=tmp_path / "x", shard=(4, 3))
+    with pytest.raises(ValueError, match="an .h5 is one file: take a folder or a .zarr"):
+        mc.dataset(2, spec=TINY, shape=8, sink=tmp_path / "x.h5", shard=(1, 3))
+
+
+def test_one_process_at_a_time_makes_a_data_set_without_parts(tmp_path):
+    sink = tmp_path / "volumes.zarr"
+    refused = []
+
+    def second(done: int, _: int) -> None:
+        if done == 1:
+            with pytest.raises(BlockingIOError, match="is in use by process"):
+                mc.dataset(3, spec=TINY, shape=8, sink=sink, jobs=1)
+            with pytest.raises(BlockingIOError, match="is in use by process"):
+                mc.dataset(3, spec=TINY, shape=9, sink=sink, jobs=1, overwrite=True)
+            refused.append(done)
+
+    assert len(mc.dataset(3, spec=TINY, shape=8, sink=sink, jobs=1, progress=second)) == 3 and refused == [1]
+    assert not list(sink.glob(".mesocrete-*"))
 
 
 def test_mpi_gives_the_bytes_of_the_serial_study(tmp_path):

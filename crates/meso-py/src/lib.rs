@@ -44,7 +44,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]
-    use super::study::{PyFit, PyStudyCase, PyStudyPlan, PyStudyRun, study_case, study_results};
+    use super::study::{PyFit, PyLock, PyStudyCase, PyStudyPlan, PyStudyRun, study_case, study_results};
     #[pymodule_export]
     use super::views::colours;
     use pyo3::prelude::*;

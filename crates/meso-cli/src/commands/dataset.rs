@@ -1,10 +1,11 @@
 //! `mesocrete dataset`: many labelled volumes. The Python package makes them: it has the arrays and their files.
 
-use super::shared::Writing;
+use super::shared::{Writing, share};
 use super::values;
 use crate::failure::Failure;
 use crate::{Python, inputs, outputs};
 use meso_core::spec::options_from_toml;
+use meso_study::Share;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -40,6 +41,9 @@ pub(crate) struct Args {
     /// Volumes at the same time; as many as cores when absent. It changes the time, never the result
     #[arg(short, long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     jobs: Option<u16>,
+    /// Make part K of N, every N-th volume from the K-th on, beside processes that make the others; not in an .h5
+    #[arg(long, value_name = "K/N", value_parser = share, conflicts_with = "force")]
+    shard: Option<Share>,
     #[command(flatten)]
     writing: Writing,
 }
@@ -56,7 +60,7 @@ pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failur
     let request = json!({
         "n": args.n, "sampler": over, "spec": args.spec, "sink": args.output, "shape": shape, "what": args.what,
         "seed": args.seed, "model": args.model, "jobs": args.jobs, "overwrite": args.writing.force,
-        "progress": !args.writing.quiet,
+        "progress": !args.writing.quiet, "shard": args.shard.map(|Share { shard, of }| [shard, of]),
     });
     python("dataset", &request.to_string()).map_err(Failure::Run)
 }

@@ -3,6 +3,7 @@
 use super::values;
 use crate::failure::Failure;
 use crate::threads;
+use meso_study::Share;
 
 // A doc comment here would become the command's own description.
 #[derive(clap::Args, Debug)]
@@ -27,4 +28,12 @@ pub(super) struct Writing {
     /// Print only warnings and errors
     #[arg(short, long)]
     pub(super) quiet: bool,
+}
+
+/// Reads `K/N`.
+pub(crate) fn share(text: &str) -> Result<Share, String> {
+    let wrong = || format!("{text} must be K/N, whole numbers with K from 1 to N, as 3/40");
+    let (shard, of) = text.split_once('/').ok_or_else(wrong)?;
+    let (shard, of) = (shard.parse().map_err(|_| wrong())?, of.parse().map_err(|_| wrong())?);
+    if (1..=of).contains(&shard) { Ok(Share { shard, of }) } else { Err(wrong()) }
 }

@@ -12,11 +12,13 @@ import io
 import json
 import os
 import sys
+import warnings
 import zipfile
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +28,11 @@ from numpy.typing import NDArray
 from ._effective import Target
 from ._executor import _BUILD, Submitter, Workers, require
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, pack
+from ._mesocrete import Packing, Spec, _Lock, _study_results, _StudyPlan, pack
 from ._mesocrete import __version__ as _VERSION
 from ._progress import listener
 from ._scan import checked_options, scan as _scan
+from ._study import _LOCKED
 
 _QUANTITIES = ("phase", "grain", "share", "distance", "scan")
 # Labels have long runs: more than the fastest level saves a tenth of the space for thrice the time.
@@ -107,6 +110,7 @@ def dataset(
     model: bool = False,
     jobs: int | None = None,
     executor: Submitter | None = None,
+    shard: tuple[int, int] | None = None,
     overwrite: bool = False,
     progress: bool | Callable[..., object] | None = None,
 ) -> Dataset:
@@ -142,6 +146,9 @@ def dataset(
         Cases at the same time, default one per core. It changes the time, never the result.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Makes the volumes, as for `study`; all workers must see the sink. Instead of `jobs`.
+    shard : (int, int), optional
+        Part K of N: every N-th volume from the K-th on, beside processes that make the others, e.g. the tasks of an array. The last
+        one completes the sink. Not in an `.h5`.
     overwrite : bool
         Whether the data set of another request in `sink` is replaced.
     progress : bool or callable, optional
@@ -157,6 +164,8 @@ def dataset(
     ------
     FileExistsError
         If `sink` holds volumes of another request, or more than `n`, and `overwrite` is False.
+    BlockingIOError
+        If another process makes volumes in `sink`, other than those of another part of N.
     ValueError, TypeError
         For an invalid option or spec, before any work, and for volumes of unequal shape in a `.zarr` or `.h5`.
     """
@@ -172,26 +181,45 @@ def dataset(
     asked = request.described(sampler, spec, seed, identity[0])
     store = _store(Path(sink))
     store.refuse(request)
-    if overwrite and store.other(asked, identity):
-        store.clear()
-    elif other := store.other(asked, identity):
-        asked_words = _words(asked, n)
-        message = f"{sink} holds {other}; this request is of {asked_words}: overwrite=True replaces it, or take another sink"
-        raise FileExistsError(message)
+    part, of = _checked_shard(shard)
+    if shard is not None and isinstance(store, _Hdf5):
+        message = f"shard is {shard}; an .h5 is one file: take a folder or a .zarr as sink"
+        raise ValueError(message)
+
+    def make_room(other: str) -> None:
+        if other and not overwrite:
+            words = _words(asked, n)
+            message = f"{sink} holds {other}; this request is of {words}: overwrite=True replaces it, or take another sink"
+            raise FileExistsError(message)
+        if other:
+            store.clear()
+
+    make_room(store.foreign())
     tell = listener(progress)
+    lock = store.lock(asked["hash"], part, of)
     try:
-        left = store.begin(request, asked, identity)
+        with _briefly(store, of):
+            make_room(store.other(asked, identity))
+            missing = store.begin(request, asked, identity)
+        left = [number for number in missing if number % of == part - 1]
+        own = len(range(part - 1, n, of))
         if left:
             jobs_left = [cases[number] for number in left]
-            for done, (number, record) in enumerate(_made(jobs_left, request, store, workers), 1 + n - len(left)):
-                store.finish(number, record, len(cases))
+            for done, (number, record) in enumerate(_made(jobs_left, request, store, workers), 1 + own - len(left)):
+                with _briefly(store, of):
+                    store.finish(number, record, len(cases))
                 if tell is not None:
-                    tell(done, len(cases), "dataset")
-        store.close()
+                    tell(done, own, "dataset")
+        with _briefly(store, of):
+            # The last part finds the volumes of all.
+            if of == 1 or not store.begin(request, asked, identity):
+                store.close()
     finally:
         workers.close()
         # Threads that write would go on behind the caller's back.
         pool.shutdown(wait=True, cancel_futures=True)
+        _LOCKED.discard(lock)
+        lock.release()
         if tell is not None:
             tell.close()
     return Dataset(sink)
@@ -218,6 +246,25 @@ def _leaves(over: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield from _leaves(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value
+
+
+@contextmanager
+def _briefly(store: _Store, of: int) -> Iterator[None]:
+    """Have the sink alone for a moment, where other processes make parts of it."""
+    lock = _Lock.briefly(store.root) if of > 1 else None
+    try:
+        yield
+    finally:
+        if lock is not None:
+            lock.release()
+
+
+def _checked_shard(shard: Any) -> tuple[int, int]:
+    part, of = (1, 1) if shard is None else shard
+    if not 1 <= part <= of:
+        message = f"shard is {shard}; it must be (K, N), whole numbers with K from 1 to N"
+        raise ValueError(message)
+    return part, of
 
 
 class _Request:
@@ -334,7 +381,7 @@ class _Store:
 
     def other(self, asked: Mapping[str, Any], identity: Sequence[str]) -> str:
         """Return what the sink holds of another request, in words; nothing if this request can go on there."""
-        if foreign := self._foreign():
+        if foreign := self.foreign():
             return foreign
         request, records = self._request(), self._records()
         if not records:
@@ -347,7 +394,12 @@ class _Store:
         changed = [number for number, record in records.items() if record["hash"] != identity[number]]
         return f"{there}, and another volume {changed[0]}" if changed else ""
 
-    def _foreign(self) -> str:
+    def lock(self, work: str, part: int, of: int) -> _Lock:
+        """Take a part of the sink, which other processes share that make the same in as many parts."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        return _locked(_Lock(self.root.absolute(), f"{work[:16]}{of}", f"{part}-of-{of}"))
+
+    def foreign(self) -> str:
         """Return what stands in the sink's place and is no such sink."""
         return "a file that is no data set" if self.root.exists() and not self.root.is_dir() else ""
 
@@ -370,7 +422,8 @@ class _Store:
 
     def begin(self, request: _Request, asked: Mapping[str, Any], identity: Sequence[str]) -> list[int]:
         """Note what is asked for; return the numbers of the volumes to make."""
-        if not self._records():
+        # Files of this request without a record are those of a killed process, or of another one at work.
+        if not self._records() and self._request() != asked:
             self.clear()
         for folder in (_CASES, *(["models"] if request.model else [])):
             (self.root / folder).mkdir(parents=True, exist_ok=True)
@@ -531,9 +584,15 @@ class _Hdf5(_Store):
     def other(self, asked: Mapping[str, Any], identity: Sequence[str]) -> str:
         return super().other(asked, identity) if self.root.exists() else self._parts.other(asked, identity)
 
-    def _foreign(self) -> str:
+    def lock(self, work: str, part: int, of: int) -> _Lock:
+        self.root.parent.mkdir(parents=True, exist_ok=True)
+        return _locked(_Lock(self.root.absolute().parent, None, self.root.name))
+
+    def foreign(self) -> str:
         if self.root.is_dir():
             return "a folder, which is no .h5"
+        if not self.root.exists():
+            return ""
         return "" if _h5py().is_hdf5(self.root) and self._request() else "a file that is no data set"
 
     def clear(self) -> None:
@@ -647,6 +706,14 @@ def _sound(data: bytes, case: Mapping[str, Any], name: str, root: Path) -> bytes
 
 def _damage(case: Mapping[str, Any], root: Path) -> OSError:
     return OSError(f"volume {case['number']} of {root} is damaged; the same call of mc.dataset makes it again")
+
+
+def _locked(lock: _Lock) -> _Lock:
+    """Note a lock that forked processes leave to this one; warn where the disk has none."""
+    _LOCKED.add(lock)
+    if not lock.is_exclusive:
+        warnings.warn("the disk of the sink has no locks: keep other processes out of it, or give each its shard", stacklevel=4)
+    return lock
 
 
 def _words(request: Mapping[str, Any], n: int | None = None) -> str:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ._executor import _BUILD, Submitter, Workers, require
 from ._fingerprint import fingerprint
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _StudyCase, _StudyPlan, _StudyRun, load, pack
+from ._mesocrete import Packing, Spec, _Lock, _StudyCase, _StudyPlan, _StudyRun, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -351,7 +351,7 @@ def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
 
 
 # Runs and cases whose folders this process has locked. A forked process would keep the locks when this one is killed.
-_LOCKED: set[_StudyRun | _StudyCase] = set()
+_LOCKED: set[_StudyRun | _StudyCase | _Lock] = set()
 
 
 def _leave_locks() -> None:

@@ -1,8 +1,10 @@
 //! The Rust part of `mesocrete.study`: the plan, the run in a locked folder, records and tables.
 
 mod fit;
+mod lock;
 
 pub(crate) use fit::PyFit;
+pub(crate) use lock::PyLock;
 
 use crate::beside::Told;
 use crate::boundary::{file_error, guard, raised};

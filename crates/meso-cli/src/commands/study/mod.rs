@@ -2,6 +2,7 @@
 
 mod slurm;
 
+use super::shared::share;
 use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
@@ -121,14 +122,6 @@ pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failur
         drive(&study, &plan, &|case| file.steps(case, &inputs::text), &how, &shown)?;
     }
     finish(&study, args)
-}
-
-/// Reads `K/N`.
-fn share(text: &str) -> Result<Share, String> {
-    let wrong = || format!("{text} must be K/N, whole numbers with K from 1 to N, as 3/40");
-    let (shard, of) = text.split_once('/').ok_or_else(wrong)?;
-    let (shard, of) = (shard.parse().map_err(|_| wrong())?, of.parse().map_err(|_| wrong())?);
-    if (1..=of).contains(&shard) { Ok(Share { shard, of }) } else { Err(wrong()) }
 }
 
 /// Reads a layout.
