@@ -14,7 +14,9 @@ mod stone;
 pub use cdpm2::Cdpm2Parameters;
 pub use concrete::{Mix, Sourced};
 pub use mortar::{LawName, MortarStrength};
-pub use ranges::{DENSITY, MATERIALS, MODULUS};
+pub use ranges::MATERIALS;
+#[doc(hidden)]
+pub use ranges::{DENSITY, MODULUS};
 pub use rock::{Rock, RockValues};
 pub use stone::{Stone, StoneKind};
 

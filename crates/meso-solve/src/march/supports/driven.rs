@@ -53,8 +53,9 @@ impl Driven {
     /// Stresses of the waves that run in its bar to the specimen and from it, MPa, positive in compression, at this force and
     /// speed of its end; none without a bar.
     pub(crate) fn waves(&self, force_n: f64, speed: f64) -> Option<[f64; 2]> {
-        let (of_force, of_speed) = (0.5 * force_n / self.area_mm2, 0.5 * self.impedance * speed / self.area_mm2);
-        matches!(self.drive, Drive::Bar { .. }).then_some([of_force + of_speed, of_force - of_speed])
+        let [stress, of_speed] = [force_n, self.impedance * speed].map(|force| force / self.area_mm2);
+        let incoming = if self.drive.fastest() == 0.0 { 0.0 } else { 0.5 * (stress + of_speed) };
+        matches!(self.drive, Drive::Bar { .. }).then_some([incoming, stress - incoming])
     }
 }
 
@@ -161,7 +162,7 @@ mod tests {
             youngs_modulus_mpa: 2.1e5,
             density_t_per_mm3: 7.85e-9,
             area_mm2: Some(100.0),
-            speed_m_per_s: meso_trial::Speed::default(),
+            speed_m_per_s: meso_trial::Speed::Steady(1.0),
         };
         let mut driven = Driven::of(drive);
         driven.stand_on(50.0, Vec::new());

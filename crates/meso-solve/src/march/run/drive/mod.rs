@@ -79,7 +79,7 @@ impl Run<'_> {
 
     /// Share of the test's time at full speed that is over.
     fn done(&self) -> f64 {
-        (self.state.progress / self.outline.steps as f64).min(1.0)
+        if self.is_too_far() { 1.0 } else { (self.state.progress / self.outline.steps as f64).min(1.0) }
     }
 
     /// Rows due so far.
