@@ -221,10 +221,25 @@ fn channels_and_frames_are_no_slices() {
         ("{\"shape\": [2, 2, 2], \"axes\": \"CYX\"}", "an array of 2 x 2 x 2 values along 3 axes"),
         ("{\"shape\": [2, 2, 2, 2]}", "an array of 2 x 2 x 2 x 2 values along 4 axes"),
         ("{\"shape\": [3, 2, 2]}", "an array of 3 x 2 x 2 values of which the pages hold a part"),
+        // The second page has no description, so that it may be of another array.
+        ("{\"shape\": [2, 2]}", "an array of 2 x 2 values of which the pages hold a part"),
+        ("ImageJ=1.54f\nimages=2\nslices=2\ncf=0\nc0=-32768.0\nc1=1.0\n", "a stack whose values mean -32768 + 1 times"),
+        (
+            "<OME><Pixels SizeZ='2'><TiffData IFD='1' FirstZ='0'/><TiffData IFD='0' FirstZ='1'/></Pixels></OME>",
+            "a stack whose pages are not in the order of their slices",
+        ),
     ] {
         let refused = read::<u8>("a.tif", &stack(description, &TWO, &[])).unwrap_err().to_string();
         assert!(refused.starts_with(says), "{description}: {refused}");
     }
+    // imageio's `mimwrite` describes each page as an array of its own.
+    let own = "{\"shape\": [2, 2]}";
+    let pages: Volume = read("a.tif", &stack(own, &TWO, &[(270, 2, own.len() as u32, 8)])).unwrap();
+    assert_eq!((pages.counts, labels(&pages)), ([2, 2, 2], vec![1, 2, 3, 4, 5, 6, 7, 8]));
+    // Rows from below are a mirror image.
+    let turned = read::<u8>("a.tif", &stack("", &TWO, &[(274, 3, 1, 4)])).unwrap_err().to_string();
+    assert!(turned.starts_with("a page turned by the Orientation 4 is not read"), "{turned}");
+    assert_eq!(read::<u8>("a.tif", &stack("", &TWO, &[(274, 3, 1, 1)])), read("a.tif", &stack("", &TWO, &[])));
     // A smaller copy of the stack is passed over; a page of slices is not read.
     let thumbnail = read::<u8>("a.tif", &stack("", &TWO, &[(254, 4, 1, 1)])).unwrap_err();
     assert_eq!(thumbnail, VolumeError::Empty);
@@ -316,6 +331,22 @@ fn an_image_of_vtk_that_is_turned_or_cut_into_pieces_is_refused() {
     ] {
         let refused = read::<u8>("a.vti", &file.altered(spacing, to)).unwrap_err().to_string();
         assert!(refused.starts_with(says), "{refused}");
+    }
+    // Metres and micrometres are asked about: 1.5 mm is a specimen, 0.15 mm and 6 m are none.
+    assert_eq!(read::<u8>("a.vti", &file).unwrap().size_remark(false), None);
+    for (to, says) in [
+        (
+            "Spacing=\"0.05 0.05 0.025\"",
+            "in mm its volume is 0.15 mm long; if it is in metres, a voxel has 50,50,25 mm",
+        ),
+        (
+            "Spacing=\"2000 20 20\"",
+            "in mm its volume is 6000 mm long; if it is in micrometres, a voxel has 2,0.02,0.02 mm",
+        ),
+    ] {
+        let volume = read::<u8>("a.vti", &file.altered(spacing, to)).unwrap();
+        assert!(volume.size_remark(false).is_some_and(|said| said.contains(says)), "{:?}", volume.size_remark(false));
+        assert_eq!(volume.size_remark(true), None);
     }
     let piece = file.altered("<Piece>", "<Piece Extent=\"0 3 0 1 0 1\">");
     assert!(read::<u8>("a.vti", &piece).unwrap_err().to_string().starts_with("a piece of another extent"));

@@ -25,12 +25,13 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Take, 1.0)]);
     let volume = inputs::volume(&args.volume, args.array.as_deref())?;
     room::accept_image("the grains of the volume", LabelOptions::bytes(volume.counts))?;
+    // A refusal of the grains is about the array and the size that were taken.
+    inputs::warn_of_choices(&volume, options.voxel_size_mm.is_some());
     let model = of_labels(&volume, &options, &watch);
     watch.finish();
     let model = model.map_err(|error| {
         Failure::Run(format!("{}: {error}{}", args.volume.display(), remedy(&error, options.least_voxels)))
     })?;
-    inputs::warn_of_choices(&volume, options.voxel_size_mm.is_some());
     drop(volume);
     let mut unit = Unit::default();
     for (target, format) in &plan {

@@ -5,6 +5,7 @@
 
 use super::xml::{attribute, tag, tags};
 use super::{Kind, LabelNumber, Number, Values, Volume, VolumeError, Wanted, voxels};
+use crate::short::short;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
@@ -35,7 +36,25 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<
     let sections = [("CellData", 0), ("PointData", 1)].map(|(name, points)| (Section::of(head, name), counts(points)));
     let (array, counts, note) = chosen(&sections, wanted.array)?;
     let volume: Volume<N> = file.read(array, counts, wanted)?.volume(counts, spacing)?;
-    Ok(Volume { array_note: note, ..volume })
+    let size_note = spacing.and_then(|spacing| unit_note(spacing, volume.counts));
+    Ok(Volume { array_note: note, size_note, ..volume })
+}
+
+/// Doubt about a length in mm that no specimen has: files of VTK have no unit.
+fn unit_note(spacing: [f64; 3], counts: [usize; 3]) -> Option<String> {
+    // Concrete is scanned and made between a core of a few millimetres and a wall. In metres the wall is below the first.
+    const SPECIMENS_MM: [f64; 2] = [0.5, 5000.0];
+    let longest = spacing.iter().zip(counts).map(|(h, count)| h * count as f64).fold(0.0, f64::max);
+    let (unit, mm) = match longest {
+        longest if longest < SPECIMENS_MM[0] => ("metres", 1e3),
+        longest if longest > SPECIMENS_MM[1] => ("micrometres", 1e-3),
+        _ => return None,
+    };
+    let edges = spacing.map(|h| short(h * mm).to_string()).join(",");
+    let longest = short(longest);
+    Some(format!(
+        "the file has no unit, and in mm its volume is {longest} mm long; if it is in {unit}, a voxel has {edges} mm"
+    ))
 }
 
 /// Refuses a file of several pieces.

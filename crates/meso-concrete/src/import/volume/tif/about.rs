@@ -23,6 +23,8 @@ pub(super) struct Pages {
     pub(super) pixel: [Option<f64>; 2],
     /// TIFF's number of the unit of the resolution: 2 inch, 3 centimetre.
     pub(super) unit: u64,
+    /// Pages that have a description.
+    pub(super) descriptions: usize,
 }
 
 impl Pages {
@@ -43,6 +45,14 @@ impl Pages {
         let [images, channels, frames] = ["images", "channels", "frames"].map(count);
         one(channels, "channels", FIX_CHANNELS)?;
         one(frames, "frames", FIX_FRAMES)?;
+        let is_imagej = text.starts_with("ImageJ=");
+        let coefficient = |key: &str| value(key).filter(|_| is_imagej)?.parse::<f64>().ok();
+        if let Some((offset, scale)) = coefficient("c0").zip(coefficient("c1")).filter(|pair| *pair != (0.0, 1.0)) {
+            return Err(VolumeError::Unread {
+                found: format!("a stack whose values mean {offset} + {scale} times its pixels"),
+                fix: "set Function to None in ImageJ's Analyze > Calibrate, or convert the values",
+            });
+        }
         self.as_many(if value("images").is_some() { images } else { self.counts[2] })?;
         let Some(unit) = value("unit").filter(|unit| !unit.is_empty()) else { return Ok(self.printed()) };
         let units = [Some(unit), value("yunit").or(Some(unit)), value("zunit").or(Some(unit))];
@@ -59,7 +69,6 @@ impl Pages {
         };
         let given = value("spacing").and_then(|text| text.parse::<f64>().ok()).map(f64::abs).filter(|z| *z > 0.0);
         let is_stack = self.counts[2] > 1;
-        let is_imagej = text.starts_with("ImageJ=");
         let z = match given {
             Some(z) => z,
             None if !is_stack => x * mm[0] / mm[2],
@@ -98,6 +107,12 @@ impl Pages {
         one(count("SizeC"), "channels", FIX_CHANNELS)?;
         one(count("SizeT"), "frames", FIX_FRAMES)?;
         self.as_many(count("SizeZ"))?;
+        let place =
+            |data: &str, key: &str| xml::attribute(data, key).and_then(|text| text.parse().ok()).unwrap_or(0_usize);
+        if xml::tags(text, "TiffData").any(|data| place(data, "IFD") != place(data, "FirstZ")) {
+            let found = "a stack whose pages are not in the order of their slices".to_owned();
+            return Err(VolumeError::Unread { found, fix: super::FIX });
+        }
         let along = |axis: &str| {
             let size: f64 = xml::attribute(pixels, &format!("PhysicalSize{axis}"))?.trim().parse().ok()?;
             let unit = xml::attribute(pixels, &format!("PhysicalSize{axis}Unit")).unwrap_or("µm");
@@ -130,7 +145,10 @@ impl Pages {
                 fix: FIX_AXES,
             });
         }
-        if values != super::super::voxels(self.counts) {
+        // Programs that save a stack page by page describe each page.
+        let [x, y, z] = self.counts;
+        let is_page = long.len() <= 2 && self.descriptions == z && values == x.checked_mul(y);
+        if values != super::super::voxels(self.counts) && !is_page {
             let found = format!("an array of {} values of which the pages hold a part", words.join(" x "));
             return Err(VolumeError::Unread { found, fix: super::FIX });
         }

@@ -7,6 +7,9 @@ const CUT: VolumeError = VolumeError::Cut("pages");
 pub(super) const WIDTH: u16 = 256;
 pub(super) const HEIGHT: u16 = 257;
 const SUBFILE: u16 = 254;
+const COMPRESSION: u16 = 259;
+/// Which way rows and columns run.
+const ORIENTATION: u16 = 274;
 const PHOTOMETRIC: u16 = 262;
 const DESCRIPTION: u16 = 270;
 /// Slices that one page holds.
@@ -15,6 +18,10 @@ const DEPTH: u16 = 32997;
 /// Photometric interpretations of which the decoder reads the first and the third.
 pub(super) const WHITE_IS_ZERO: u64 = 0;
 pub(super) const PALETTE: u64 = 3;
+
+/// Rows from the top, pixels from the left.
+pub(super) const FROM_THE_TOP_LEFT: u64 = 1;
+const LZW: u64 = 5;
 
 /// A file's bytes, with the order and the width of its numbers.
 pub(super) struct Head<'a> {
@@ -147,6 +154,14 @@ impl Page {
     /// Whether this is a smaller copy of another page.
     pub(super) fn is_reduced(&self, head: &Head<'_>) -> bool {
         head.of(self, SUBFILE).is_some_and(|kind| kind & 1 == 1)
+    }
+
+    pub(super) fn orientation(&self, head: &Head<'_>) -> u64 {
+        head.of(self, ORIENTATION).unwrap_or(FROM_THE_TOP_LEFT)
+    }
+
+    pub(super) fn is_lzw(&self, head: &Head<'_>) -> bool {
+        head.of(self, COMPRESSION) == Some(LZW)
     }
 
     pub(super) fn slices(&self, head: &Head<'_>) -> u64 {

@@ -8,7 +8,7 @@ mod about;
 mod head;
 
 use super::{LabelNumber, Values, Volume, VolumeError, Wanted};
-use head::{HEIGHT, Head, Page, WHITE_IS_ZERO, WIDTH};
+use head::{FROM_THE_TOP_LEFT, HEIGHT, Head, Page, WHITE_IS_ZERO, WIDTH};
 use std::borrow::Cow;
 use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -27,6 +27,7 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<
         counts,
         pixel: [282, 283].map(|tag| head.quotient(first, tag).map(|value| 1.0 / value).filter(|h| h.is_normal())),
         unit: head.of(first, 296).unwrap_or(2),
+        descriptions: pages.iter().filter(|page| !page.is_reduced(&head) && !head.description(page).is_empty()).count(),
     };
     let about = about.described(&head.description(first))?;
     let mut values = Values::of(counts, (VALUE * counts[0]).saturating_mul(counts[1]), wanted)?;
@@ -37,7 +38,13 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<
             decoder.next_image().map_err(fault)?;
         }
         if !page.is_reduced(&head) {
-            read_page(&mut decoder, [counts[0], counts[1]], &mut values)?;
+            read_page(&mut decoder, [counts[0], counts[1]], &mut values).map_err(|error| match error {
+                // The decoder does not find the end of some tiles that are whole (image-rs/image-tiff, issue 395).
+                VolumeError::Cut(_) if page.is_lzw(&head) => {
+                    unread("its LZW compression, which ends too early,".to_owned())
+                }
+                other => other,
+            })?;
         }
     }
     values.volume(counts, about.spacing_mm).map(|volume| Volume { size_note: about.note, ..volume })
@@ -54,6 +61,13 @@ fn counts(head: &Head<'_>, pages: &[Page]) -> Result<[usize; 3], VolumeError> {
         }
         if page.slices(head) > 1 {
             return Err(unread(format!("a page that holds {} slices", page.slices(head))));
+        }
+        if page.orientation(head) != FROM_THE_TOP_LEFT {
+            let fix = "save its rows from the top and its pixels from the left";
+            return Err(VolumeError::Unread {
+                found: format!("a page turned by the Orientation {}", page.orientation(head)),
+                fix,
+            });
         }
         if head.photometric(page) == Some(WHITE_IS_ZERO) {
             return Err(unread("a page whose zeros are white".to_owned()));
