@@ -26,7 +26,7 @@ const STONE: Curve = &[(4.0, 0.0), (8.0, 20.0), (16.0, 80.0), (31.5, 100.0)];
 const WASHED: Curve = &[(4.0, 20.0), (8.0, 60.0), (11.2, 85.0), (16.0, 100.0)];
 
 /// Name of the sheet, its text, and the curve that it has.
-const READ: [(&str, &str, Curve); 70] = [
+const READ: [(&str, &str, Curve); 72] = [
     (
         "EN 933-1, German",
         "\u{feff}Prüfbericht Nr.;4711\r\nSieb (mm);Durchgang (%)\r\n31,5;100\r\n16;95,5\r\n8;62,0\r\n4;40,2\r\n1;21,5\r\n0,25;8,0\r\n",
@@ -250,6 +250,16 @@ const READ: [(&str, &str, Curve); 70] = [
         WASHED,
     ),
     (
+        "initial mass and mass after washing above the heading",
+        "Initial dry mass M1 (g);1000\nDry mass after washing M2 (g);950\nSieve (mm);Mass retained (g)\n16;0\n11.2;150\n8;250\n4;400\nPan;145\n",
+        WASHED,
+    ),
+    (
+        "masses of the test above a column in per cent",
+        "Initial mass (g);;1000\nSieve (mm);Mass retained (g);Passing (%)\n16;0;100\n11.2;150;85\n8;250;60\n4;400;20\nPan;195;0\n",
+        WASHED,
+    ),
+    (
         "washed-out fines in per cent, German",
         "Sieb (mm);Rückstand einzeln (%)\n16;0\n11,2;15\n8;25\n4;40\nSchale;15\nAbgeschlämmt, ausgewaschen;5\n",
         WASHED,
@@ -266,7 +276,7 @@ fn tables_of_laboratories_are_read_as_they_are_meant() {
 }
 
 /// Name of the sheet, its text, and words of the refusal.
-const REFUSED: [(&str, &str, &[&str]); 58] = [
+const REFUSED: [(&str, &str, &[&str]); 61] = [
     (
         "a loss of 1.1 %",
         "Sieve (mm),Mass retained (g)\n16,0\n11.2,150\n8,250\n4,400\nPan,189\nInitial mass,1000\n",
@@ -276,6 +286,21 @@ const REFUSED: [(&str, &str, &[&str]); 58] = [
         "washed-out fines beside masses added up",
         "Sieve (mm);Cumulative mass retained (g)\n16;0\n8;600\n4;900\nPan;950\nWashed out;50\n",
         &["line 6: 50 of fines were washed out", "read that column"],
+    ),
+    (
+        "washed-out fines with a sign",
+        "Sieve (mm);Mass retained (g)\n16;0\n8;400\n4;400\nPan;150\nWashing loss;-50\n",
+        &["line 6: \"-50\""],
+    ),
+    (
+        "a pan with a slip of the keys",
+        "Sieve (mm);Mass retained (g)\n16;0\n8;400\n4;400\nPan;2o0\nTotal;1000\n",
+        &["line 5: \"2o0\""],
+    ),
+    (
+        "initial mass above the heading, of which a tenth is missing",
+        "Initial mass;1000\nSieve (mm);Mass retained (g)\n16;0\n8;400\n4;400\nPan;100\n",
+        &["all rows sum to 900, but the row of the sum has 1000"],
     ),
     (
         "a row that nobody knows",

@@ -57,6 +57,8 @@ pub(super) enum Sieve {
     Pan(Option<f64>),
     /// Fines that were washed out before the sieving, beside the pan.
     Washed,
+    /// The mass that washing leaves.
+    Left,
     /// The sum of the column.
     Total,
     /// The mass before washing and sieving.
@@ -116,7 +118,7 @@ const WASHINGS: [&str; 9] =
 const INITIALS: [&str; 9] =
     ["initial", "m1", "einwaage", "anfangsmasse", "initiale", "inicial", "iniziale", "before", "original"];
 /// Masses after a step of the test, which its rows have already.
-const FINALS: [&str; 7] = ["final", "finale", "m2", "after", "nach", "après", "después"];
+const FINALS: [&str; 6] = ["final", "finale", "after", "nach", "après", "después"];
 const LOSSES: [&str; 5] = ["loss", "lost", "verlust", "perte", "pérdida"];
 const FIGURES: [&str; 12] = [
     "fineness",
@@ -372,6 +374,9 @@ fn word(text: &str, unit: Option<SieveUnit>, marks: Marks) -> Result<Option<Siev
     let is_one_of = |words: &[&str]| parts.clone().any(|part| words.contains(&part));
     if is_one_of(&INITIALS) {
         return Ok(Some(Sieve::Initial));
+    }
+    if is_one_of(&["m2"]) || (is_one_of(&FINALS) && is_washing) {
+        return Ok(Some(Sieve::Left));
     }
     if is_one_of(&FINALS) || (is_one_of(&LOSSES) && !is_washing) {
         return Ok(Some(Sieve::Figure));

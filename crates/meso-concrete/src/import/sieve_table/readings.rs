@@ -302,11 +302,29 @@ impl Proof<'_> {
         format!("line {}", self.sieves[i].0)
     }
 
+    /// Fines that were washed out, in the unit of the column.
+    fn washed(&self) -> Option<(usize, f64)> {
+        self.values.washed.filter(|row| self.is_in_the_unit(row))
+    }
+
+    /// The initial mass or the sum, in the unit of the column.
+    fn total(&self) -> Option<f64> {
+        self.values.total.filter(|row| self.is_in_the_unit(row)).map(|(_, total)| total)
+    }
+
+    /// Above the sieves stand the masses of the test, whatever the column holds.
+    fn is_in_the_unit(&self, (line, _): &(usize, f64)) -> bool {
+        self.unit == ValueUnit::Mass || self.sieves.iter().any(|(sieve, _)| sieve < line)
+    }
+
     /// A number for every sieve; blank ones beyond the ends of a curve are its ends.
     fn numbers(&self) -> Result<Vec<f64>, Fault> {
         let numbers = &self.values.numbers;
         if let Some((i, Err(reason))) = numbers.iter().enumerate().find(|(_, number)| number.is_err()) {
             return contradiction(format!("{}: {reason}", self.at(i)));
+        }
+        if let Some(reason) = &self.values.fault {
+            return contradiction(reason.clone());
         }
         let mut filled = Vec::with_capacity(numbers.len());
         let known = |i: usize| numbers[i].as_ref().ok().and_then(Option::as_ref).map(|number| number.value);
@@ -370,7 +388,7 @@ impl Proof<'_> {
     }
 
     fn sums_to(&self, numbers: &[f64], whole: f64) -> bool {
-        let washed = self.values.washed.map(|(_, fines)| fines);
+        let washed = self.washed().map(|(_, fines)| fines);
         let sum: f64 = numbers.iter().copied().chain(self.values.pan).chain(washed).sum();
         (sum / whole - 1.0).abs() <= LOSS
     }
@@ -428,7 +446,7 @@ impl Proof<'_> {
 
     /// The mass of all: the pan's, where masses are added up, or the sum's.
     fn all_mass(&self) -> Result<f64, Fault> {
-        match self.values.pan.or(self.values.total) {
+        match self.values.pan.or(self.total()) {
             Some(mass) if mass > 0.0 => Ok(mass),
             _ => unproved("the whole mass is not known; give a row Pan or Total"),
         }
@@ -436,7 +454,7 @@ impl Proof<'_> {
 
     /// Refuses fines that were washed out, beside numbers that cannot be added to them.
     fn has_no_washing(&self, why: &str) -> Result<(), Fault> {
-        match self.values.washed {
+        match self.washed() {
             Some((line, fines)) if fines != 0.0 => {
                 contradiction(format!("line {line}: {fines} of fines were washed out, but {why}"))
             }
@@ -445,7 +463,7 @@ impl Proof<'_> {
     }
 
     fn retained(&self, numbers: &[f64]) -> Result<(Vec<f64>, String), Fault> {
-        let Values { pan, washed, total, .. } = *self.values;
+        let (pan, washed, total) = (self.values.pan, self.washed(), self.total());
         // EN 933-1: the fines are those of the pan and those of the washing.
         let fines = washed.map(|(_, fines)| fines);
         let pan = fines.map_or(pan, |fines| Some(pan.unwrap_or(0.0) + fines));

@@ -16,10 +16,12 @@ pub(super) struct Values {
     pub(super) pan: Option<f64>,
     /// Fines that were washed out, with their line.
     pub(super) washed: Option<(usize, f64)>,
-    /// The initial mass, or the sum.
-    pub(super) total: Option<f64>,
+    /// The initial mass, or the sum, with its line.
+    pub(super) total: Option<(usize, f64)>,
     /// Share in a blend, where a row of the table gives it.
     pub(super) share: Option<f64>,
+    /// Why a mass of the test, the pan or the sum is no number.
+    pub(super) fault: Option<String>,
 }
 
 impl Values {
@@ -229,7 +231,10 @@ impl Grid<'_> {
     /// Whether a row has a mass or a figure of the test, as that before washing.
     fn is_of_the_test(&self, row: &Row, column: usize) -> bool {
         let cell = row.cells.get(column).map_or("", String::as_str);
-        matches!(cells::sieve(cell, None, self.marks), Ok(Some(Sieve::Initial | Sieve::Washed | Sieve::Figure)))
+        matches!(
+            cells::sieve(cell, None, self.marks),
+            Ok(Some(Sieve::Initial | Sieve::Left | Sieve::Washed | Sieve::Figure))
+        )
     }
 
     fn sheet(&self, body: &Body) -> Result<Sheet, String> {
@@ -245,10 +250,20 @@ impl Grid<'_> {
             ));
         }
         let mut found: Vec<(f64, bool, &Row)> = Vec::new();
-        let (mut pans, mut washed, mut initial, mut total) = (Vec::new(), None, None, None);
-        // Masses of the test may stand between the heading and the first sieve.
+        let (mut pans, mut washed, mut initial, mut left, mut total) = (Vec::new(), None, None, None, None);
+        // Masses of the test may stand between the heading and the first sieve, or above the heading as in EN 933-1.
         let begin = if body.after > 0 { body.after } else { body.first };
-        for row in self.rows[begin..].iter().filter(|row| !row.cells.is_empty()) {
+        let is_headed = |row: &Row| row.line < self.rows[begin].line;
+        let numbers = |row: &Row| {
+            let cells = row.cells.iter().enumerate();
+            cells
+                .filter(|(at, cell)| *at != body.column && cells::is_number(cell))
+                .map(|(at, _)| at)
+                .collect::<Vec<_>>()
+        };
+        let headed =
+            self.rows[..begin].iter().filter(|row| self.is_of_the_test(row, body.column) && !numbers(row).is_empty());
+        for row in headed.chain(&self.rows[begin..]).filter(|row| !row.cells.is_empty()) {
             let at = |reason: String| format!("line {}: {reason}", row.line);
             match self.sieve(row, body.column, body.said.sieve_unit).map_err(at)? {
                 Some(Sieve::Opening(size)) => found.push((size, false, row)),
@@ -259,6 +274,7 @@ impl Grid<'_> {
                 }
                 Some(Sieve::Washed) => washed = Some(row),
                 Some(Sieve::Initial) => initial = Some(row),
+                Some(Sieve::Left) => left = Some(row),
                 Some(Sieve::Total) => total = Some(row),
                 Some(Sieve::Figure) => {}
                 None if self.is_share_row(row) => {}
@@ -281,9 +297,25 @@ impl Grid<'_> {
             if cells::is_blank(cell) { Ok(None) } else { cells::number(cell, marks).map(Some) }
         };
         let total = initial.or(total);
-        let weighed = found.iter().map(|row| row.2).chain(pan).chain(washed).chain(total);
+        let weighed = found.iter().map(|row| row.2).chain(pan).chain(washed).chain(left).chain(total);
         (0..width).try_for_each(|at| one_unit_of_mass(weighed.clone(), at))?;
-        let one = |row: Option<&Row>, at: usize| Some(number(row?, at).ok()??.value);
+        let one = |row: Option<&Row>, at: usize| {
+            let Some(row) = row else { return Ok(None) };
+            // The only number of a line above the heading is of all columns.
+            let at = numbers(row).first().copied().filter(|_| is_headed(row) && numbers(row).len() == 1).unwrap_or(at);
+            match number(row, at) {
+                Ok(number) => Ok(number.map(|number| number.value)),
+                Err(reason) if row.cells[at].contains(|c: char| c.is_ascii_digit()) => {
+                    Err(format!("line {}: {reason}", row.line))
+                }
+                Err(_) => Ok(None),
+            }
+        };
+        let known = |row: Option<&Row>, at: usize| one(row, at).ok().flatten();
+        let washed_out = |at: usize| {
+            let by_masses = || Some((left?.line, known(initial, at)? - known(left, at)?)).filter(|fines| fines.1 > 0.0);
+            washed.and_then(|row| Some((row.line, known(washed, at)?))).or_else(by_masses)
+        };
         let columns = (0..width).filter(|&at| at != body.column).map(|at| {
             let heading = self.heading(body.first, at);
             Values {
@@ -291,10 +323,11 @@ impl Grid<'_> {
                 said: words::read(&heading),
                 heading,
                 numbers: found.iter().map(|row| number(row.2, at)).collect(),
-                pan: one(pan, at),
-                washed: washed.and_then(|row| Some((row.line, one(washed, at)?))),
-                total: one(total, at),
-                share: one(shares, at),
+                pan: known(pan, at),
+                washed: washed_out(at),
+                total: total.and_then(|row| Some((row.line, known(total, at)?))),
+                share: known(shares, at),
+                fault: [pan, washed, left, total].into_iter().find_map(|row| one(row, at).err()),
             }
         });
         let has_numbers = |values: &Values| {
