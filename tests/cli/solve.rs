@@ -417,13 +417,15 @@ fn a_course_of_strains_comes_from_a_table_whose_faults_have_its_file_line_and_co
     assert_eq!(result["expansion"]["below"]["aggregate"], 1e-4);
     // Zeros without a word: fibres of a specimen without fibres, and a table without a strain.
     for (lines, fault) in [
-        ("fibre = 1e-4", "expansion.fibre is 1e-4; the mesh has no element of that phase; leave it out"),
+        ("fibre = 1e-4", "expansion.fibre is 1e-4; no mesh of this specimen has that phase; leave it out"),
         ("", "expansion is 0; no phase has a strain; give one, as mortar = -3e-4, or leave the table out"),
         ("mortar = -0.02", "expansion.mortar is -0.02; it must be -0.005 to 0.02: -0.02 % are -0.0002"),
     ] {
         folder.write("tests/TEST.toml", format!("kind = 'expansion'\n[expansion]\n{lines}\n"));
         let run = solve(&folder, &args);
         assert!(run.code == 2 && run.stderr.contains(fault), "{} {}", run.code, run.stderr);
+        // Refused before the mesh is made.
+        assert!(!run.stderr.contains("meshing"), "{}", run.stderr);
     }
 }
 

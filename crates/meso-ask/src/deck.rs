@@ -1,5 +1,6 @@
 //! A mesh with its deck: the analysis, and what a deck cannot have.
 
+use crate::solve::suits_phases;
 use crate::{AskError, Given, Machine, MeshAsk, deck_refusal};
 use meso_concrete::OutOfRange;
 use meso_core::aggregate::Itz;
@@ -102,6 +103,9 @@ impl DeckAsk {
         self.accept_deck(&deck, options, formats)?;
         self.accept_formats(&deck, formats)?;
         deck.suits(&spec.specimen).map_err(|error| self.wrong_test(&error))?;
+        if let Some(test) = deck.test() {
+            suits_phases(&test, spec, options.itz).map_err(|error| self.wrong_test(&error))?;
+        }
         let is_written = has_deck(formats);
         Ok(DeckSettled { hint: self.hint(spec, options.itz), footing, deck, is_written })
     }

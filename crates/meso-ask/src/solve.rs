@@ -2,7 +2,8 @@
 
 use crate::{AskError, FRAMES, Given, Giver, Machine, MeshAsk, flags::names};
 use meso_core::aggregate::Itz as Shells;
-use meso_core::mesh::{CellKind, ItzForm, Mesh, MethodName, Order, Purpose};
+use meso_core::mesh::{CellKind, ItzForm, Mesh, MethodName, Order, Phase, Purpose};
+use meso_core::trial::TrialError;
 use meso_core::{Model, Spec, Watch};
 use meso_solve::footing::Footing;
 use meso_solve::results::sample_of;
@@ -40,6 +41,17 @@ pub struct SolveAsk {
     pub on_device: bool,
     /// Whether this is the first test of a user who names no specimen.
     pub is_first: bool,
+}
+
+/// Refuses strains of phases that no mesh of a specimen has, before it is packed.
+pub(crate) fn suits_phases(test: &Test, spec: &Spec, itz: ItzForm) -> Result<(), TrialError> {
+    let has = |phase| match phase {
+        Phase::Itz => itz == ItzForm::Smeared || itz == ItzForm::Solid && spec.itz.thickness_mm[1] > 0.0,
+        Phase::Fibre => spec.fibres.as_ref().is_some_and(|fibres| fibres.fraction > 0.0),
+        _ => true,
+    };
+    let reason = "no mesh of this specimen has that phase";
+    Ok(test.expansion().map_or(Ok(()), |expansion| expansion.suits_phases(reason, has))?)
 }
 
 impl SolveAsk {
@@ -97,6 +109,7 @@ impl SolveAsk {
         let footing = self.mesh.settle(self.purpose(), spec, machine)?;
         let (test, options) = (self.test(), &footing.options);
         test.suits(&spec.specimen).map_err(|error| self.wrong(&error.into()))?;
+        suits_phases(&test, spec, options.itz).map_err(|error| self.wrong(&error.into()))?;
         let size = self.given.giver().option("element_size_mm");
         machine.accept_in_memory(
             "the test",

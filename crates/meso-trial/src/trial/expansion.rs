@@ -269,11 +269,19 @@ impl Expansion {
     /// # Errors
     /// Names the first of them.
     pub fn suits(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        self.suits_phases("the mesh has no element of that phase", |phase| mesh.phase.contains(&phase))
+    }
+
+    /// Refuses strains of an ITZ or of fibres, where `has` says that they are not there.
+    ///
+    /// # Errors
+    /// Names the first of them; `reason` says why they are not there.
+    pub fn suits_phases(&self, reason: &str, has: impl Fn(Phase) -> bool) -> Result<(), OutOfRange> {
         for zone in self.zones() {
             for phase in [Phase::Itz, Phase::Fibre] {
-                let (number, has) = (phase as usize, mesh.phase.contains(&phase));
-                let strains = zone[number].and_then(Course::words).filter(|_| !has);
-                let (key, why) = (Phase::ALL[number].name(), "the mesh has no element of that phase; leave it out");
+                let number = phase as usize;
+                let strains = zone[number].and_then(Course::words).filter(|_| !has(phase));
+                let (key, why) = (Phase::ALL[number].name(), format!("{reason}; leave it out"));
                 strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
             }
         }
