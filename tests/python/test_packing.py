@@ -33,6 +33,13 @@ def test_a_citation_has_the_dimensions_and_the_figures_of_the_packing(packing):
     text = " ".join(packing.cite().split())
     assert "The specimen is a cube of 60 mm (216,000 mm3)." in text and f"a volume fraction of {packing.fraction:.4f}" in text
     assert "[1] The mesocrete developers" in text
+    mesh = packing.mesh(method="voxel", element_size=2.0, accept_phase_error=True)
+    materials = {"mortar_strength": {"compressive_mpa": 41.0, "tensile_mpa": 3.5}}
+    text = " ".join(packing.cite(mesh, materials=materials).split())
+    assert f"The mesh has {len(mesh.cells):,} hexahedra of 2 mm (voxel) with {len(mesh.points):,} nodes; of all phases the" in text
+    assert "the mortar has a compressive strength of 41 MPa, a tensile strength of 3.5 MPa, and the ITZ" in text
+    with pytest.raises(ValueError, match="mesh is of another packing"):
+        mc.pack({"specimen": mc.Specimen.cube(60)}, seed=8, fraction=0.1).cite(mesh)
 
 
 def test_report_has_the_keys_of_the_summary(packing):

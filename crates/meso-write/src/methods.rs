@@ -3,6 +3,8 @@
 use meso_concrete::aggregate::{ShapeKind, SizeDefinition};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::{short, thousands};
+use meso_mesh::materials::Materials;
+use meso_mesh::{CellKind, Fit, Mesh, MeshOptions, Method, PhaseOff, PhaseVolumes};
 use meso_pack::Spec;
 use meso_pack::model::Model;
 use meso_pack::packing::{LabelReport, PhaseReport, Report, StopReason};
@@ -13,8 +15,8 @@ const SOURCES: &str = "\
 [2] Rapid Generation of 3D Mesoscale Concrete Models Using an Improved GJK Algorithm for Collision Detection. Buildings
     2025, 15(21), 3883. doi:10.3390/buildings15213883";
 
-/// Describes how `model` was made, in sentences that can be copied, and lists the sources.
-pub fn paragraph(model: &Model) -> String {
+/// Describes how `model` was made, and what `further` sentences add, in words that can be copied, and lists the sources.
+pub fn paragraph(model: &Model, further: &[String]) -> String {
     let (report, spec) = (&model.report, &model.spec);
     let sentences = [
         format!(
@@ -38,8 +40,58 @@ pub fn paragraph(model: &Model) -> String {
             if report.labels.is_some() { "labels and options" } else { "spec and seed" }
         ),
     ];
-    let text: Vec<String> = sentences.into_iter().filter(|sentence| !sentence.is_empty()).collect();
+    let sentences = sentences.into_iter().chain(further.iter().cloned());
+    let text: Vec<String> = sentences.filter(|sentence| !sentence.is_empty()).collect();
     format!("{}\n\n{}", wrapped(&text.join(" ")), SOURCES.replace("{version}", &report.version))
+}
+
+/// A sentence about a mesh of a model.
+pub fn of_mesh(mesh: &Mesh, options: &MeshOptions, model: &Model) -> String {
+    let cells = match mesh.kind {
+        CellKind::Hexahedron => "hexahedra",
+        CellKind::Tetrahedron => "tetrahedra",
+        CellKind::QuadraticTetrahedron => "second-order tetrahedra",
+    };
+    let method = match options.method {
+        Method::Voxel { .. } => "voxel",
+        Method::Lattice { fit: Fit::Plain, .. } => "plain lattice",
+        Method::Lattice { .. } => "lattice fitted to the aggregates",
+        Method::Conforming { .. } => "conforming, by gmsh",
+    };
+    let [nodes, count] = [mesh.points.len(), mesh.phase.len()].map(thousands);
+    let cohesive = match mesh.cohesive.len() {
+        0 => String::new(),
+        faces => format!(", and {} cohesive elements on the aggregates", thousands(faces)),
+    };
+    let exact = PhaseVolumes::exact_for(mesh, &model.bodies(), &model.spec.specimen);
+    let off =
+        exact.and_then(|exact| PhaseOff::between(&PhaseVolumes::of_bodies(mesh), &exact, model.spec.specimen.volume()));
+    let off = off.map_or(String::new(), |off| {
+        let percent = 100.0 * (off.meshed / off.exact - 1.0);
+        format!("; of all phases the {} is farthest off its exact volume, {percent:+.2} %", off.phase.name())
+    });
+    format!(
+        "The mesh has {count} {cells} of {} mm ({}) with {nodes} nodes{cohesive}{off}.",
+        options.element_size_mm, method
+    )
+}
+
+/// A sentence about the values of the phases.
+pub fn of_materials(materials: &Materials) -> String {
+    let Materials { aggregate, mortar, mortar_strength: strength, .. } = materials;
+    let strengths = [
+        strength.compressive_mpa.map(|mpa| format!("a compressive strength of {mpa} MPa")),
+        Some(format!("a tensile strength of {} MPa", strength.tensile_mpa)),
+        strength.fracture_energy_n_per_mm.map(|energy| format!("a fracture energy of {energy} N/mm")),
+    ];
+    let strengths: Vec<String> = strengths.into_iter().flatten().collect();
+    format!(
+        "Young's modulus is {} MPa in the mortar and {} MPa in the aggregates; the mortar has {}, and the ITZ {} of its strengths.",
+        mortar.youngs_modulus_mpa,
+        aggregate.youngs_modulus_mpa,
+        strengths.join(", "),
+        materials.itz_strength_ratio
+    )
 }
 
 /// A specimen with its dimensions.

@@ -39,7 +39,7 @@ fn cite(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 0.0));
     let model = inputs::model(&args.model, &watch)?;
     watch.finish();
-    Unit::default().fill(&Target::Stdout, false, |out| writeln!(out, "{}", methods::paragraph(&model)))?;
+    Unit::default().fill(&Target::Stdout, false, |out| writeln!(out, "{}", methods::paragraph(&model, &[])))?;
     Ok(0)
 }
 

@@ -344,8 +344,11 @@ class Packing:
     def report(self) -> _results.Report:
         """The result: a dict with the keys of `--summary-json` but `seconds`, so that equal runs compare equal."""
 
-    def cite(self) -> str:
-        """A paragraph for the methods section of a paper, with the figures of this packing and what to cite, as `report --cite`."""
+    def cite(self, mesh: Mesh | None = None, materials: _types.DeckMaterials | None = None) -> str:
+        """A paragraph for the methods section of a paper, with the figures of this packing and what to cite, as `report --cite`.
+
+        `mesh` of this packing and `materials`, as `Mesh.solve` takes them, add a sentence each.
+        """
 
     @property
     def work(self) -> _results.WorkDone:

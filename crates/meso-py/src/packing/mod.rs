@@ -18,7 +18,7 @@ use crate::boundary::{guard, wrong_value};
 use crate::mesh::{self, PyMesh};
 use crate::pickle;
 use crate::run::{Plan, beside_python, in_stages, listener};
-use crate::spec::{self, PySpec};
+use crate::spec::{self, PySpec, options};
 use crate::tree::plain;
 use crate::views::{call_view, framing, screenshot_of};
 use crate::{arrays, files};
@@ -26,6 +26,7 @@ use meso_concrete::thousands;
 use meso_core::check::Check;
 use meso_core::formats::SurfaceOptions;
 use meso_core::images::Images;
+use meso_core::materials::Materials;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
@@ -139,8 +140,17 @@ impl PyPacking {
     }
 
     /// A paragraph for the methods section of a paper, with the figures of this packing and what to cite, as `report --cite`.
-    fn cite(&self) -> String {
-        methods::paragraph(&self.0)
+    ///
+    /// `mesh` of this packing and `materials`, as `Mesh.solve` takes them, add a sentence each.
+    #[pyo3(signature = (mesh=None, materials=None))]
+    fn cite(&self, mesh: Option<PyRef<'_, PyMesh>>, materials: Option<&Bound<'_, PyDict>>) -> PyResult<String> {
+        if mesh.as_ref().is_some_and(|mesh| mesh.1 != self.0) {
+            return Err(wrong_value("mesh is of another packing; pass packing.mesh(...) of this one"));
+        }
+        let mesh = mesh.map(|mesh| methods::of_mesh(&mesh.0, &mesh.2, &self.0));
+        let materials = materials.map(|given| options::<Materials>(Some(given))).transpose()?;
+        let further: Vec<String> = mesh.into_iter().chain(materials.map(|of| methods::of_materials(&of))).collect();
+        Ok(methods::paragraph(&self.0, &further))
     }
 
     /// Cost of the result: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
