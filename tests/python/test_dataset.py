@@ -283,6 +283,20 @@ def test_targets_are_numbers_of_each_volume_beside_its_arrays(tmp_path):
         small(2, tmp_path / "data.zarr", targets={"diffusivity": coarse | {"axis": "y"}})
 
 
+def test_another_function_as_a_target_is_another_request(tmp_path):
+    """The case: two functions named `<lambda>` were one request, so that the second got the numbers of the first."""
+    sink, factor = tmp_path / "data", 2.0
+    of = lambda function, **keywords: small(1, sink, targets={"f": function}, **keywords)  # noqa: E731
+    assert of(lambda packing: factor * packing.fraction)[0][0]["f"] == 2.0 * of(lambda packing: packing.fraction, overwrite=True)[0][0]["f"]
+    with pytest.raises(FileExistsError, match="another sink"):
+        of(lambda packing: 1.0 - packing.fraction)
+    factor = 3.0
+    with pytest.raises(FileExistsError):
+        of(lambda packing: factor * packing.fraction)
+    with pytest.raises(ValueError, match=r"targets\['f'\] returned 'much'; it must be a number"):
+        of(lambda packing: "much", overwrite=True)
+
+
 def test_wrong_targets_are_named_before_any_work(tmp_path):
     for targets, error, said in [
         ({"diffusivity": "w"}, ValueError, "axis is 'w'; it must be one of x, y, z, mean"),

@@ -177,9 +177,16 @@ def test_per_cent_pans_and_tables_with_headings_are_sieve_tables():
     assert mc.Grading.sieves([16, 8, "tray"], [1.0, 0.6, 0.0]) == mc.Grading.sieves([16, 8], [1.0, 0.6])
     pandas = pytest.importorskip("pandas")
     assert mc.Grading.sieves(pandas.DataFrame({"mm": sizes, "Passing (%)": [100, 60, 20, 0]})) == percent
+    # A sheet of a laboratory as a frame is read as its file is.
+    for library in (pandas, pytest.importorskip("polars")):
+        sheet = library.DataFrame({"Sieve (mm)": ["16", "8", "4", "Pan"], "Retained (g)": [0.0, 400.0, 400.0, 200.0]})
+        of_sheet = mc.Grading.table(sheet, 4, 16, form="raw")
+        assert of_sheet["curve"] == wanted["curve"] and (of_sheet["size"], of_sheet["form"]) == ("sieve", "raw")
+        with pytest.raises(ValueError, match="fits no reading|no number"):
+            mc.Grading.table(library.DataFrame({"Sieve (mm)": [16.0, 8.0, 4.0], "Passing (%)": [100.0, None, 20.0]}), 4, 16)
     # Shares that were retained, taken as passing, gave another grading without a word.
     for heading in ["Retained (%)", "Mass retained (g)", "Weight", "Rückstand in %"]:
-        with pytest.raises(ValueError, match="and no passing; save the table"):
+        with pytest.raises(ValueError, match=r"and no passing; read the table by Grading.table\(table,"):
             mc.Grading.sieves(pandas.DataFrame({"mm": sizes, heading: [0, 40, 40, 20]}))
     with pytest.raises(ValueError, match=r"passing goes up to 100: per cent\? Write Grading.sieves\(sieves, passing_percent="):
         mc.Grading.sieves([16, 8, 4], [100, 60, 20])

@@ -139,7 +139,8 @@ def dataset(
     targets : dict, optional
         A number for each volume by its name: "diffusivity", "conductivity" or "modulus" with the axis "x", "y", "z" or "mean",
         as ``{"diffusivity": "x", "modulus": "mean"}``. A dict has keywords of `Packing.effective`, too, and under `of` the
-        property of another name. A function of the packing returns any number; it is known by its name only.
+        property of another name. A function of the packing returns any number; another code, or another value
+        that it uses, is another request.
     model : bool
         Whether the packings are kept, too, as `models/NUMBER.json.gz`. Not in an `.h5`.
     jobs : int, optional

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._fingerprint import fingerprint
+
 
 class Effective(dict[str, Any]):
     """An effective property: the content of `effective.json` but `seconds`, whose keys are attributes, too.
@@ -52,6 +54,7 @@ class Target:
         self.property = keywords.get("of", name)
         self.axis = keywords.get("axis", "mean")
         self.keywords = {key: value for key, value in keywords.items() if key not in ("of", "axis")}
+        self._work = self._fingerprint() if self.function else ""
         if self.function is None:
             self._check()
 
@@ -65,16 +68,29 @@ class Target:
             message = f"targets[{self.name!r}] has {wrong[0]!r}; it takes of, axis, {', '.join(_KEYWORDS)}"
             raise ValueError(message)
 
+    def _fingerprint(self) -> str:
+        try:
+            return fingerprint(self.function)
+        except TypeError as error:
+            reason = str(error).partition(";")[0].replace("then", "it")
+            message = f"targets[{self.name!r}]: {reason}, so that a change of it would not be seen; use plain values in it"
+            raise TypeError(message) from error
+
     def described(self) -> dict[str, Any]:
-        """Return what decides the number; of a function only its name is known."""
+        """Return what decides the number; of a function its name and the fingerprint of its code and values."""
         if self.function is not None:
-            return {"function": getattr(self.function, "__qualname__", type(self.function).__name__)}
+            return {"function": self._work}
         return {"of": self.property, "axis": self.axis, **self.keywords}
 
     def of(self, packing: Any) -> dict[str, float]:
         """Return the number, and its error where that is known."""
         if self.function is not None:
-            return {self.name: float(self.function(packing))}
+            found = self.function(packing)
+            try:
+                return {self.name: float(found)}
+            except (TypeError, ValueError) as reason:
+                message = f"targets[{self.name!r}] returned {found!r}; it must be a number"
+                raise type(reason)(message) from reason
         value, error = self._modulus(packing) if self.property == "modulus" else self._conduction(packing)
         return {self.name: value, f"{self.name}_error": error}
 

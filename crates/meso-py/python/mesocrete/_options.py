@@ -5,14 +5,17 @@ They return plain dicts, as in a SPEC.toml or TEST.toml; `pack`, `Spec` and `Mes
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from os import PathLike, fspath
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._mesocrete import _checked_test, _concrete_materials
+from ._mesocrete import Spec, _checked_test, _concrete_materials
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -117,17 +120,21 @@ class Grading:
 
     @staticmethod
     def table(
-        file: str | PathLike[str],
+        file: str | PathLike[str] | Any,
         d_min_mm: float,
         d_max_mm: float,
         *,
         choices: TableChoices | None = None,
         **options: Unpack[GradingOptions],
     ) -> _types.Grading:
-        """Return the grading of a laboratory's sieve table between two sizes, mm: CSV, text or .xlsx (by openpyxl), with any heading.
+        """Return the grading of a laboratory's sieve table between two sizes, mm: CSV, text or .xlsx (by openpyxl), with any heading; or a DataFrame of pandas or polars.
 
         How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`.
         """
+        if hasattr(file, "columns"):
+            with TemporaryDirectory() as folder:
+                saved = Grading.table(_saved(file, folder), d_min_mm, d_max_mm, choices=choices, **options)
+                return Spec({"grading": saved}).to_dict()["grading"]
         curve = cast("_types.SievesFileCurve", {"kind": "sieves", "file": fspath(file), **(choices or {})})
         return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
@@ -229,16 +236,25 @@ class Specimen:
 _NO_PASSING = ("retain", "mass", "weight", "residue", "(g)", "(kg)", "rückstand", "refus")
 
 
+def _saved(table: Any, folder: str) -> Path:
+    """Return the file of a DataFrame; a missing value is a blank cell."""
+    path, names = Path(folder) / "DataFrame.csv", list(table.columns)
+    rows = zip(*(["" if value is None or value != value else value for value in table[name]] for name in names), strict=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([names, *rows])
+    return path
+
+
 def _framed(table: Any) -> tuple[Any, Any, Any]:
     """Return sizes, shares and per cent of a DataFrame of two columns, by their order and the second heading."""
     names = list(table.columns)
     if len(names) != 2:
-        message = f"the table has {len(names)} columns; give two, openings in mm and what passes, or Grading.table(file)"
+        message = f"the table has {len(names)} columns; give two, openings in mm and what passes, or Grading.table(table, ...)"
         raise ValueError(message)
     if wrong := [word for word in _NO_PASSING if word in str(names[1]).lower()]:
         message = (
-            f"the second column is {names[1]!r}, {wrong[0]}, and no passing; save the table, table.to_csv(\"sieves.csv\", "
-            'index=False), and read it by Grading.table("sieves.csv", d_min_mm, d_max_mm)'
+            f"the second column is {names[1]!r}, {wrong[0]}, and no passing; read the table by "
+            "Grading.table(table, d_min_mm, d_max_mm)"
         )
         raise ValueError(message)
     sizes, passing = (list(table[name]) for name in names)
