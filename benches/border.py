@@ -7,6 +7,8 @@ Each kind of case draws its files from the case's number; a row of `benches/resu
     cores      drilled cores for `import --outside`: diameter, grains within, volumes, `check`
     surfaces   specimens and library grains of STL, PLY, OBJ and OFF, sound and damaged: volumes by the divergence theorem
     lies       one false number in a saved model of a label volume: `check` finds it, unless the volume alone shows it
+    writers    TIFF and .vti files of thirteen other programs, judged by the array and the voxel that the writer knows
+    contradictions    TEST.toml with and without contradictions, judged by rules from docs/tests.md
     packed     compressed or shared data that opens to far more than 1 GB, under a limit of 1 GB: an error, no abort
 
     python benches/border.py volumes --command target/release/mesocrete --cases 500 [--from 0]
@@ -28,6 +30,8 @@ from pathlib import Path
 
 import numpy as np
 
+from judges.contradictions import contradicted
+from judges.writers import writers
 from origin import RESULTS, origin
 
 HEAD = ["kind", "first", "cases", "wrong", "outcomes", "machine", "date", "commit"]
@@ -402,7 +406,23 @@ def lies(command, number, folder):
     return "found" if found else "of the volume alone", faults
 
 
-KINDS = {"volumes": volumes, "cores": cores, "surfaces": surfaces, "lies": lies, "packed": packed}
+def written(command, number, folder):
+    return writers(run, command, number, folder)
+
+
+def contradictions(command, number, folder):
+    return contradicted(run, command, number, folder)
+
+
+KINDS = {
+    "volumes": volumes,
+    "cores": cores,
+    "surfaces": surfaces,
+    "lies": lies,
+    "writers": written,
+    "contradictions": contradictions,
+    "packed": packed,
+}
 
 
 def main():

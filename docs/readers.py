@@ -26,7 +26,8 @@ PINS = {
     "lsdyna-mesh-reader==0.2.1 mapdl-archive==0.4.2 ngsolve==6.2.2608 akantu==5.0.7.post1 h5py==3.16.0 dynars==1.1.0 "
     "mfem==4.10.0.1 numpy==2.4.6",
     "others": "SimpleITK==2.5.7 tifffile==2026.3.3 scikit-image==0.26.0 pymeshlab==2025.7.post1 manifold3d==3.5.4 "
-    "numpy-stl==4.1.1 ansys-dyna-core==0.12.1 imageio==2.38.1",
+    "numpy-stl==4.1.1 ansys-dyna-core==0.12.1 imageio==2.38.1 pillow==13.0.0 opencv-python-headless==5.0.0.93 pyvips==3.2.0 "
+    "pyvips-binary==8.18.7",
 }
 
 
@@ -77,6 +78,9 @@ ROWS = [
     Row("scikit-image", "scikit-image", "labels.tif", "import skimage.io; a = skimage.io.imread(F); seen = f'{a.shape} {a.dtype}'", "voxel size", env="others"),
     Row("SimpleITK", "SimpleITK", "labels.tif", "import SimpleITK as s; i = s.ReadImage(F); seen = f'size {i.GetSize()}, spacing {tuple(round(x, 6) for x in i.GetSpacing())}'", "spacing across the slices, where it reads 1", "image.SetSpacing([h] * 3)", env="others"),
     Row("imageio", "imageio", "labels.tif", "import imageio.v3 as i; a = i.imread(F); seen = f'{a.shape} {a.dtype}'", "voxel size", env="others"),
+    Row("Pillow", "pillow", "labels.tif", "from PIL import Image, ImageSequence; import numpy as np; i = Image.open(F); a = np.stack([np.array(p) for p in ImageSequence.Iterator(i)]); assert np.array_equal(a, np.load('labels.npy')); seen = f'{a.shape} {a.dtype}, as stored once mended'", "the pages behind the first, unless asked for; voxel size", "np.stack([np.array(p) for p in ImageSequence.Iterator(image)])", env="others"),
+    Row("OpenCV", "opencv-python-headless", "labels.tif", "import cv2, numpy as np; assert cv2.imread(F).shape[2] == 3; a = np.stack(cv2.imreadmulti(F, flags=cv2.IMREAD_UNCHANGED)[1]); assert np.array_equal(a, np.load('labels.npy')); seen = f'{a.shape} {a.dtype}, as stored once mended'", "`imread` reads one page, as three colours; voxel size", "cv2.imreadmulti(F, flags=cv2.IMREAD_UNCHANGED)[1]", env="others"),
+    Row("libvips", "pyvips-binary", "labels.tif", "import pyvips, numpy as np; i = pyvips.Image.new_from_file(F, n=-1); h = i.get('page-height'); a = i.numpy().reshape(-1, h, i.width); assert np.array_equal(a, np.load('labels.npy')); seen = f'{a.shape} {a.dtype}, {1 / i.xres:g} mm a pixel, as stored once mended'", "the pages behind the first; distance of the slices", "Image.new_from_file(F, n=-1), pages below each other", env="others"),
     Row("MeshLab", "pymeshlab", "model.ply", "import pymeshlab as p; s = p.MeshSet(); s.load_new_mesh(F); m = s.get_geometric_measures(); seen = f'{s.current_mesh().face_number()} triangles, volume {m[\"mesh_volume\"]:.2f}'", "ids", env="others"),
     Row("Manifold", "manifold3d", "model.stl", "import manifold3d as m, numpy as np; from stl import mesh; t = mesh.Mesh.from_file(F).vectors.reshape(-1, 3); p, i = np.unique(t, axis=0, return_inverse=True); b = m.Manifold(m.Mesh(p.astype(np.float32), i.reshape(-1, 3).astype(np.uint32))); seen = f'{b.status()}, {len(b.decompose())} bodies, volume {b.volume():.2f}'", "", env="others"),
     Row("numpy-stl", "numpy-stl", "model.stl", "from stl import mesh; m = mesh.Mesh.from_file(F); seen = f'{len(m.vectors)} triangles, volume {m.get_mass_properties()[0]:.2f}'", "ids", env="others"),

@@ -150,7 +150,7 @@ pub(crate) fn solve_equations<E: Equations>(
             return Ok(Solution { potential, iterations, error });
         }
         if !has_step {
-            let fix = "lower the contrast of the phases";
+            let fix = "take another size of voxels or elements, or lower the contrast of the phases";
             return Err(EffectiveError::Diverged { iterations, reached: error, fix });
         }
         let step: f64 = E::Number::of(along / curvature).into();
