@@ -8,6 +8,7 @@ import signal
 import subprocess
 import threading
 import time
+import types
 from pathlib import Path
 
 import numpy as np
@@ -154,9 +155,34 @@ def test_the_command_does_the_study_of_a_file_on_dask(command, tmp_path):
         with distributed.Client(cluster) as client:
             study = mc.study(tmp_path / "STUDY.toml", out=tmp_path / "there", executor=client, progress=lambda over, _: assert_over(over))
         assert len(study.results) == 6
+    check_memory(distributed, tmp_path)
     (tmp_path / "STUDY.toml").write_text(spec + "fracton = 0.2\n")
     wrong = run("--dask", "tcp://127.0.0.1:1")
     assert wrong.returncode == 2 and "fracton" in wrong.stderr
+
+
+def check_memory(distributed, place: Path) -> None:
+    """Check that a case asks workers that declare their memory for what it is estimated to take."""
+    asked = []
+    options = {"processes": False, "threads_per_worker": 2, "dashboard_address": None}
+    with distributed.LocalCluster(1, resources={"MEMORY": 1e9}, **options) as cluster, distributed.Client(cluster) as client:
+        submit = client.submit
+        client.submit = lambda *args, **options: (asked.append(options["resources"]["MEMORY"]), submit(*args, **options))[1]
+        mesh = {"output": ["m.vtu"], "element_size": 4, "accept_phase_error": True}
+        study = mc.study(TINY, {"seed": [1, 2, 3]}, mesh=mesh, out=place / "m", executor=client)
+    assert len(study.results) == len(asked) == 3 and not study.failures
+    assert all(0 < memory < 1e9 for memory in asked)
+
+
+def test_a_case_that_no_worker_has_the_memory_for_gets_a_whole_worker():
+    from mesocrete import _executor
+
+    assert _executor._needs(5e9, 2e9) == {"resources": {"MEMORY": 2e9}} and _executor._needs(0.0, 2e9) == {}
+    workers = lambda *declared: {"workers": {str(i): {"resources": of} for i, of in enumerate(declared)}}
+    for declared, most in (((), 0), (({"MEMORY": 1e9}, {"MEMORY": 2e9}), 2e9), (({"MEMORY": 1e9}, {}), 0)):
+        client = types.SimpleNamespace(scheduler_info=lambda **_: workers(*declared))
+        assert _executor._declared(client) == most
+    assert _executor._declared(concurrent.futures.ThreadPoolExecutor(1)) == 0
 
 
 def assert_over(over: int) -> None:

@@ -41,6 +41,7 @@ class Workers:
         self._given = executor
         self._counted = -_COUNT
         self._most = _AHEAD
+        self._memory = _declared(executor)
         # dask would take two calls with equal arguments for one.
         dask = hasattr(executor, "get_executor")
         self._executor: Any = executor.get_executor(pure=False) if dask else executor
@@ -56,18 +57,21 @@ class Workers:
         jobs: deque[Any],
         call: Callable[[Any], tuple[Any, ...]],
         in_hand: Callable[[Any], bool] = lambda _: True,
+        memory: Callable[[Any], float] = lambda _: 0.0,
     ) -> Iterator[tuple[Any, Any]]:
         """Take jobs and hand out their calls, a few at a time; yield each with its result as it ends.
 
         A job whose worker died is tried again as often as the engine does; then its result is None. A pool of processes ends with
         its first loss, and cannot say which job had it: those that were `in_hand` run one by one in a new pool.
+        Workers of dask that declare a resource MEMORY get no more at once than the bytes of `memory`.
         """
+        needs = (lambda job: _needs(memory(job), self._memory)) if self._memory else (lambda _: {})
         suspects: deque[Any] = deque()
         while jobs or suspects:
             alone = not jobs
             batch = deque([suspects.popleft()]) if alone else jobs
             is_broken = is_useful = False
-            for job, future in self._each(batch, call):
+            for job, future in self._each(batch, call, needs):
                 error = future.exception()
                 # dask's KilledWorker is no BrokenExecutor: it comes after tries on other workers.
                 is_certain = type(error).__name__ == "KilledWorker"
@@ -89,7 +93,9 @@ class Workers:
                 message = f"the executor lost its workers: {left} cases are left; the same call with a new executor does them"
                 raise RuntimeError(message)
 
-    def _each(self, jobs: deque[Any], call: Callable[[Any], tuple[Any, ...]]) -> Iterator[tuple[Any, Any]]:
+    def _each(
+        self, jobs: deque[Any], call: Callable[[Any], tuple[Any, ...]], needs: Callable[[Any], dict[str, Any]]
+    ) -> Iterator[tuple[Any, Any]]:
         """Submit the calls of jobs; yield each with its future, which is done. `jobs` keeps what a broken executor does not take."""
         ended: SimpleQueue[Any] = SimpleQueue()
         running: dict[Any, Any] = {}
@@ -97,7 +103,7 @@ class Workers:
             while True:
                 while jobs and len(running) < self._window():
                     try:
-                        future = self._executor.submit(*call(jobs[0]))
+                        future = self._executor.submit(*call(jobs[0]), **needs(jobs[0]))
                     except BrokenExecutor:
                         break
                     running[future] = jobs.popleft()
@@ -138,6 +144,20 @@ class Workers:
             return int(sum(self._given.nthreads().values()))
         counts = (getattr(self._executor, name, None) for name in ("_max_workers", "num_workers"))
         return int(next((count for count in counts if count), os.cpu_count() or 1))
+
+
+def _declared(executor: Any) -> float:
+    """Return the largest resource MEMORY of the workers of a client of dask, bytes; 0 where one declares none."""
+    if not hasattr(executor, "scheduler_info"):
+        return 0.0
+    workers = executor.scheduler_info(n_workers=-1)["workers"].values()
+    declared = [float(worker["resources"].get("MEMORY", 0.0)) for worker in workers]
+    return max(declared, default=0.0) if all(declared) else 0.0
+
+
+def _needs(memory: float, most: float) -> dict[str, Any]:
+    """Return the keywords of a call that takes so much memory; one that takes more than any worker has gets a whole worker."""
+    return {"resources": {"MEMORY": min(memory, most)}} if memory else {}
 
 
 def build() -> tuple[str, str, str]:

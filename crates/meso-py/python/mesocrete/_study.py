@@ -6,6 +6,7 @@ cases are handed to executors. Whoever works on a case has locked its folder, an
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
@@ -285,7 +286,7 @@ def of_command(request: str) -> int:
     """Do the study that `mesocrete study --dask` asks for; return the exit code of the command."""
     asked = json.loads(request)
     try:
-        from distributed import Client
+        client_of = importlib.import_module("distributed").Client
     except ImportError as error:
         message = 'dask is not installed; get it with: pip install "dask[distributed]"'
         raise ImportError(message) from error
@@ -293,7 +294,7 @@ def of_command(request: str) -> int:
     for name in ("SIGINT", "SIGTERM"):
         signal.signal(getattr(signal, name), signal.default_int_handler)
     try:
-        with Client(asked.pop("dask")) as client:
+        with client_of(asked.pop("dask")) as client:
             made = study(asked.pop("study"), executor=client, **asked)
     except KeyboardInterrupt:
         print("stopped; the same command goes on with the next case", file=sys.stderr)
@@ -400,7 +401,9 @@ def _here(run: _StudyRun, then: Callable[..., Any] | None, threads: int | None) 
 def _there(run: _StudyRun, workers: Workers, how: tuple[Callable[..., Any] | None, int]) -> Iterator[tuple[int, str]]:
     """Hand the cases to an executor; yield each as it ends, with its state."""
     left = deque(run.left)
-    ended = workers.done(left, lambda number: (_run, run.case(number), *how, _BUILD), lambda number: run.case(number).is_marked)
+    call = lambda number: (_run, run.case(number), *how, _BUILD)
+    in_hand, memory = (lambda number: run.case(number).is_marked), (lambda number: run.case(number).memory)
+    ended = workers.done(left, call, in_hand, memory)
     for number, told in ended:
         state = _poisoned(run.case(number)) if told is None else told
         if state == "busy":
