@@ -6,11 +6,11 @@ They return plain dicts, as in a SPEC.toml or TEST.toml; `pack`, `Spec` and `Mes
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,13 @@ if TYPE_CHECKING:
     _TurnOf = Literal["strain", "stress", "opening"]
     _Rock = Literal["granite", "basalt", "limestone", "quartzite", "sandstone", "gneiss"]
     _Law = Literal["meso", "cdp", "cdpm2", "elastic"]
+
+    class _Frame(Protocol):
+        """A DataFrame of pandas or polars."""
+
+        @property
+        def columns(self) -> Iterable[str]: ...
+        def __getitem__(self, name: str, /) -> Iterable[object]: ...
 
 Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
 
@@ -120,7 +127,7 @@ class Grading:
 
     @staticmethod
     def table(
-        file: str | PathLike[str] | Any,
+        file: str | PathLike[str] | _Frame,
         d_min_mm: float,
         d_max_mm: float,
         *,
@@ -131,7 +138,7 @@ class Grading:
 
         How the table was read is logged in one line. A table that could mean two things is refused; `choices` decides it: `column`, or `blend` for aggregates in columns, e.g. `{"Sand": 0.4, "Gravel": 0.6}`; `means`, `unit`, `sieve_unit` and `sheet`.
         """
-        if hasattr(file, "columns"):
+        if not isinstance(file, (str, PathLike)):
             with TemporaryDirectory() as folder:
                 saved = Grading.table(_saved(file, folder), d_min_mm, d_max_mm, choices=choices, **options)
                 return Spec({"grading": saved}).to_dict()["grading"]
@@ -236,7 +243,7 @@ class Specimen:
 _NO_PASSING = ("retain", "mass", "weight", "residue", "(g)", "(kg)", "rückstand", "refus")
 
 
-def _saved(table: Any, folder: str) -> Path:
+def _saved(table: _Frame, folder: str) -> Path:
     """Return the file of a DataFrame; a missing value is a blank cell."""
     path, names = Path(folder) / "DataFrame.csv", list(table.columns)
     rows = zip(*(["" if value is None or value != value else value for value in table[name]] for name in names), strict=True)
