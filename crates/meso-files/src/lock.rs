@@ -108,18 +108,26 @@ pub fn patiently(tries: u32, take: impl Fn() -> Result<Held, LockError>) -> Resu
 }
 
 fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {
+    take_by(folder, name, is_shared, |file| if is_shared { file.try_lock_shared() } else { file.try_lock() })
+}
+
+fn take_by(
+    folder: &Path,
+    name: &str,
+    is_shared: bool,
+    lock: impl Fn(&File) -> Result<(), TryLockError>,
+) -> Result<Held, LockError> {
     let path = folder.join(name);
     let fail = |error| LockError::File { path: path.clone(), error };
     loop {
         let mut file = open(&path).map_err(fail)?;
-        let is_exclusive = match if is_shared { file.try_lock_shared() } else { file.try_lock() } {
+        let is_exclusive = match lock(&file) {
             Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
                 let is_own = own().contains(&path);
                 return Err(LockError::Busy { folder: folder.to_owned(), holder: number_in(&mut file), is_own });
             }
-            // Some network file systems have no locks.
-            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => false,
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => false,
             Err(TryLockError::Error(error)) => return Err(fail(error)),
         };
         // The holder before may have removed the file between our two calls.
@@ -132,6 +140,15 @@ fn take(folder: &Path, name: &str, is_shared: bool) -> Result<Held, LockError> {
             return Ok(Held { path, file: Some(file), is_shared, is_exclusive });
         }
     }
+}
+
+/// Whether a network file system has no locks, like Lustre without the option flock, or no server for them, like some NFS.
+fn has_no_locks(error: &io::Error) -> bool {
+    #[cfg(unix)]
+    let has_no_server = error.raw_os_error() == Some(rustix::io::Errno::NOLCK.raw_os_error());
+    #[cfg(not(unix))]
+    let has_no_server = false;
+    has_no_server || error.kind() == ErrorKind::Unsupported
 }
 
 fn own() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
@@ -219,4 +236,27 @@ fn number_in(file: &mut File) -> Option<u32> {
     let mut text = String::new();
     file.take(16).read_to_string(&mut text).ok()?;
     text.trim().parse().ok()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use rustix::io::Errno;
+
+    /// No test machine has such a disk: its answers stand in.
+    #[test]
+    fn a_disk_without_locks_is_known_and_any_other_fault_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let take = |fault: Errno| {
+            take_by(folder.path(), LOCK, false, |_| {
+                Err(TryLockError::Error(io::Error::from_raw_os_error(fault.raw_os_error())))
+            })
+        };
+        for fault in [Errno::NOLCK, Errno::NOSYS, Errno::OPNOTSUPP] {
+            let held = take(fault).unwrap();
+            assert!(!held.is_exclusive() && take(fault).is_ok(), "{fault}");
+        }
+        assert!(matches!(take(Errno::IO), Err(LockError::File { .. })));
+        assert!(take_by(folder.path(), LOCK, false, |_| Ok(())).unwrap().is_exclusive());
+    }
 }
