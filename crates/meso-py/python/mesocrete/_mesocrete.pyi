@@ -30,6 +30,7 @@ __all__ = [
     "Response",
     "Spec",
     "_Fit",
+    "_Lock",
     "_StudyCase",
     "_StudyPlan",
     "_StudyRun",
