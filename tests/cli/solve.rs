@@ -463,3 +463,30 @@ fn a_test_that_the_specimen_cannot_have_is_refused_before_the_packing() {
     let run = folder.run(&["solve", "small.toml", "--test", "compresion"]);
     assert!(run.code == 2 && run.stderr.contains("a similar value exists: 'compression'"), "{}", run.stderr);
 }
+
+/// The case: a nan in a support made the whole file the default test.
+#[test]
+fn numbers_that_are_not_finite_are_refused_by_line_and_key_in_every_file() {
+    let folder = Folder::with_model();
+    let support = "[[supports]]\nname = 'a'\non = 'z-max'\n";
+    for (text, said) in [
+        ("strain = nan\n", "line 1: strain is nan; it must be finite"),
+        ("kind = 'drop'\nmass_kg = inf\n", "line 2: mass_kg is inf"),
+        (&format!("{support}friction = nan\n"), "line 4: supports.friction is nan"),
+        (
+            &format!("{support}drive = {{ kind = 'speed', speed_m_per_s = [[0, 0], [1e-5, nan]] }}\n"),
+            "supports.drive.speed_m_per_s is nan",
+        ),
+        ("[expansion]\naggregate = -inf\n", "line 2: expansion.aggregate is -inf"),
+    ] {
+        folder.write("T.toml", text);
+        let run = solve(&folder, &["small.json", "-o", "out", "--test", "T.toml"]);
+        assert!(run.code == 2 && run.stderr.contains(said), "{text}: {}", run.stderr);
+    }
+    folder.write("M.toml", "[materials.mortar_strength]\ncompressive_mpa = nan\n");
+    let run = solve(&folder, &["small.json", "-o", "out", "--materials", "M.toml"]);
+    assert!(run.code == 2 && run.stderr.contains("is nan; it must be finite"), "{}", run.stderr);
+    folder.write("STUDY.toml", "spec = 's.toml'\n[solve]\nfriction = nan\n[over]\nseed = [1]\n");
+    let run = folder.run(&["study", "STUDY.toml", "-o", "study"]);
+    assert!(run.code == 2 && run.stderr.contains("is nan; it must be finite"), "{}", run.stderr);
+}

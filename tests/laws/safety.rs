@@ -159,7 +159,8 @@ fn mortar_between_grains_spends_in_steps_of_every_size() {
         assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent} in {steps} steps");
     }
     // The rates of these paths are from 1e-3 to 1e6 /s.
-    for (dt, steps) in [1e-7, 1e-3, 1.0].into_iter().flat_map(|dt| [200, 20, 4, 1].map(|steps| (dt, steps))) {
+    let slow = [20, 4, 1].map(|steps| [(1e-7, steps), (1e-3, steps), (1.0, steps)]);
+    for (dt, steps) in slow.into_iter().flatten().chain([(1e-3, 200)]) {
         let [spent, returned] = spent_and_returned(&rated::<f64>(dt), steps, 200);
         assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent} in {steps} steps of {dt} s");
     }

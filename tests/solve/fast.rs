@@ -369,3 +369,56 @@ fn named_tests_in_real_time_run_with_and_without_rates() {
         assert!(peaks[1] >= least * peaks[0] && peaks[1] < 1.4 * peaks[0], "{kind:?} {peaks:?}");
     }
 }
+
+/// The case: a mass struck before its pressure had grown.
+#[test]
+fn a_mass_and_a_steady_wave_wait_for_the_pressure() {
+    let cube = Meshed::mortar([12.0; 3], Method::FITTED, 4.0);
+    let mantle = SupportSpec { rule: Rule::Pressure, pressure_mpa: 3.0, ..SupportSpec::new("mantle", Side::Mantle) };
+    let on = |drive| SupportSpec { drive: Some(drive), ..SupportSpec::new("load", Side::ZMax) };
+    let lead = 48e-6 * 12.0;
+    for drive in [Drive::Mass { mass_kg: 0.1, speed_m_per_s: 0.5 }, Drive::Speed { speed_m_per_s: Speed::Steady(0.5) }]
+    {
+        let supports = vec![SupportSpec::new("base", Side::ZMin), on(drive.clone()), mantle.clone()];
+        let response = cube.solve(&mortar(0.0), &elastic(supports, 4e-5));
+        let force = column(&response, "load_n");
+        let most = force.iter().copied().fold(0.0, f64::max);
+        let first = force.iter().position(|force| *force > 0.05 * most).unwrap();
+        let pressed = column(&response, "mantle_n");
+        assert!(response.curve[first].time_s > lead && most > 1000.0, "{drive:?} {most}");
+        assert!(pressed[first] > 0.99 * pressed.last().unwrap(), "{drive:?} {}", pressed[first]);
+    }
+}
+
+/// The cases: strains of 0.31 across another axis, and plates that lost 14 % of their work in impacts.
+#[test]
+fn every_axis_ends_a_test_at_two_per_cent_and_impacts_are_not_in_the_balance() {
+    let cube = Meshed::mortar([12.0; 3], Method::FITTED, 4.0);
+    let at = |name, on, speed| {
+        let drive = Some(Drive::Speed { speed_m_per_s: Speed::Steady(speed) });
+        SupportSpec { drive, ..SupportSpec::new(name, on) }
+    };
+    let rest = |name, on| SupportSpec::new(name, on);
+    let (slow, fast) = (at("a", Side::XMin, 0.1), at("c", Side::ZMax, 20.0));
+    let supports = vec![slow, rest("b", Side::XMax), fast, rest("d", Side::ZMin)];
+    let response = cube.solve(&mortar(0.0), &elastic(supports, 1e-4));
+    assert!(response.result.warnings.iter().any(|text| text.contains("at a strain of 2 %")), "{:?}", response.result);
+    assert!(response.curve.last().unwrap().time_s < 1.4e-5);
+    let supports = vec![at("a", Side::ZMax, 3.0), at("b", Side::ZMin, -3.0)];
+    let result = cube.solve(&mortar(0.0), &elastic(supports, 3e-5)).result;
+    assert!(result.energy_balance_error < 1e-3 && result.errors.is_empty(), "{result:?}");
+}
+
+#[test]
+fn a_plate_that_flies_away_is_an_error_and_a_round_specimen_has_no_rollers() {
+    let cube = Meshed::mortar([12.0; 3], Method::FITTED, 4.0);
+    let drive = Some(Drive::Mass { mass_kg: 1.0, speed_m_per_s: -1.0 });
+    let away = SupportSpec { drive, ..SupportSpec::new("away", Side::ZMax) };
+    let result = cube.solve(&mortar(0.0), &elastic(vec![away], 1e-5)).result;
+    assert!(result.errors.iter().any(|text| text.contains("never touched")), "{:?}", result.errors);
+    let drop = Test { kind: TestKind::Drop, ..Test::default() };
+    let disc = Specimen::Cylinder { diameter_mm: 24.0, height_mm: 12.0 };
+    assert!(drop.suits(&disc).unwrap_err().to_string().contains("no plane sides for its rollers"));
+    let on_base = Test { span_mm: Some(10.0), ..drop };
+    assert!(on_base.suits(&Specimen::cube(12.0)).unwrap_err().to_string().contains("stands on a base"));
+}

@@ -66,7 +66,7 @@ pub fn deck_test(path: &Path, read: &Reader<'_>) -> Result<Test, AskError> {
     with_tables(test, path, read)
 }
 
-/// The tree of a TEST.toml, with turns and courses where it names tables.
+/// The tree of a TEST.toml, with turns, courses and speeds where it names tables.
 ///
 /// # Errors
 /// As [`test`].
@@ -76,7 +76,7 @@ pub fn test_tree(path: &Path, read: &Reader<'_>) -> Result<Value, AskError> {
     if test.tables().is_empty() {
         return Ok(tree);
     }
-    let Test { turns, expansion, .. } = with_tables(test, path, read)?;
+    let Test { turns, expansion, supports, .. } = with_tables(test, path, read)?;
     let value = |taken: serde_json::Result<Value>| taken.map_err(|error| AskError::Run(error.to_string()));
     if let Value::Object(keys) = &mut tree {
         if keys.remove("history").is_some() {
@@ -84,6 +84,9 @@ pub fn test_tree(path: &Path, read: &Reader<'_>) -> Result<Value, AskError> {
         }
         if let Some(own) = keys.get_mut("expansion") {
             *own = value(serde_json::to_value(expansion))?;
+        }
+        if let Some(own) = keys.get_mut("supports") {
+            *own = value(serde_json::to_value(supports))?;
         }
     }
     Ok(tree)

@@ -61,8 +61,9 @@ impl<T: Options> Given<T> {
         if let Value::Object(options) = &mut tree {
             options.extend(self.given.clone());
         }
-        // Both were read from such trees.
-        serde_json::from_value(tree).unwrap_or_default()
+        // Both were read from such trees; an option that is not taken would be another request.
+        spec::options_from_value(&tree)
+            .unwrap_or_else(|error| panic!("options that were read are read again: {error:?}"))
     }
 
     /// Whether an option was given.

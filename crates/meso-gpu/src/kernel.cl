@@ -93,7 +93,8 @@ typedef unsigned short ushort;
 #define GLUED 2
 #define RUBS 3
 #define MOVES 4
-#define PER_SUPPORT 5
+#define TIMED 5
+#define PER_SUPPORT 6
 
 /* Counts (`sizes`). */
 #define S_NODES 0
@@ -347,7 +348,8 @@ KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RE
       else if (axis == 1) force = meet(face, moved[AT], gap, dt, m, &y, &x, &z);
       else force = meet(face, moved[AT], gap, dt, m, &x, &y, &z);
       met[support * all + q] = force;
-      met[SUPPORTS * all + q] = force * moved[MEAN_SPEED] * dt;
+      const double before = axis == 2 ? b2 : axis == 1 ? b1 : b0, after = axis == 2 ? z.v : axis == 1 ? y.v : x.v;
+      met[SUPPORTS * all + q] = face[TIMED] != 0 ? 0.5 * dt * force * (before + after) : force * moved[MEAN_SPEED] * dt;
     }
     const double mean0 = 0.5 * (x.v + b0), mean1 = 0.5 * (y.v + b1), mean2 = 0.5 * (z.v + b2);
     met[(SUPPORTS + 1) * all + first - 1] = (-dt) * (x.rubbed * mean0 + y.rubbed * mean1 + z.rubbed * mean2);

@@ -243,9 +243,11 @@ pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Va
 /// Reads options outside a spec from TOML text, with a spec's errors.
 ///
 /// # Errors
-/// Fails like [`options_from_value`], with the line; syntax.
+/// Fails like [`options_from_value`], with the line; syntax; numbers that are not finite, which a tree of values cannot hold.
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
-    read::read(&tree::parse_toml(text)?)
+    let tree = tree::parse_toml(text)?;
+    tree.finite("")?;
+    read::read(&tree)
 }
 
 /// The line of TOML text on which the key at a dotted `path` stands.

@@ -93,6 +93,24 @@ pub(super) fn parse_toml(text: &str) -> Result<Node, SpecError> {
 }
 
 /// The text and the byte offsets at which its lines begin.
+impl Node {
+    /// Refuses a number that is nan or inf; `path` is the dotted one of this node.
+    pub(super) fn finite(&self, path: &str) -> Result<(), SpecError> {
+        match &self.value {
+            Value::Float(x) if !x.is_finite() => {
+                let wrong = SpecError::value(path, format!("is {}; it must be finite", x.to_string().to_lowercase()));
+                Err(SpecError { line: self.line, ..wrong })
+            }
+            Value::Array(items) => items.iter().try_for_each(|item| item.finite(path)),
+            Value::Table(entries) => entries.iter().try_for_each(|(key, node)| {
+                let inner = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                node.finite(&inner)
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
 struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,

@@ -76,19 +76,24 @@ pub fn of_mesh(mesh: &Mesh, options: &MeshOptions, model: &Model) -> String {
     )
 }
 
+/// A number of four figures, without those that say nothing.
+fn figures(x: f64) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x)
+}
+
 /// A sentence about the values of the phases.
 pub fn of_materials(materials: &Materials) -> String {
     let Materials { aggregate, mortar, mortar_strength: strength, .. } = materials;
+    let [stone, matrix] = [aggregate, mortar].map(|elastic| figures(elastic.youngs_modulus_mpa));
     let strengths = [
-        strength.compressive_mpa.map(|mpa| format!("a compressive strength of {mpa} MPa")),
-        Some(format!("a tensile strength of {} MPa", strength.tensile_mpa)),
-        strength.fracture_energy_n_per_mm.map(|energy| format!("a fracture energy of {energy} N/mm")),
+        strength.compressive_mpa.map(|mpa| format!("a compressive strength of {} MPa", figures(mpa))),
+        Some(format!("a tensile strength of {} MPa", figures(strength.tensile_mpa))),
+        strength.fracture_energy_n_per_mm.map(|energy| format!("a fracture energy of {} N/mm", figures(energy))),
     ];
     let strengths: Vec<String> = strengths.into_iter().flatten().collect();
     format!(
-        "Young's modulus is {} MPa in the mortar and {} MPa in the aggregates; the mortar has {}, and the ITZ {} of its strengths.",
-        mortar.youngs_modulus_mpa,
-        aggregate.youngs_modulus_mpa,
+        "Young's modulus is {matrix} MPa in the mortar and {stone} MPa in the aggregates; the mortar has {}, and the ITZ {} of its \
+         strengths.",
         strengths.join(", "),
         materials.itz_strength_ratio
     )

@@ -168,12 +168,10 @@ impl Span<'_> {
                 let impact =
                     self.supports.all[support].face.meet(contact.gap, moved, m, u, v, touched.get_or_insert_default());
                 sums.supports[support] += impact.force;
-                let fixture = &self.supports.all[support];
-                // What a bar or a mass loses in an impact is not the specimen's.
-                let is_own = fixture.answers();
-                let axis = fixture.face.axis;
+                let axis = self.supports.all[support].face.axis;
+                // What a plate loses in an impact is not the specimen's.
                 let work = 0.5 * dt * impact.force * (before[axis] + v[axis]);
-                sums.external += if is_own { work } else { impact.work };
+                sums.external += if self.supports.is_driven { work } else { impact.work };
             }
             if let Some(touched) = touched {
                 sums.friction += touched.friction(dt, &before, v);

@@ -354,13 +354,10 @@ impl Summary {
         }
     }
 
-    /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal.
+    /// Whether stress over strain is a modulus: in splitting, bending and shear both are nominal, and waves run in real time.
     pub fn has_modulus(&self) -> bool {
-        !self.test.is_beam()
-            && !matches!(
-                self.test,
-                TestKind::Splitting | TestKind::Shear | TestKind::Expansion | TestKind::Spall | TestKind::Drop
-            )
+        let is_nominal = matches!(self.test, TestKind::Splitting | TestKind::Shear | TestKind::Expansion);
+        !self.is_fast() && !self.test.is_beam() && !is_nominal
     }
 
     /// Whether its supports moved in real time.
@@ -495,8 +492,9 @@ impl Summary {
     /// Warns of plates that never touched the specimen; if no support carries a force, the curve is none.
     fn warn_of_idle_plates(&mut self, run: &Run) {
         let (extra, first, rows) = (run.extra(), run.gauges.len(), run.state.rows.len());
-        let has_columns = extra.names.len() == first + run.supports.all.len();
-        if !run.test.has_path() || self.ended != Ended::Completed || rows == 0 || !has_columns {
+        let has_columns = extra.names.len() >= first + run.supports.all.len();
+        let moves = run.test.has_path() || run.test.is_fast();
+        if !moves || self.ended != Ended::Completed || rows == 0 || !has_columns {
             return;
         }
         let is_idle = |place: usize| (0..rows).all(|row| extra.row(row)[first + place] == 0.0);
@@ -518,8 +516,7 @@ impl Summary {
 
     /// Says that a test in real time ended at the largest strain.
     fn warn_of_strains(&mut self, run: &Run) {
-        let strain = run.state.travel / run.supports.length_mm;
-        if run.test.is_fast() && strain.abs() > Test::LARGEST_STRAIN {
+        if run.is_too_far() {
             let (time, most) = (run.state.time, 100.0 * Test::LARGEST_STRAIN);
             self.warnings.push(format!(
                 "the test ended after {time:.3e} s, at a strain of {most} %: strains of the engine are small ones"

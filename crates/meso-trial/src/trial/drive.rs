@@ -80,8 +80,11 @@ pub(super) fn unfit_row(before: f64, [time, speed]: [f64; 2]) -> Option<(usize, 
 }
 
 impl Speed {
-    /// The speed at a time, mm/s.
+    /// The speed at a time, mm/s; 0 before the time 0.
     pub fn at(&self, time_s: f64) -> f64 {
+        if time_s < 0.0 {
+            return 0.0;
+        }
         1e3 * match self {
             Self::Steady(speed) => *speed,
             Self::Table(_) => 0.0,
@@ -186,6 +189,6 @@ mod tests {
         let speed = Speed::Over(vec![[1.0, 0.0], [2.0, 4.0], [2.0, 1.0], [3.0, 1.0]]);
         let at = [0.0, 1.0, 1.25, 2.0, 9.0].map(|time| speed.at(time));
         assert_eq!(at, [0.0, 0.0, 1000.0, 1000.0, 1000.0]);
-        assert_eq!([Speed::Steady(-2.0).at(7.0), Speed::default().at(1.0)], [-2000.0, 0.0]);
+        assert_eq!([7.0, -1.0].map(|time| Speed::Steady(-2.0).at(time)), [-2000.0, 0.0]);
     }
 }

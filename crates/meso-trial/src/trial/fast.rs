@@ -21,6 +21,14 @@ const CRUSHED: f64 = 0.015;
 /// Periods of a beam that a mass strikes.
 const PERIODS: f64 = 2.0;
 
+/// Reason why a value of a named test has no effect.
+const OWN: &str = "supports of the file take the place of those of the named test; leave it out, or the supports";
+
+/// Whether a falling mass bends the specimen, which then lies on two rollers.
+fn bends(geometry: &Geometry) -> bool {
+    0.9 * geometry.size_mm[0] > geometry.size_mm[2]
+}
+
 impl TestKind {
     /// Whether it is one in real time.
     pub(super) fn is_fast(self) -> bool {
@@ -54,11 +62,11 @@ impl Test {
 
     /// Time of a named test in real time, s.
     pub(super) fn fast_duration_s(&self, geometry: &Geometry) -> f64 {
-        let [length, _, height] = geometry.size_mm;
+        let [.., height] = geometry.size_mm;
         let (transit, pulse) = (height / SLOWEST, self.pulse_s() + self.rise_s());
         match self.kind {
-            TestKind::Impact => self.rise_s() + CRUSHED * height / (1e3 * self.speed_m_per_s().abs().max(1e-3)),
-            TestKind::Drop if length > height => PERIODS * self.period_s(geometry),
+            TestKind::Impact => self.rise_s() + CRUSHED * height / (1e3 * self.speed_m_per_s()),
+            TestKind::Drop if bends(geometry) => PERIODS * self.period_s(geometry),
             _ => pulse + TRANSITS * transit,
         }
     }
@@ -89,12 +97,11 @@ impl Test {
             }
             TestKind::Spall => {
                 let rows = vec![[0.0, 0.0], [rise, 0.5 * v], [2.0 * pulse, 0.0]];
-                vec![driven("input", Side::ZMin, bar(Speed::Over(rows)))]
+                vec![SupportSpec { friction: 0.0, ..driven("input", Side::ZMin, bar(Speed::Over(rows))) }]
             }
             TestKind::Drop => {
                 let mass = Drive::Mass { mass_kg: self.mass_kg.unwrap_or(1.0), speed_m_per_s: v };
-                let [length, _, height] = geometry.size_mm;
-                if 0.9 * length > height {
+                if bends(geometry) {
                     // Rollers and strips of a bent beam; the loading one falls.
                     let bent = self.bent(geometry)?;
                     let supports = bent.supports.into_iter().map(|support| {
@@ -129,10 +136,32 @@ impl Test {
             TEST.positive(key, value)?;
             TEST.require(key, value, value <= most, format!("it must be {most} at most"))?;
             let accepted = format!("only {of} tests take it; leave it out, or take that kind of test");
-            TEST.require(key, value, has && !is_own, accepted)?;
+            TEST.require(key, value, has, accepted)?;
+            TEST.require(key, value, !is_own, OWN)?;
         }
+        for (key, value) in
+            [("pressure_mpa", self.pressure_mpa), ("span_mm", self.span_mm), ("strip_mm", self.strip_mm)]
+        {
+            TEST.require(key, value.unwrap_or_default(), value.is_none() || !is_own || !kind.is_fast(), OWN)?;
+        }
+        let is_timed = !kind.is_fast() || self.is_fast();
+        let drives = "none of the supports has a drive, which this test needs; give one, or take another kind";
+        TEST.require("kind", word(&kind), is_timed, drives)?;
         let is_short = !pulsed || self.rise_s() < self.pulse_s();
         TEST.require("rise_s", self.rise_s(), is_short, "it must be shorter than the pulse; take a tenth of pulse_s")
+    }
+
+    /// Refuses a specimen that a falling mass bends but no roller can bear, and rollers of one that stands on a base.
+    pub(super) fn suits_drop(&self, geometry: &Geometry, is_round: bool) -> Result<(), OutOfRange> {
+        let falls = self.kind == TestKind::Drop && self.supports.is_empty();
+        let bends = bends(geometry);
+        let plane = "the specimen has no plane sides for its rollers; take a prism, or one that is higher than long";
+        TEST.require("kind", "drop", !falls || !bends || !is_round, plane)?;
+        for (key, value) in [("span_mm", self.span_mm), ("strip_mm", self.strip_mm)] {
+            let stands = "the specimen stands on a base and has no rollers; leave it out, or take a prism that lies";
+            TEST.require(key, value.unwrap_or_default(), !falls || bends || value.is_none(), stands)?;
+        }
+        Ok(())
     }
 
     /// Gauges of a named test in real time.
@@ -195,8 +224,10 @@ impl Test {
         for SupportSpec { name, rule, moves, pressure_mpa, stress_ratio, .. } in &self.supports {
             let on_path = "another support has a drive, so the test has no path; give this one a drive, too";
             TEST.require(format!("supports.{name}.moves"), moves, *moves == 0.0, on_path)?;
-            let has_servo = stress_ratio.is_some() || *rule != Rule::Pressure && *pressure_mpa != 0.0;
             let why = "a servo's plate is slow, and this test is fast; press the sides with rule = \"pressure\"";
+            let ratio = stress_ratio.unwrap_or_default();
+            TEST.require(format!("supports.{name}.stress_ratio"), ratio, stress_ratio.is_none(), why)?;
+            let has_servo = *rule != Rule::Pressure && *pressure_mpa != 0.0;
             TEST.require(format!("supports.{name}.pressure_mpa"), pressure_mpa, !has_servo, why)?;
         }
         Ok(())

@@ -331,7 +331,10 @@ impl Test {
 
     /// Whether plates of the named test rub, so that its friction has an effect.
     pub fn rubs(&self) -> bool {
-        let is_glued = matches!(self.kind, TestKind::Tension | TestKind::Shear | TestKind::Expansion | TestKind::Spall);
+        let is_glued = matches!(
+            self.kind,
+            TestKind::Tension | TestKind::Shear | TestKind::Expansion | TestKind::Spall | TestKind::Drop
+        );
         !is_glued && !self.kind.is_beam() && self.supports.is_empty()
     }
 

@@ -104,6 +104,7 @@ impl Test {
             let why = "the specimen has no plane sides for its plates; take a cube, box or prism";
             return Err(TEST.error("kind", name, why).into());
         }
+        self.suits_drop(&geometry, is_round)?;
         let rig = self.rig(&geometry)?;
         self.suits_notch(&geometry)?;
         self.gauges().iter().try_for_each(|gauge| gauge.suits(&geometry.size_mm))?;

@@ -50,12 +50,14 @@ impl TestKind {
             Self::Cyclic => turns(strain),
             Self::Hopkinson | Self::Spall => {
                 let [speed, pulse, rise] = [test.speed_m_per_s(), test.pulse_s(), test.rise_s()];
+                let pressed =
+                    if self == Self::Hopkinson { "# pressure_mpa = 5.0        # on the mantle\n" } else { "" };
                 format!(
-                    "# speed_m_per_s = {speed:?}         # of the striker\n# pulse_s = {pulse:?}\n# rise_s = {rise:?}\n{RATED}"
+                    "# speed_m_per_s = {speed:?}         # of the striker\n# pulse_s = {pulse:?}\n# rise_s = {rise:?}\n{pressed}{RATED}"
                 )
             }
             Self::Drop => format!(
-                "# mass_kg = 1.0\n# speed_m_per_s = {:?}       # of the mass when it strikes\n{RATED}",
+                "# mass_kg = 1.0\n# speed_m_per_s = {:?}       # of the mass when it strikes\n# span_mm = 450.0           # of a beam; strip_mm: width of its rollers\n{RATED}",
                 test.speed_m_per_s()
             ),
             Self::Impact => {
@@ -75,9 +77,12 @@ impl TestKind {
         if test.rubs() {
             path += &format!("# friction = {friction:<14} # between plates and specimen; brushes and teflon: 0.005\n");
         }
+        let control = if self.is_fast() { "" } else { CONTROL };
         let strains = test.expansion().map_or("", |_| STRAINS);
         let head = self.description();
-        format!("# A test for `mesocrete solve --test TEST.toml`. {head}\nkind = {kind}\n{own}{path}{COMMON}{strains}")
+        format!(
+            "# A test for `mesocrete solve --test TEST.toml`. {head}\nkind = {kind}\n{own}{path}{LAW}{control}{COMMON}{strains}"
+        )
     }
 }
 
@@ -102,10 +107,11 @@ mortar = 0.0                # or rows of a time and a strain: [[28, -2e-4], [90,
 ";
 
 /// Options that every test has.
-const COMMON: &str = "\
-# law = \"meso\"              # meso, cdp, cdpm2 or elastic
-# control = \"servo\"         # or steady, crack-mouth, lateral-strain
-
+const LAW: &str = "# law = \"meso\"              # meso, cdp, cdpm2 or elastic\n";
+/// Option of quasi-static tests.
+const CONTROL: &str = "# control = \"servo\"         # or steady, crack-mouth, lateral-strain\n";
+/// Gauges and turns.
+const COMMON: &str = "
 # Gauges instead of the test's own are further columns of curve.csv; an lvdt measures between two planes, mm from the lower
 # side. Turns of the path may also come from a CSV file. Both: docs/tests.md
 # gauges = [{ kind = \"lateral-strain\", name = \"lateral_strain\" }]

@@ -160,7 +160,8 @@ impl Args {
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         let swollen = asked.expansion().map(|expansion| expansion.words());
         let loads = if asked.is_fast() {
-            format!("{test} in real time")
+            let what = if asked.supports.is_empty() { test } else { "supports of a file".to_owned() };
+            format!("{what} in real time")
         } else if asked.has_path() {
             let after = swollen.map(|words| format!(" after an expansion of {words}")).unwrap_or_default();
             format!("{test}{after} to a strain of {strain}, friction {}", asked.friction())

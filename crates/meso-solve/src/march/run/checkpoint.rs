@@ -157,7 +157,7 @@ impl Run<'_> {
 
     /// Back to the state before the first step.
     fn rewind(&mut self) {
-        self.state = State { held: self.supports.at_start(), ..State::default() };
+        self.state = State::default();
         self.nodes.rest();
         for group in self.blocks.iter_mut().flat_map(|block| &mut block.groups) {
             group.memory.fill(Default::default());

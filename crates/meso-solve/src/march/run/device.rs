@@ -338,11 +338,12 @@ impl Upload<'_> {
     }
 
     /// By plate or load: its axis; 1 where the specimen is above it, else -1; whether it is glued on; its friction; its way for
-    /// each mm of the path.
-    pub fn supports(&self) -> impl Iterator<Item = [f64; 5]> {
+    /// each mm of the path; whether its work is that on its nodes, as in real time, and not that along its own path.
+    pub fn supports(&self) -> impl Iterator<Item = [f64; 6]> {
         self.0.supports.all.iter().map(|fixture| {
             let Face { axis, inward, rule, friction } = fixture.face;
-            [axis as f64, inward, f64::from(u8::from(rule == Rule::Glued)), friction, fixture.moves]
+            let is_driven = f64::from(u8::from(self.0.supports.is_driven));
+            [axis as f64, inward, f64::from(u8::from(rule == Rule::Glued)), friction, fixture.moves, is_driven]
         })
     }
 

@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
         let steps = path.steps(steps, dt);
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
-        let state = State { held: supports.at_start(), ..State::default() };
+        let state = State::default();
         // Plates in real time keep their speed.
         let control = if test.is_fast() { Control::Steady } else { test.control };
         let test = Test { control, ..test.clone() };
@@ -257,7 +257,7 @@ impl<'a> Run<'a> {
         let (pace, speed) = self.speed(steps);
         self.add_gauges();
         let state = &self.state;
-        let is_driven = self.supports.are_driven();
+        let is_driven = self.supports.is_driven;
         let now = state.progress * dt - self.path.lead_s;
         let resisted = self.supports.answer() && self.device.is_none();
         if resisted {

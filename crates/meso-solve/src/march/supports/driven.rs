@@ -60,25 +60,9 @@ impl Driven {
 }
 
 impl Supports {
-    /// Whether plates move in real time.
-    pub(crate) fn are_driven(&self) -> bool {
-        self.all.iter().any(|fixture| fixture.driven.is_some())
-    }
-
     /// Whether the speed of one hangs on the specimen's forces of the step.
     pub(crate) fn answer(&self) -> bool {
         self.all.iter().any(Fixture::answers)
-    }
-
-    /// Places and speeds before the first step.
-    pub(crate) fn at_start(&self) -> [Held; MOST_SUPPORTS] {
-        let mut held = [Held::default(); MOST_SUPPORTS];
-        for (fixture, held) in self.all.iter().zip(&mut held) {
-            if let Some(Driven { drive: Drive::Mass { .. }, .. }) = fixture.driven {
-                *held = [0.0, fixture.face.inward * fixture.fastest(), fixture.face.inward * fixture.fastest()];
-            }
-        }
-        held
     }
 
     /// Largest speed that a drive gives, mm/s.
@@ -92,6 +76,17 @@ impl Supports {
         at(0).zip(at(1)).map_or(0.0, |(bottom, top)| self.sign * (top - bottom))
     }
 
+    /// Largest change of the distance of two opposite plates, over the size along their axis.
+    pub(crate) fn farthest(&self, held: &[Held; MOST_SUPPORTS], size_mm: &[f64; 3]) -> f64 {
+        let plates = || self.all.iter().zip(held).filter(|(fixture, _)| fixture.face.rule != Rule::Pressure);
+        let at = |axis, inward| {
+            let own = plates().filter(move |(fixture, _)| fixture.face.axis == axis && fixture.face.inward == inward);
+            own.map(|(_, [at, ..])| *at).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
+        let strain = |axis: usize| Some((at(axis, 1.0)? - at(axis, -1.0)?).abs() / size_mm[axis]);
+        (0..3).filter_map(strain).fold(0.0, f64::max)
+    }
+
     /// Moves the plates in real time by the step from `time`; `free` gives a node's mass, and its displacement and its velocity
     /// without a plate along an axis.
     pub(crate) fn drive(
@@ -103,9 +98,16 @@ impl Supports {
         for (fixture, [at, speed, before]) in self.all.iter().zip(held) {
             let Some(driven) = &fixture.driven else { continue };
             let (axis, inward) = (fixture.face.axis, fixture.face.inward);
+            // A mass flies when the loads have grown.
+            if let (Drive::Mass { .. }, true) = (&driven.drive, [*at, *speed] == [0.0; 2] && time >= 0.0) {
+                *speed = inward * driven.drive.fastest();
+            }
             *before = *speed;
             let wave = |time| driven.drive.speed().map_or(0.0, |speed| speed.at(time));
-            let next = if driven.answers() {
+            let is_waiting = time < 0.0 && matches!(driven.drive, Drive::Mass { .. });
+            let next = if is_waiting {
+                0.0
+            } else if driven.answers() {
                 let node = |contact: &Contact| {
                     let [m, u, v] = free(contact.node as usize, axis);
                     [m / dt, inward * v - (inward * (*at - u) - contact.gap) / dt]

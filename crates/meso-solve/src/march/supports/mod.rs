@@ -38,6 +38,8 @@ pub(crate) struct Supports {
     pub(crate) section_mm2: f64,
     /// That section over the area that breaks.
     pub(crate) breaking_share: f64,
+    /// Whether plates move in real time.
+    pub(crate) is_driven: bool,
 }
 
 /// One support.
@@ -117,7 +119,9 @@ impl Supports {
         let way = |end| all.iter().filter(|fixture| fixture.end == Some(end)).map(Fixture::way).sum::<f64>();
         let sign = if way(1) - way(0) > 0.0 { 1.0 } else { -1.0 };
         let Rig { length_mm, section_mm2, breaking_mm2, .. } = rig;
-        Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share: section_mm2 / breaking_mm2 })
+        let is_driven = all.iter().any(|fixture| fixture.driven.is_some());
+        let breaking_share = section_mm2 / breaking_mm2;
+        Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share, is_driven })
     }
 
     /// Sum of the `forces` at the lower and at the upper end, N along the axis.
@@ -140,7 +144,7 @@ impl Supports {
     /// Mean of the stresses of both ends, or the stress of the one that the test has.
     pub(crate) fn mean(&self, [bottom, top]: [f64; 2]) -> f64 {
         let has = |end| self.all.iter().any(|fixture| fixture.end == Some(end));
-        let is_one = self.are_driven() && !(has(0) && has(1));
+        let is_one = self.is_driven && !(has(0) && has(1));
         if is_one { bottom + top } else { 0.5 * (top + bottom) }
     }
 
