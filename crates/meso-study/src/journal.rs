@@ -32,6 +32,22 @@ pub struct Seen {
 }
 
 impl StudyLayout {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Folders, Self::Table];
+
+    /// The word that users have for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Folders => "folders",
+            Self::Table => "table",
+        }
+    }
+
+    /// The layout of a word.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layout| layout.name() == name)
+    }
+
     /// The layout of the study in a folder.
     pub fn of(out: &Path) -> Self {
         if out.join(RECORDS).is_file() { Self::Table } else { Self::Folders }

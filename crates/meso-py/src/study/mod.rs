@@ -305,7 +305,7 @@ impl PyStudyRun {
     #[pyo3(signature = (plan, then, out, retry_failed, layout=None))]
     fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool, layout: Option<&str>) -> PyResult<Self> {
         let again = if retry_failed { Again::Failed } else { Again::None };
-        let layout = layout.map(|name| if name == "table" { StudyLayout::Table } else { StudyLayout::Folders });
+        let layout = layout.and_then(StudyLayout::named);
         guard(|| {
             let run =
                 StudyRun::open(Arc::clone(&plan.plan), then, &out, again, Share::ALL, layout).map_err(run_error)?;

@@ -3,7 +3,7 @@
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
 use crate::trial::drive::{Drive, Speed};
-use crate::trial::load::{Gauge, Rule, Side, SupportSpec};
+use crate::trial::load::{Rule, Side, SupportSpec};
 use crate::trial::named::Rig;
 use crate::trial::setup::word;
 use crate::trial::{Control, Test, TestKind};
@@ -163,30 +163,16 @@ impl Test {
         }
         Ok(())
     }
-
-    /// Gauges of a named test in real time.
-    pub(super) fn fast_gauges(&self) -> Vec<Gauge> {
-        if self.kind == TestKind::Spall {
-            vec![Gauge::Side { name: "face".to_owned(), on: Side::ZMax }]
-        } else {
-            Vec::new()
-        }
-    }
 }
 
 impl SupportSpec {
-    /// Checks its drive, and refuses keys that contradict it.
+    /// Checks its drive, and refuses a rule and a strip that cannot have it.
     pub(super) fn validate_drive(&self) -> Result<(), OutOfRange> {
         let named = |key: &str| format!("supports.{}.{key}", self.name);
         let Some(drive) = &self.drive else { return Ok(()) };
         drive.validate(&named)?;
         let held = "a pressure has no plate that a drive moves; take rule = \"plate\" or \"glued\"";
         TEST.require(named("drive"), "given", self.rule != Rule::Pressure, held)?;
-        let alone = "a drive moves this plate; leave it out, or the drive";
-        TEST.require(named("moves"), self.moves, self.moves == 0.0, alone)?;
-        TEST.require(named("pressure_mpa"), self.pressure_mpa, self.pressure_mpa == 0.0, alone)?;
-        let ratio = self.stress_ratio.unwrap_or_default();
-        TEST.require(named("stress_ratio"), ratio, self.stress_ratio.is_none(), alone)?;
         let is_bar = matches!(drive, Drive::Bar { .. });
         TEST.require(named("strip"), "given", !is_bar || self.strip.is_none(), "a bar stands on a whole side")
     }
@@ -221,14 +207,19 @@ impl Test {
         TEST.require("strain", self.strain.unwrap_or_default(), self.strain.is_none(), ends)?;
         TEST.require("turns", self.turns.len(), self.turns.is_empty(), ends)?;
         TEST.require("expansion", "given", self.expansion.is_none(), "a test in real time has none; leave it out")?;
-        for SupportSpec { name, rule, moves, pressure_mpa, stress_ratio, .. } in &self.supports {
-            let on_path = "another support has a drive, so the test has no path; give this one a drive, too";
-            TEST.require(format!("supports.{name}.moves"), moves, *moves == 0.0, on_path)?;
-            let why = "a servo's plate is slow, and this test is fast; press the sides with rule = \"pressure\"";
-            let ratio = stress_ratio.unwrap_or_default();
-            TEST.require(format!("supports.{name}.stress_ratio"), ratio, stress_ratio.is_none(), why)?;
+        for SupportSpec { name, rule, moves, pressure_mpa, stress_ratio, drive, .. } in &self.supports {
+            let key = |key: &str| format!("supports.{name}.{key}");
+            let [no_path, no_servo] = match drive {
+                Some(_) => ["a drive moves this plate; leave it out, or the drive"; 2],
+                None => [
+                    "another support has a drive, so the test has no path; give this one a drive, too",
+                    "a servo's plate is slow, and this test is fast; press the sides with rule = \"pressure\"",
+                ],
+            };
+            TEST.require(key("moves"), moves, *moves == 0.0, no_path)?;
+            TEST.require(key("stress_ratio"), stress_ratio.unwrap_or_default(), stress_ratio.is_none(), no_servo)?;
             let has_servo = *rule != Rule::Pressure && *pressure_mpa != 0.0;
-            TEST.require(format!("supports.{name}.pressure_mpa"), pressure_mpa, !has_servo, why)?;
+            TEST.require(key("pressure_mpa"), pressure_mpa, !has_servo, no_servo)?;
         }
         Ok(())
     }

@@ -354,7 +354,7 @@ impl Test {
 
     /// Gauges of the test, with the one that controls it.
     pub fn gauges(&self) -> Vec<Gauge> {
-        let mut gauges = if self.gauges.is_empty() { self.named_gauges() } else { self.gauges.clone() };
+        let mut gauges = if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() };
         if let Some(own) = self.control.gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
             gauges.push(own);
         }

@@ -72,9 +72,6 @@ impl Test {
             let section_mm2 = geometry.section_mm2 * z / length_mm;
             return Ok(of(self.supports.clone(), axis, length_mm, section_mm2));
         }
-        if self.kind.is_fast() {
-            return self.fast_rig(geometry);
-        }
         Ok(match self.kind {
             TestKind::Compression | TestKind::Cyclic => along_z(self.plates(self.seating_mpa()).to_vec()),
             TestKind::Tension => along_z(self.pair(Rule::Glued, 0.5, 0.0).to_vec()),
@@ -83,7 +80,8 @@ impl Test {
             TestKind::Splitting => self.split(geometry)?,
             TestKind::Bending | TestKind::FourPoint => self.bent(geometry)?,
             TestKind::Expansion => along_z(Vec::new()),
-            _ => self.sheared(geometry),
+            TestKind::Shear => self.sheared(geometry),
+            TestKind::Hopkinson | TestKind::Spall | TestKind::Drop | TestKind::Impact => self.fast_rig(geometry)?,
         })
     }
 
@@ -307,14 +305,8 @@ impl SupportSpec {
     }
 }
 
-impl Test {
-    /// Gauges of the named test.
-    pub(super) fn named_gauges(&self) -> Vec<Gauge> {
-        if self.kind.is_fast() { self.fast_gauges() } else { gauges(self.kind) }
-    }
-}
-
-fn gauges(kind: TestKind) -> Vec<Gauge> {
+/// Gauges of a named test.
+pub(super) fn gauges(kind: TestKind) -> Vec<Gauge> {
     match kind {
         TestKind::Triaxial | TestKind::Biaxial | TestKind::Cyclic => {
             vec![Gauge::LateralStrain { name: "lateral_strain".to_owned() }]
@@ -323,7 +315,9 @@ fn gauges(kind: TestKind) -> Vec<Gauge> {
             .map(|(name, axis)| Gauge::Sides { name: name.to_owned(), axis })
             .to_vec(),
         TestKind::Bending | TestKind::FourPoint => vec![Gauge::mouth()],
-        _ => Vec::new(),
+        TestKind::Spall => vec![Gauge::Side { name: "face".to_owned(), on: Side::ZMax }],
+        TestKind::Compression | TestKind::Tension | TestKind::Splitting | TestKind::Shear => Vec::new(),
+        TestKind::Hopkinson | TestKind::Drop | TestKind::Impact => Vec::new(),
     }
 }
 

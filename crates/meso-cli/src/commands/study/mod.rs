@@ -126,8 +126,8 @@ pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failur
 
 /// Reads a layout.
 fn layout() -> impl TypedValueParser<Value = StudyLayout> {
-    let layout = |name: String| if name == "table" { StudyLayout::Table } else { StudyLayout::Folders };
-    PossibleValuesParser::new(["folders", "table"]).map(layout)
+    let read = |name: String| StudyLayout::named(&name).unwrap_or(StudyLayout::Folders);
+    PossibleValuesParser::new(StudyLayout::ALL.map(StudyLayout::name)).map(read)
 }
 
 /// Does the cases that are left of a plan that another command made; `steps` are those of a case.
@@ -249,6 +249,14 @@ pub(crate) fn unread(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
 }
 
 impl Args {
+    /// Refuses a study of standard input with a `flag` whose processes read it again.
+    fn named_file(&self, flag: &str) -> Result<(), Failure> {
+        if self.study != Path::new("-") {
+            return Ok(());
+        }
+        Err(Failure::Usage(format!("{flag} takes the study of a file, which is read again; name the file")))
+    }
+
     /// What runs the cases on the workers of a dask scheduler.
     fn on_dask<'a>(
         &'a self,
@@ -261,10 +269,8 @@ impl Args {
             let install = "pip install mesocrete \"dask[distributed]\", and run its mesocrete";
             Failure::Usage(format!("--dask is done by the Python package: {install}, or in Python {line}"))
         })?;
-        if study == Path::new("-") {
-            return Err(Failure::Usage("--dask takes the study of a file; name the file".to_owned()));
-        }
-        let layout = self.layout.map(|layout| if layout == StudyLayout::Table { "table" } else { "folders" });
+        self.named_file("--dask")?;
+        let layout = self.layout.map(StudyLayout::name);
         let request = json!({
             "study": study, "dask": address, "out": out, "layout": layout, "threads": self.threads,
             "retry_failed": self.retry_failed, "progress": !self.quiet,

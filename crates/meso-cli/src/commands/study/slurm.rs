@@ -13,10 +13,7 @@ const BESIDE: f64 = 3e8;
 
 /// Prints the script of an array of so many tasks, at most one a case.
 pub(super) fn print(tasks: u32, plan: &Plan, file: &StudyFile, gmsh: &Gmsh, args: &Args) -> Result<u8, Failure> {
-    if args.study == Path::new("-") {
-        let message = "--slurm takes the study of a file: its tasks read it again; name the file";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    args.named_file("--slurm")?;
     let tasks = (tasks as usize).min(plan.cases.len());
     let mut most = 0.0_f64;
     for case in &plan.cases {
@@ -60,7 +57,10 @@ impl Args {
         add("--min-gap-mm", self.min_gap_mm.map(|gap| gap.to_string()));
         add("--time-limit", self.time_limit.map(|seconds| seconds.to_string()));
         add("--gmsh", self.gmsh.as_deref().map(path));
-        add("--layout", self.layout.filter(|layout| *layout == StudyLayout::Table).map(|_| "table".to_owned()));
+        add(
+            "--layout",
+            self.layout.filter(|layout| *layout == StudyLayout::Table).map(|layout| layout.name().to_owned()),
+        );
         add("--retry-failed", self.retry_failed.then(String::new));
         words.trim_end().to_owned()
     }

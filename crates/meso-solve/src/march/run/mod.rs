@@ -148,17 +148,15 @@ impl<'a> Run<'a> {
         let (mesh, geometry) = (sample.mesh, sample.geometry());
         let mut common = common(&sample, &materials.in_mesh(mesh), test)?;
         let rig = test.rig(&geometry)?;
-        let is_cohesive = !mesh.cohesive.is_empty();
         let smoothing = test.smoothing(mesh.kind);
         let expansion = test.expansion();
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
-        let (steps, dt) = match Some(test.duration_s(&geometry)).filter(|_| test.is_fast()) {
-            Some(duration) => {
-                let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
-                in_real_time(test, duration, stable_s(&parts)?)?
-            }
-            None => test.steps(&geometry, sample.element_size_mm, is_cohesive)?,
+        let (steps, dt) = if test.is_fast() {
+            let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
+            in_real_time(test, test.duration_s(&geometry), stable_s(&parts)?)?
+        } else {
+            test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?
         };
         if test.rate_effect {
             common.matter.iter_mut().for_each(|matter| matter.rate(dt));
@@ -337,7 +335,7 @@ impl<'a> Run<'a> {
     /// Whether the servo counts a step: cracks of phases that grow spend no energy that the supports supplied.
     fn is_followed(&self) -> bool {
         let grows = self.common.free.is_some() && self.state.progress * self.outline.dt < self.path.lead_s;
-        !grows && (self.test.has_path() || self.test.is_fast())
+        !grows && (self.test.has_path() || self.supports.is_driven)
     }
 
     /// Lets the phases expand to their strains at the present displacements.

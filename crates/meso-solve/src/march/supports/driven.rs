@@ -16,6 +16,8 @@ const MOST: usize = 100;
 #[derive(Clone, Debug)]
 pub(crate) struct Driven {
     pub(crate) drive: Drive,
+    /// The speed of largest size that it gives, mm/s towards the specimen.
+    pub(crate) fastest: f64,
     /// Impedance of its bar, tonne/s; 0 without one.
     impedance: f64,
     /// Section of its bar, mm2.
@@ -28,7 +30,8 @@ pub(crate) struct Driven {
 impl Driven {
     /// A plate that has no nodes yet.
     pub(crate) fn of(drive: Drive) -> Self {
-        Self { drive, impedance: 0.0, area_mm2: 0.0, mass: 0.0, contacts: Vec::new() }
+        let fastest = drive.fastest();
+        Self { drive, fastest, impedance: 0.0, area_mm2: 0.0, mass: 0.0, contacts: Vec::new() }
     }
 
     /// Puts it on a side of this area with these nodes.
@@ -54,7 +57,7 @@ impl Driven {
     /// speed of its end; none without a bar.
     pub(crate) fn waves(&self, force_n: f64, speed: f64) -> Option<[f64; 2]> {
         let [stress, of_speed] = [force_n, self.impedance * speed].map(|force| force / self.area_mm2);
-        let incoming = if self.drive.fastest() == 0.0 { 0.0 } else { 0.5 * (stress + of_speed) };
+        let incoming = if self.fastest == 0.0 { 0.0 } else { 0.5 * (stress + of_speed) };
         matches!(self.drive, Drive::Bar { .. }).then_some([incoming, stress - incoming])
     }
 }
@@ -77,13 +80,13 @@ impl Supports {
     }
 
     /// Largest change of the distance of two opposite plates, over the size along their axis.
-    pub(crate) fn farthest(&self, held: &[Held; MOST_SUPPORTS], size_mm: &[f64; 3]) -> f64 {
+    pub(crate) fn farthest(&self, held: &[Held; MOST_SUPPORTS]) -> f64 {
         let plates = || self.all.iter().zip(held).filter(|(fixture, _)| fixture.face.rule != Rule::Pressure);
         let at = |axis, inward| {
             let own = plates().filter(move |(fixture, _)| fixture.face.axis == axis && fixture.face.inward == inward);
             own.map(|(_, [at, ..])| *at).max_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
-        let strain = |axis: usize| Some((at(axis, 1.0)? - at(axis, -1.0)?).abs() / size_mm[axis]);
+        let strain = |axis: usize| Some((at(axis, 1.0)? - at(axis, -1.0)?).abs() / self.size_mm[axis]);
         (0..3).filter_map(strain).fold(0.0, f64::max)
     }
 
@@ -100,7 +103,7 @@ impl Supports {
             let (axis, inward) = (fixture.face.axis, fixture.face.inward);
             // A mass flies when the loads have grown.
             if let (Drive::Mass { .. }, true) = (&driven.drive, [*at, *speed] == [0.0; 2] && time >= 0.0) {
-                *speed = inward * driven.drive.fastest();
+                *speed = inward * driven.fastest;
             }
             *before = *speed;
             let wave = |time| driven.drive.speed().map_or(0.0, |speed| speed.at(time));

@@ -32,6 +32,8 @@ pub(crate) struct Supports {
     pub(crate) all: Vec<Fixture>,
     /// -1 where the path presses the specimen, 1 where it pulls.
     pub(crate) sign: f64,
+    /// Sizes of the specimen along x, y and z, mm.
+    size_mm: [f64; 3],
     /// Path over this is the strain, mm.
     pub(crate) length_mm: f64,
     /// Force over this is the stress, mm2.
@@ -121,7 +123,8 @@ impl Supports {
         let Rig { length_mm, section_mm2, breaking_mm2, .. } = rig;
         let is_driven = all.iter().any(|fixture| fixture.driven.is_some());
         let breaking_share = section_mm2 / breaking_mm2;
-        Ok(Self { contacts, loads, all, sign, length_mm, section_mm2, breaking_share, is_driven })
+        let size_mm = sample.geometry().size_mm;
+        Ok(Self { contacts, loads, all, sign, size_mm, length_mm, section_mm2, breaking_share, is_driven })
     }
 
     /// Sum of the `forces` at the lower and at the upper end, N along the axis.
@@ -244,7 +247,7 @@ impl Fixture {
 
     /// The speed of largest size that its drive gives, mm/s towards the specimen; 0 without a drive.
     fn fastest(&self) -> f64 {
-        self.driven.as_ref().map_or(0.0, |driven| driven.drive.fastest())
+        self.driven.as_ref().map_or(0.0, |driven| driven.fastest)
     }
 
     /// Its way for each mm of the path, or the sense in which it is driven.

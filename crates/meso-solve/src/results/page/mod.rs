@@ -112,8 +112,7 @@ impl Axes {
         if result.is_free() {
             return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "strain, µm/m" };
         }
-        // With one plate alone there is no strain.
-        if matches!(result.test, TestKind::Spall | TestKind::Drop) {
+        if has_no_strain(result) {
             return Self::in_time();
         }
         let (x, y) = match result.test {
@@ -135,6 +134,11 @@ impl Axes {
     fn points(&self, rows: &[Row], values: &[f64]) -> Vec<(f64, f64)> {
         rows.iter().map(self.of).zip(values.iter().copied()).collect()
     }
+}
+
+/// Whether a plate moves alone, so that its curve is over the time.
+fn has_no_strain(result: &Summary) -> bool {
+    matches!(result.test, TestKind::Spall | TestKind::Drop)
 }
 
 /// A moment in words.
@@ -168,7 +172,7 @@ fn curve(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io
             Series::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
             Series::moving("moment below", moments),
         ];
-        let is_timed = axes.x == Axes::in_time().x;
+        let is_timed = has_no_strain(result);
         let heading = if is_timed { "Stress" } else { "Stress and strain" };
         (heading, if is_timed { "Stress over time" } else { "Stress over strain" }, curves)
     };

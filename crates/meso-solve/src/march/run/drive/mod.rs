@@ -74,8 +74,7 @@ impl Run<'_> {
 
     /// Whether strains of a test in real time are no longer small.
     pub(crate) fn is_too_far(&self) -> bool {
-        let size_mm = self.sample.geometry().size_mm;
-        self.test.is_fast() && self.supports.farthest(&self.state.held, &size_mm) > Test::LARGEST_STRAIN
+        self.supports.is_driven && self.supports.farthest(&self.state.held) > Test::LARGEST_STRAIN
     }
 
     /// Share of the test's time at full speed that is over.
