@@ -186,7 +186,7 @@ fn touching(touches: &[Touch], nodes: usize) -> (Vec<u32>, Vec<u32>, Vec<f64>) {
 }
 
 /// Numbers that stay, in the kernels' order.
-fn rules(rules: &Rules, supports: impl Iterator<Item = [f64; 6]>) -> Vec<f64> {
+fn rules(rules: &Rules, supports: impl Iterator<Item = [f64; 5]>) -> Vec<f64> {
     let ([speed, ramp_s], [plate_energy, runaway]) = (rules.ramp, rules.sound);
     let has_servo = f64::from(u8::from(rules.servo.is_some()));
     let counts = [rules.steps, rules.stride].map(|count| count as f64);

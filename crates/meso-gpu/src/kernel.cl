@@ -93,8 +93,7 @@ typedef unsigned short ushort;
 #define GLUED 2
 #define RUBS 3
 #define MOVES 4
-#define TIMED 5
-#define PER_SUPPORT 6
+#define PER_SUPPORT 5
 
 /* Counts (`sizes`). */
 #define S_NODES 0
@@ -348,8 +347,12 @@ KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RE
       else if (axis == 1) force = meet(face, moved[AT], gap, dt, m, &y, &x, &z);
       else force = meet(face, moved[AT], gap, dt, m, &x, &y, &z);
       met[support * all + q] = force;
+#if DRIVEN
       const double before = axis == 2 ? b2 : axis == 1 ? b1 : b0, after = axis == 2 ? z.v : axis == 1 ? y.v : x.v;
-      met[SUPPORTS * all + q] = face[TIMED] != 0 ? 0.5 * dt * force * (before + after) : force * moved[MEAN_SPEED] * dt;
+      met[SUPPORTS * all + q] = 0.5 * dt * force * (before + after);
+#else
+      met[SUPPORTS * all + q] = force * moved[MEAN_SPEED] * dt;
+#endif
     }
     const double mean0 = 0.5 * (x.v + b0), mean1 = 0.5 * (y.v + b1), mean2 = 0.5 * (z.v + b2);
     met[(SUPPORTS + 1) * all + first - 1] = (-dt) * (x.rubbed * mean0 + y.rubbed * mean1 + z.rubbed * mean2);

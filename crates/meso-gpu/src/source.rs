@@ -6,8 +6,10 @@ use meso_solve::device::{SPAN, Upload};
 use std::fmt::Write;
 
 const KERNEL: &str = include_str!("kernel.cl");
-/// Most operations of a law that fits 80 registers: CDP has 485, `meso` 697 and CDPM2 810.
+/// Most operations of a law that fits 80 registers, and of one that fits 96: CDP has 485, `meso` 686, CDPM2 810, `meso`
+/// with strengths that grow with the rate 850.
 const SMALL: usize = 500;
+const LARGE: usize = 830;
 /// Pairs of nodes of a cohesive face, and its nodes beside one.
 const PAIRS: usize = 3;
 const FACE: usize = 2 * PAIRS - 1;
@@ -52,11 +54,16 @@ impl Laws {
         number
     }
 
-    /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which large laws, expansion and cohesive faces
-    /// would spill.
+    /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which larger laws, expansion and cohesive faces
+    /// would spill; 5 have 96, 4 have 128.
     fn resident(&self, expands: bool) -> usize {
-        let is_large = expands || self.of_faces.is_some() || self.laws.iter().any(|law| law.operations() > SMALL);
-        if is_large { 5 } else { 6 }
+        let most = self.laws.iter().map(Law::operations).max().unwrap_or(0);
+        match most {
+            LARGE.. => 4,
+            SMALL.. => 5,
+            _ if expands || self.of_faces.is_some() => 5,
+            _ => 6,
+        }
     }
 
     /// Source of the kernels for groups of `threads`.
@@ -69,6 +76,7 @@ impl Laws {
             ("SPAN", SPAN),
             ("SUPPORTS", tables.supports),
             ("LOADS", tables.has_loads.into()),
+            ("DRIVEN", tables.is_driven.into()),
             ("TOUCHES", tables.most_touches),
             ("EXPANDS", tables.expands.into()),
             ("RESIDENT", self.resident(tables.expands)),

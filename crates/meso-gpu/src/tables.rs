@@ -40,6 +40,8 @@ pub(crate) struct Tables {
     pub(crate) supports: usize,
     pub(crate) most_touches: usize,
     pub(crate) has_loads: bool,
+    /// Whether supports move in real time.
+    pub(crate) is_driven: bool,
     /// Whether phases have strains without stress.
     pub(crate) expands: bool,
     /// Words of the eights' data and of their memory, by block; one more at the end.
@@ -106,6 +108,7 @@ impl Tables {
         all.expands = !upload.places().is_empty();
         all.supports = upload.supports().count();
         all.most_touches = touches.chunk_by(|a, b| a.node == b.node).map(<[_]>::len).max().unwrap_or(0);
+        all.is_driven = upload.is_driven();
         all.has_loads = touches.iter().any(|touch| matches!(touch.action, Action::Load(_)));
         all
     }

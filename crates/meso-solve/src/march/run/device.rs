@@ -337,13 +337,17 @@ impl Upload<'_> {
         !self.0.test.has_extra()
     }
 
+    /// Whether supports move in real time: their work is then that on the nodes, and not that along their own path.
+    pub fn is_driven(&self) -> bool {
+        self.0.supports.is_driven
+    }
+
     /// By plate or load: its axis; 1 where the specimen is above it, else -1; whether it is glued on; its friction; its way for
-    /// each mm of the path; whether its work is that on its nodes, as in real time, and not that along its own path.
-    pub fn supports(&self) -> impl Iterator<Item = [f64; 6]> {
+    /// each mm of the path.
+    pub fn supports(&self) -> impl Iterator<Item = [f64; 5]> {
         self.0.supports.all.iter().map(|fixture| {
             let Face { axis, inward, rule, friction } = fixture.face;
-            let is_driven = f64::from(u8::from(self.0.supports.is_driven));
-            [axis as f64, inward, f64::from(u8::from(rule == Rule::Glued)), friction, fixture.moves, is_driven]
+            [axis as f64, inward, f64::from(u8::from(rule == Rule::Glued)), friction, fixture.moves]
         })
     }
 
