@@ -1,4 +1,4 @@
-"""The script beside a deck, which writes curve.csv from a job's results, run with a stand-in for Abaqus' module."""
+"""The script beside a deck, which writes curve.csv from a job's results, run with stand-ins for the modules that read these."""
 
 import csv
 import json
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-STAND_IN = Path(__file__).parent / "odb_stand_in"
+STAND_INS = [str(Path(__file__).parent / name) for name in ("odb_stand_in", "binout_stand_in")]
 COLUMNS = ["strain", "stress_mpa", "kinetic", "internal", "external", "friction_work", "hourglass"]
 
 
@@ -33,8 +33,8 @@ def results(top, force=-45.0, way=-0.03):
 
 
 def run(folder, script, *arguments):
-    """Run the script as `abaqus python` would."""
-    environment = dict(os.environ, PYTHONPATH=str(STAND_IN))
+    """Run the script beside stand-ins of the modules that read results."""
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(STAND_INS))
     command = [sys.executable, str(script), *arguments]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
@@ -70,6 +70,44 @@ def test_results_of_another_deck_are_refused(tmp_path, mesh):
     assert not (tmp_path / "out.csv").exists()
 
 
+def nodes_of(deck, number):
+    """The nodes of a set of a `.k`, sorted."""
+    sets = [lines.splitlines() for lines in deck.read_text().split("*") if lines.startswith("SET_NODE_LIST_TITLE")]
+    lines = next(lines for lines in sets if int(lines[2][:10]) == number)
+    return sorted(int(node) for line in lines[3:] for node in line.split())
+
+
+@pytest.mark.parametrize(("analysis", "strain"), [("compression", 0.005), ("tension", 0.0005)])
+def test_the_script_of_a_k_sums_the_forces_of_the_lower_support(tmp_path, mesh, analysis, strain):
+    mesh.write(tmp_path / "test.k", analysis=analysis)
+    duration = float((tmp_path / "test_curve.py").read_text().split("DURATION_S = ")[1].split()[0])
+    times = [0.0, duration / 2, duration]
+    energies = {"kinetic_energy": 2, "internal_energy": 40, "external_work": 43, "sliding_interface_energy": 1, "hourglass_energy": 0.5}
+    rows = {name: [0, last / 2, last] for name, last in energies.items()}
+    if analysis == "compression":
+        # Both sides of both contacts.
+        forces = {"ids": [1, 1, 2, 2], "side": [0, 1, 0, 1], "time": times}
+        forces["z_force"] = [[45 * k, -45 * k, -50 * k, 50 * k] for k in (0, 1, 2)]
+        histories = {"rcforc": forces}
+    else:
+        nodes = nodes_of(tmp_path / "test.k", 11)
+        forces = [[45 * k / len(nodes)] * len(nodes) + [1e6] for k in (0, 1, 2)]
+        histories = {"bndout": {"velocity": {"nodes": {"ids": [*nodes, 10**7], "time": times, "z_force": forces}}}}
+    (tmp_path / "binout0000").write_text(json.dumps({"glstat": {"time": times, **rows}, **histories}))
+    done = run(tmp_path, tmp_path / "test_curve.py", "binout0000")
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "curve.csv").open() as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    assert list(rows[0]) == COLUMNS
+    area = (mesh.points[:, 0].max() - mesh.points[:, 0].min()) * (mesh.points[:, 1].max() - mesh.points[:, 1].min())
+    assert [row["strain"] for row in rows] == pytest.approx([0, strain / 2, strain])
+    assert [row["stress_mpa"] for row in rows] == pytest.approx([0, 45 / area, 90 / area])
+    assert [rows[-1][name] for name in COLUMNS[2:]] == [2, 40, 43, 1, 0.5]
+    histories.get("rcforc", histories.get("bndout", {}).get("velocity", {}).get("nodes"))["ids"] = [7, 7, 8, 8]
+    (tmp_path / "other").write_text(json.dumps({"glstat": {}, **histories}))
+    assert "is it of this deck" in run(tmp_path, tmp_path / "test_curve.py", "other").stderr
+
+
 def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):
     mesh.write(tmp_path / "elastic.inp", analysis="elastic")
     mesh.write(tmp_path / "geometry.inp", geometry_only=True)
@@ -77,7 +115,8 @@ def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):
         mesh.write(tmp_path / "both.inp", analysis="compression", geometry_only=True)
     with pytest.raises(ValueError, match="only an .inp or a .k takes keywords of a deck"):
         mesh.write(tmp_path / "mesh.vtu", analysis="compression")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp"]
+    mesh.write(tmp_path / "impact.k", analysis="impact")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp", "impact.k"]
 
 
 def test_an_analysis_of_joined_aggregates_is_refused(tmp_path, packing):

@@ -52,9 +52,9 @@ impl DeckAsk {
         DeckOptions { analysis: self.analysis.clone().unwrap_or_default(), ..self.given.options.clone() }
     }
 
-    /// Whether a deck is of a test with a curve.
-    pub fn has_curve(&self) -> bool {
-        self.options().has_curve()
+    /// Whether a deck of this format has a script beside it, which writes its curve.
+    pub fn has_script(&self, format: MeshFormat) -> bool {
+        self.options().has_script(format)
     }
 
     /// Refuses options that no packing can have in these formats, before any work. A file is read first.

@@ -3,7 +3,7 @@
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
-use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh, xdmf};
+use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, script, step, stl, vtu, vtu_mesh, xdmf};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
 use meso_concrete::OutOfRange;
@@ -226,13 +226,14 @@ impl MeshFormat {
     }
 
     /// The files that `mesh` is written to for `path`: first the files beside it, then `path`. A deck with a curve has
-    /// a script that extracts the curve from Abaqus.
+    /// a script that extracts the curve from the solver's results.
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let script = || MeshFile { path: abaqus::DeckOptions::curve_path(path), content: Content::Script(name) };
-            let script = (self == Self::Inp && deck.has_curve()).then(script);
+            let script =
+                || MeshFile { path: abaqus::DeckOptions::curve_path(path), content: Content::Script(self, name) };
+            let script = deck.has_script(self).then(script);
             return script.into_iter().chain([whole(Content::Whole(self))]).collect();
         }
         let piece = |index| MeshFile { path: Self::piece_path(path, index), content: Content::Piece(index) };
@@ -261,8 +262,8 @@ enum Content {
     Whole(MeshFormat),
     Piece(usize),
     Index(Vec<String>),
-    /// The script of the deck with this name.
-    Script(String),
+    /// The script of the deck with this format and name.
+    Script(MeshFormat, String),
 }
 
 impl MeshFile {
@@ -285,7 +286,7 @@ impl MeshFile {
             Content::Whole(_) => vtu_mesh::write(mesh, compress, out),
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), compress, out),
             Content::Index(names) => pvtu::write(mesh, names, out),
-            Content::Script(name) => abaqus::write_curve(mesh, deck, name, out),
+            Content::Script(format, name) => script::write(*format, mesh, deck, name, out),
         }
     }
 }

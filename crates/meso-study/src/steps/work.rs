@@ -111,7 +111,7 @@ impl MeshStep {
         for (name, format) in &self.outputs {
             names.claim(owner, name)?;
             match format {
-                MeshFormat::Inp if self.ask.has_curve() => {
+                format if self.ask.has_script(*format) => {
                     names.claim(owner, &DeckOptions::curve_path(Path::new(name)).to_string_lossy())?;
                 }
                 MeshFormat::Pvtu => {

@@ -14,6 +14,7 @@ pub(crate) mod obj;
 pub(crate) mod ply;
 pub(crate) mod pvtu;
 pub(crate) mod raster;
+pub(crate) mod script;
 pub(crate) mod step;
 pub mod stl;
 pub(crate) mod vtu;

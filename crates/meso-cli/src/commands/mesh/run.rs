@@ -85,7 +85,7 @@ pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> 
         Target::new(&MeshFormat::piece_path(path, 0), force)?;
     }
     let target = Target::new(path, force)?;
-    if *format == MeshFormat::Inp && ask.has_curve() && matches!(target, Target::File { .. }) {
+    if ask.has_script(*format) && matches!(target, Target::File { .. }) {
         Target::new(&DeckOptions::curve_path(path), force)?;
     }
     Ok(target)
@@ -113,7 +113,11 @@ pub(crate) fn print(settled: &DeckSettled, mesh: &Mesh, model: &Model, verbose: 
 /// Prints the commands that run a deck with a curve and write the curve.
 pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::K, true) = (target, format, deck.has_curve()) {
-        stderr::line(format!("run it: lsdyna i={} ncpu=16 (double precision)", shown.display()));
+        let curve = match deck.has_script(format) {
+            true => format!("; its curve: python {} \"binout*\"", DeckOptions::curve_path(shown).display()),
+            false => String::new(),
+        };
+        stderr::line(format!("run it: lsdyna i={} ncpu=16 (double precision){curve}", shown.display()));
     }
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
         let (input, script) = (shown.display(), DeckOptions::curve_path(shown));

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 const ENTRIES: usize = 16;
 
 /// A number as a deck can hold it: Abaqus reads at most 20 characters of one, so 13 digits where all of them are longer.
-pub(super) fn real(x: f64) -> String {
+pub(crate) fn real(x: f64) -> String {
     let shortest = format!("{x:?}");
     if shortest.len() <= 20 { shortest } else { format!("{x:.12e}") }
 }

@@ -7,19 +7,17 @@
 //! characters, data lines of at most 16 entries and 256 characters, numbers of at most 20.
 
 mod at_rest;
-mod curve;
 mod damage;
 mod elastic;
 mod geometry;
 mod limits;
-mod lines;
+pub(super) mod lines;
 mod materials;
 mod output;
 mod periodic;
-mod supports;
+pub(super) mod supports;
 
 use crate::export::lines::Lines;
-pub(crate) use curve::write_curve;
 pub(crate) use limits::DECK;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::{OutOfRange, exceeds, thousands};

@@ -41,7 +41,7 @@ pub(crate) fn names(loads: &Loads) -> Vec<String> {
 }
 
 /// Number of the reference node of the support at `place`.
-pub(super) fn reference(mesh: &Mesh, place: usize) -> u64 {
+pub(crate) fn reference(mesh: &Mesh, place: usize) -> u64 {
     (mesh.points.len() + place) as u64 + 1
 }
 

@@ -242,6 +242,17 @@ fn moved(
     card(cards, &fields.into_iter().chain(birth.into_iter().flatten()).collect::<Vec<_>>())
 }
 
+/// The output that has the force of the support at a place among all, and the number of its contact or node set there.
+pub(crate) fn force_of(loads: &Loads, place: usize) -> (&'static str, u64) {
+    let support = &loads.supports[place];
+    let plates_before = loads.supports[..place].iter().filter(|other| is_plate(other)).count() as u64;
+    match support.hold {
+        Hold::Plate(_) => ("rcforc", plates_before + 1),
+        Hold::Glued if support.moves != 0.0 => ("bndout/velocity/nodes", FIRST_SET + place as u64),
+        Hold::Glued => ("spcforc", FIRST_SET + place as u64),
+    }
+}
+
 /// Holds glued nodes in the directions that do not follow the path.
 fn held(cards: &mut Lines<impl Write>, nodes: u64, support: &RigidSupport) -> io::Result<()> {
     cards.line("*BOUNDARY_SPC_SET")?;
@@ -327,7 +338,8 @@ fn control(cards: &mut Lines<impl Write>, end_s: f64, scaled_s: f64) -> io::Resu
 fn output(cards: &mut Lines<impl Write>, options: &DeckOptions, end_s: f64, forces: &[&str]) -> io::Result<()> {
     for keyword in ["*DATABASE_GLSTAT", "*DATABASE_MATSUM"].iter().chain(forces) {
         cards.line(keyword)?;
-        card(cards, &[(end_s / HISTORY).into()])?;
+        // The history goes to text and to the binout, which the script of the curve reads.
+        card(cards, &[(end_s / HISTORY).into(), Field::Integer(3)])?;
     }
     cards.line("*DATABASE_BINARY_D3PLOT")?;
     card(cards, &[(end_s / f64::from(options.field_frames())).into()])?;

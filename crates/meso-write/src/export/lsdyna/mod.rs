@@ -13,6 +13,7 @@ use super::abaqus::{Analysis, DeckOptions};
 use super::columns::{part, places, present};
 use super::lines::Lines;
 use loading::Block;
+pub(super) use loading::force_of;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase, SIDES, Sides};
 use std::io::{self, Write};
