@@ -1,7 +1,7 @@
 //! Run time of collision tests: `cargo bench -p meso-collision --bench gjk -- [--isa scalar|avx2|avx512] [--only SET] [--quick]`.
 //!
 //! `--only "near touch"` measures this pair set alone, and writes no file.
-//! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of
+//! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing. Medians of
 //! processor time in one run, contestants taking turns; CSV and SVG files, one for each instruction set, go to `benches/results/`.
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
@@ -10,7 +10,7 @@ mod collision;
 use collision::bodies::Grain;
 use collision::ccd::Ccd;
 use collision::clock::{Contestant, compare};
-use collision::contestants::{AskOne, asks, contestants, everybody};
+use collision::contestants::{AskOne, contestants, everybody};
 use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
 use collision::table::{count, save};
@@ -53,7 +53,7 @@ fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, ta
         "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",
         counters.pairs, counters.after_spheres, counters.after_ellipsoids, counters.exact_calls
     );
-    let all = contestants(grains, queries, ccd);
+    let all = contestants(grains, ccd);
     let times = compare(&all, queries, CHUNK, count(ROUNDS, 1));
     for ((contestant, run), time) in all.iter().zip(&times) {
         let yes = run(queries);
@@ -62,7 +62,7 @@ fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, ta
     }
     let time = |name: &str| all.iter().position(|c| c.0 == name).map(|i| times[i]);
     for peer in ["libccd MPR", "parry"].iter().filter_map(|peer| time(peer).map(|t| (peer, t))) {
-        println!("  against {}: single {:.1} x, batched {:.1} x", peer.0, peer.1 / times[1], peer.1 / times[0]);
+        println!("  against {}: {:.1} x", peer.0, peer.1 / times[0]);
     }
 }
 
@@ -109,19 +109,7 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
         let queries = &stream.queries[range[0] as usize..range[1] as usize];
         !queries.iter().any(|q| ask(q, &stream.grains[q.a as usize], &stream.grains[q.b as usize]))
     };
-    let asks = asks(&stream.grains, &stream.queries);
-    let grouped = |ranges: &[[u32; 2]]| {
-        let clear = |group: &[[u32; 2]]| {
-            let (first, end) = (group[0][0], group[group.len() - 1][1]);
-            let ends: Vec<u32> = group.iter().map(|r| r[1] - first).collect();
-            gjk::PairQuery::clear_many(&asks[first as usize..end as usize], &ends, 0.0)
-                .into_iter()
-                .filter(|&c| c)
-                .count()
-        };
-        ranges.chunks(64).map(clear).sum()
-    };
-    let mut all: Vec<Contestant<'_, [u32; 2]>> = vec![("mesocrete, batched".into(), Box::new(grouped))];
+    let mut all: Vec<Contestant<'_, [u32; 2]>> = Vec::new();
     for (name, ask) in
         everybody(ccd).into_iter().filter(|(name, _)| ["mesocrete", "parry", "libccd MPR"].contains(&name.as_str()))
     {
@@ -130,7 +118,7 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
     let times = compare(&all, &ranges, CHUNK, count(ROUNDS, 1));
     println!("\nper placement attempt, {:.1} neighbours:", stream.queries.len() as f64 / ranges.len() as f64);
     for ((name, run), time) in all.iter().zip(&times) {
-        println!("  {name:28} {:8.1} ns   {:.1} x the batched   {} clear", time * 1e9, time / times[0], run(&ranges));
+        println!("  {name:28} {:8.1} ns   {:.1} x mesocrete's   {} clear", time * 1e9, time / times[0], run(&ranges));
         table.row(&["attempt".into(), name.replace(',', ""), format!("{:.1}", time * 1e9), run(&ranges).to_string()]);
     }
 }
@@ -142,7 +130,7 @@ fn figure_4(ccd: Option<&Ccd>) {
     let mut lines: Vec<Line> = Vec::new();
     for initial in 0..3 {
         let queries = pairs::intersecting_with(&grains, initial);
-        let all = contestants(&grains, &queries, ccd);
+        let all = contestants(&grains, ccd);
         let mut at_22_000 = Vec::new();
         for &n in &[500, 2_000, 5_000, 10_000, 16_000, 22_000][..count(6, 1)] {
             at_22_000 = compare(&all, &queries[..n], CHUNK, 3);

@@ -1,13 +1,12 @@
-//! Passes over a set of pairs, one by one or many at a time, for whoever counts instructions: on an emulated machine they are
-//! all there is to measure.
+//! Passes over a set of pairs, for whoever counts instructions: on an emulated machine they are all there is to measure.
 //!
-//! `cargo bench -p meso-collision --bench instructions -- SET one|many PASSES`, SET being intersecting, separated, near or
-//! stream; `--quick` asks few pairs. What three passes take beyond one, over 1,000, is a pair's. For arm64 count the lines that begin with `Trace` of
-//! `qemu-aarch64 -one-insn-per-tb -d nochain,exec PROGRAM SET one 3`. `many` needs `LOCKSTEP_PAYS` of the instruction set.
+//! `cargo bench -p meso-collision --bench instructions -- SET PASSES`, SET being intersecting, separated, near or stream;
+//! `--quick` asks few pairs. What three passes take beyond one, over 1,000, is a pair's. For arm64 count the lines that
+//! begin with `Trace` of `qemu-aarch64 -one-insn-per-tb -d nochain,exec PROGRAM SET 3`.
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
 use meso_collision::geometry::convex_hull;
-use meso_collision::gjk::{Body, PairQuery};
+use meso_collision::gjk::Body;
 use meso_collision::math::{Mat3, Vec3};
 
 #[allow(dead_code, reason = "other benches write tables")]
@@ -19,7 +18,7 @@ const PAIRS: usize = 500;
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let word = |i: usize, usual: &'static str| words.get(i).map_or(usual, String::as_str);
-    let (set, how, passes) = (word(0, "stream"), word(1, "one"), word(2, "1").parse().expect("PASSES is a number"));
+    let (set, passes) = (word(0, "stream"), word(1, "1").parse().expect("PASSES is a number"));
     let mut stream = Stream(5);
     let bodies: Vec<Body> = (0..30).map(|_| body(&mut stream)).collect();
     let pairs = table::count(PAIRS, PAIRS / 10);
@@ -29,10 +28,7 @@ fn main() {
     }
     let mut hits = 0;
     for _ in 0..passes {
-        hits += match how {
-            "many" => PairQuery::overlap_many(&asks).into_iter().filter(|hit| *hit).count(),
-            _ => asks.iter().filter(|ask| ask.a.overlaps(ask.b, &ask.b_from_a)).count(),
-        };
+        hits += asks.iter().filter(|(a, b, b_from_a)| a.overlaps(b, b_from_a)).count();
     }
     println!("{hits} of {} overlap", passes * pairs);
 }
@@ -65,14 +61,14 @@ fn body(stream: &mut Stream) -> Body {
 }
 
 /// A pair of the set, or none where the next try must do.
-fn pair<'a>(set: &str, stream: &mut Stream, bodies: &'a [Body]) -> Option<PairQuery<'a>> {
+fn pair<'a>(set: &str, stream: &mut Stream, bodies: &'a [Body]) -> Option<(&'a Body, &'a Body, Vec3)> {
     let [a, b] = [0, 1].map(|_| &bodies[(bodies.len() as f64 * stream.unit()) as usize]);
     let reach = a.circumradius() + b.circumradius();
     let v = stream.direction();
-    let at = |far: f64| PairQuery { a, b, b_from_a: v * far };
+    let at = |far: f64| (a, b, v * far);
     match set {
         "intersecting" => Some(at(0.45 * reach * stream.unit())),
-        "separated" => Some(at(reach * (0.5 + 0.5 * stream.unit()))).filter(|ask| !a.overlaps(b, &ask.b_from_a)),
+        "separated" => Some(at(reach * (0.5 + 0.5 * stream.unit()))).filter(|(.., b_from_a)| !a.overlaps(b, b_from_a)),
         "near" => {
             let (mut inside, mut outside) = (0.0, reach);
             for _ in 0..25 {

@@ -26,7 +26,7 @@ fn variants(criterion: &mut Criterion) {
     ] {
         let mut group = criterion.benchmark_group(name);
         group.throughput(Throughput::Elements(queries.len() as u64));
-        for (contestant, run) in contestants(&grains, &queries, ccd.as_ref()) {
+        for (contestant, run) in contestants(&grains, ccd.as_ref()) {
             group.bench_function(contestant, |bencher| bencher.iter(|| run(&queries)));
         }
         group.finish();

@@ -5,7 +5,7 @@ use super::ccd::Ccd;
 use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
-use meso_collision::gjk::{Algorithm, PairQuery};
+use meso_collision::gjk::Algorithm;
 use parry3d_f64::math::Pose;
 use parry3d_f64::query;
 
@@ -31,7 +31,7 @@ fn as_printed<'a>() -> AskOne<'a> {
     Box::new(|q, a, b| literal::gjk_intersect(&a.points, &b.points, &q.x) == Outcome::Overlap)
 }
 
-/// The peers that are there, and the two forms of mesocrete.
+/// Mesocrete, its variants, and the peers that are there.
 pub fn everybody<'a>(ccd: Option<&'a Ccd>) -> Vec<(String, AskOne<'a>)> {
     let mut all: Vec<(String, AskOne<'a>)> = vec![
         ("mesocrete".into(), mesocrete()),
@@ -48,24 +48,13 @@ pub fn everybody<'a>(ccd: Option<&'a Ccd>) -> Vec<(String, AskOne<'a>)> {
     all
 }
 
-/// Every contestant over slices of `queries`; the batched form, which holds them as it wants them, first.
-pub fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'a Ccd>) -> Vec<Contestant<'a, Query>> {
-    let asks = asks(grains, queries);
-    let batched = move |part: &[Query]| {
-        let first = (part.as_ptr().addr() - queries.as_ptr().addr()) / size_of::<Query>();
-        PairQuery::overlap_many(&asks[first..first + part.len()]).into_iter().filter(|&hit| hit).count()
-    };
-    let mut all: Vec<Contestant<'a, Query>> = vec![("mesocrete, batched".into(), Box::new(batched))];
-    for (name, ask) in everybody(ccd) {
+/// Every contestant over slices of queries, mesocrete first.
+pub fn contestants<'a>(grains: &'a [Grain], ccd: Option<&'a Ccd>) -> Vec<Contestant<'a, Query>> {
+    let contestant = |(name, ask): (String, AskOne<'a>)| {
         let run = move |queries: &[Query]| {
             queries.iter().filter(|q| ask(q, &grains[q.a as usize], &grains[q.b as usize])).count()
         };
-        all.push((name, Box::new(run)));
-    }
-    all
-}
-
-pub fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<PairQuery<'a>> {
-    let ask = |q: &Query| PairQuery { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
-    queries.iter().map(ask).collect()
+        (name, Box::new(run) as _)
+    };
+    everybody(ccd).into_iter().map(contestant).collect()
 }

@@ -1,11 +1,29 @@
-//! Many at a time, the answers are those of one at a time, on every instruction set.
+//! Pairs of bodies get the exact answer, on every instruction set.
 
 use super::dice::Dice;
 use super::isa;
 use meso_collision::geometry::convex_hull;
-use meso_collision::gjk::{Algorithm, Body, PairQuery};
+use meso_collision::gjk::{Algorithm, Body};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use rayon::prelude::*;
+
+/// Do A and B share a point, with B displaced?
+#[derive(Clone, Copy)]
+struct Ask<'a> {
+    a: &'a Body,
+    b: &'a Body,
+    b_from_a: Vec3,
+}
+
+impl Ask<'_> {
+    fn overlaps(&self) -> bool {
+        self.a.overlaps(self.b, &self.b_from_a)
+    }
+
+    fn by(&self, algorithm: Algorithm) -> bool {
+        algorithm.overlap(self.a, self.b, &self.b_from_a)
+    }
+}
 
 /// Bodies of every kind: with and without bounds, solid and flat, small and large.
 fn bodies(dice: &mut Dice) -> Vec<Body> {
@@ -22,37 +40,32 @@ fn bodies(dice: &mut Dice) -> Vec<Body> {
     bodies
 }
 
-fn questions<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuery<'a>> {
+fn questions<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<Ask<'a>> {
     let mut one = || {
         let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len())]);
         let reach = a.circumradius() + b.circumradius();
         let x = dice.direction() * (1.05 * reach * dice.unit());
-        PairQuery { a, b, b_from_a: if dice.below(20) == 0 { x.map(f64::round) } else { x } }
+        Ask { a, b, b_from_a: if dice.below(20) == 0 { x.map(f64::round) } else { x } }
     };
     (0..n).map(|_| one()).collect()
 }
 
 #[test]
-fn many_answers_are_the_single_ones() {
+fn headers_and_axes_tell_what_the_search_tells() {
     let mut dice = Dice::new(7);
     let bodies = bodies(&mut dice);
     let asks = questions(&mut dice, &bodies, 20_011);
-    let single: Vec<bool> = asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).collect();
-    isa::on_every_one(|isa| {
-        assert_eq!(PairQuery::overlap_many(&asks), single, "{isa:?}");
-        assert!(asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).eq(single.iter().copied()), "{isa:?}");
-    });
-    let searched = asks.iter().map(|q| Algorithm::Enhanced.overlap(q.a, q.b, &q.b_from_a));
-    assert!(searched.eq(single.iter().copied()), "the headers tell otherwise than the search");
-    let hits = single.iter().filter(|&&hit| hit).count();
+    let truth: Vec<bool> = asks.iter().map(|ask| ask.by(Algorithm::Enhanced)).collect();
+    isa::on_every_one(|isa| assert!(asks.iter().map(Ask::overlaps).eq(truth.iter().copied()), "{isa:?}"));
+    let hits = truth.iter().filter(|&&hit| hit).count();
     assert!((6_000..14_000).contains(&hits), "{hits} of 20011 overlap");
-    for (ask, hit) in asks.iter().zip(single).take(3000) {
+    for (ask, hit) in asks.iter().zip(truth).take(3000) {
         assert_eq!(ask.a.separating_axis(ask.b, &ask.b_from_a, 0.0, None).is_none(), hit);
     }
 }
 
 /// Pairs at 1e-16 to 1e-2 of their size from touching, on either side.
-fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuery<'a>> {
+fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<Ask<'a>> {
     let mut one = || {
         let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len())]);
         let v = dice.direction();
@@ -66,35 +79,31 @@ fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuer
             *(if a.overlaps(b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
         }
         let off = dice.decade(-16.0, -2.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
-        PairQuery { a, b, b_from_a: v * (inside * (1.0 + off)) }
+        Ask { a, b, b_from_a: v * (inside * (1.0 + off)) }
     };
     (0..n).map(|_| one()).collect()
 }
 
-fn assert_every_form_is_exact(seed: u64, n: usize) {
+fn assert_near_ones_are_exact(seed: u64, n: usize) {
     let mut dice = Dice::new(seed);
     let bodies = bodies(&mut dice);
     let asks = near_touch(&mut dice, &bodies, n);
-    let exact: Vec<bool> = asks.iter().map(|q| Algorithm::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
-    isa::on_every_one(|isa| {
-        assert_eq!(PairQuery::overlap_many(&asks), exact, "many at a time, seed {seed}, {isa:?}");
-        for (i, (q, exact)) in asks.iter().zip(&exact).enumerate() {
-            assert_eq!(q.a.overlaps(q.b, &q.b_from_a), *exact, "pair {i} of seed {seed}, {isa:?}");
-        }
-    });
-    let hits = exact.iter().filter(|&&hit| hit).count();
-    assert!((3 * n / 10..7 * n / 10).contains(&hits), "{hits} of {n} overlap");
+    assert_all_are_exact(&asks);
 }
 
 #[test]
-fn near_touching_bodies_get_the_exact_answer_in_every_form() {
-    assert_every_form_is_exact(9, 3_000);
+fn near_touching_bodies_get_the_exact_answer() {
+    assert_near_ones_are_exact(9, 3_000);
 }
 
-/// The answers of many at a time against exact arithmetic, on every instruction set.
-fn assert_many_are_exact(asks: &[PairQuery<'_>]) {
-    let exact: Vec<bool> = asks.iter().map(|q| Algorithm::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
-    isa::on_every_one(|isa| assert_eq!(PairQuery::overlap_many(asks), exact, "{isa:?}"));
+/// The answers against exact arithmetic, on every instruction set.
+fn assert_all_are_exact(asks: &[Ask<'_>]) {
+    let exact: Vec<bool> = asks.iter().map(|ask| ask.by(Algorithm::Exact)).collect();
+    isa::on_every_one(|isa| {
+        for (i, (ask, exact)) in asks.iter().zip(&exact).enumerate() {
+            assert_eq!(ask.overlaps(), *exact, "pair {i}, {isa:?}");
+        }
+    });
     let (hits, n) = (exact.iter().filter(|&&hit| hit).count(), asks.len());
     assert!((3 * n / 10..7 * n / 10).contains(&hits), "{hits} of {n} overlap");
 }
@@ -124,9 +133,9 @@ fn parallel_plates_get_the_exact_answer_within_the_rounding_of_their_size() {
             *(if a.overlaps(b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
         }
         let off = dice.decade(-17.0, -14.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
-        PairQuery { a, b, b_from_a: v * (inside + off) }
+        Ask { a, b, b_from_a: v * (inside + off) }
     };
-    assert_many_are_exact(&(0..2_000).map(|_| one()).collect::<Vec<_>>());
+    assert_all_are_exact(&(0..2_000).map(|_| one()).collect::<Vec<_>>());
 }
 
 /// The ray of the portal search passes a corner of A - B so closely that single precision cannot tell which of the faces
@@ -144,26 +153,26 @@ fn bodies_that_touch_in_a_corner_on_the_line_of_their_centres_get_the_exact_answ
         let corner = farthest(&points[a], &v) - farthest(&points[b], &-v);
         let aside = dice.direction() * dice.decade(-9.0, -6.0);
         let off = dice.decade(-12.0, -6.0) * if dice.below(4) == 0 { 1.0 } else { -1.0 };
-        PairQuery { a: &bodies[a], b: &bodies[b], b_from_a: corner * (1.0 + off) + aside }
+        Ask { a: &bodies[a], b: &bodies[b], b_from_a: corner * (1.0 + off) + aside }
     };
-    assert_many_are_exact(&(0..10_000).map(|_| one()).collect::<Vec<_>>());
+    assert_all_are_exact(&(0..10_000).map(|_| one()).collect::<Vec<_>>());
 }
 
 #[test]
 #[ignore = "slow tier: 10^5 pairs of bodies against exact arithmetic"]
-fn a_hundred_thousand_near_touching_bodies_get_the_exact_answer_in_every_form() {
-    (100..110).for_each(|seed| assert_every_form_is_exact(seed, 10_000));
+fn a_hundred_thousand_near_touching_bodies_get_the_exact_answer() {
+    (100..110).for_each(|seed| assert_near_ones_are_exact(seed, 10_000));
 }
 
 /// Pairs of each seed, and of each place of touching at 1e-16 to 1e-2 of it: such a place is dear to find.
 const PAIRS: usize = 100_000;
 const VARIANTS: usize = 100;
 
-fn varied<'a>(dice: &mut Dice, bodies: &'a [Body]) -> Vec<PairQuery<'a>> {
+fn varied<'a>(dice: &mut Dice, bodies: &'a [Body]) -> Vec<Ask<'a>> {
     let mut asks = Vec::with_capacity(PAIRS);
     for ask in near_touch(dice, bodies, PAIRS / VARIANTS) {
         let off = |dice: &mut Dice| dice.decade(-16.0, -2.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
-        asks.extend((0..VARIANTS).map(|_| PairQuery { b_from_a: ask.b_from_a * (1.0 + off(dice)), ..ask }));
+        asks.extend((0..VARIANTS).map(|_| Ask { b_from_a: ask.b_from_a * (1.0 + off(dice)), ..ask }));
     }
     asks
 }
@@ -185,15 +194,11 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
             dice.into_par_iter().zip(&bodies).map(|(mut dice, bodies)| varied(&mut dice, bodies)).collect();
         // The search in double precision from the start, certified or exact, is compared by the other tests with
         // references.
-        let in_f64 = |q: &PairQuery<'_>| Algorithm::Enhanced.overlap(q.a, q.b, &q.b_from_a);
+        let in_f64 = |ask: &Ask<'_>| ask.by(Algorithm::Enhanced);
         let truth: Vec<Vec<bool>> = asks.par_iter().map(|asks| asks.iter().map(in_f64).collect()).collect();
         isa::on_every_one(|isa| {
             asks.par_iter().zip(&truth).zip(seeds).for_each(|((asks, truth), seed)| {
-                assert!(PairQuery::overlap_many(asks) == *truth, "many at a time, seed {seed}, {isa:?}");
-            });
-            asks.par_iter().zip(&truth).zip(seeds).for_each(|((asks, truth), seed)| {
-                let single = asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a));
-                assert!(single.eq(truth.iter().copied()), "one by one, seed {seed}, {isa:?}");
+                assert!(asks.iter().map(Ask::overlaps).eq(truth.iter().copied()), "seed {seed}, {isa:?}");
             });
         });
         hits += truth.iter().flatten().filter(|&&hit| hit).count();
@@ -203,43 +208,11 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
 }
 
 #[test]
-fn an_attempt_is_clear_when_all_its_pairs_are_apart() {
-    let mut dice = Dice::new(8);
-    let bodies = bodies(&mut dice);
-    let asks = questions(&mut dice, &bodies, 8_000);
-    let mut ends = vec![0, 0];
-    while *ends.last().unwrap() < 8_000 {
-        let most = if dice.below(4) == 0 { 13 } else { 5 };
-        ends.push((ends.last().unwrap() + dice.below(most) as u32).min(8_000));
-    }
-    for gap in [0.0, 0.3] {
-        let mut start = 0;
-        let mut clear_ones = 0;
-        for (i, clear) in PairQuery::clear_many(&asks, &ends, gap).into_iter().enumerate() {
-            let attempt = &asks[start..ends[i] as usize];
-            let truth = attempt.iter().all(|q| q.a.separating_axis(q.b, &q.b_from_a, gap, None).is_some());
-            assert_eq!(clear, truth, "attempt {i}, gap {gap}");
-            clear_ones += usize::from(clear && !attempt.is_empty());
-            start = ends[i] as usize;
-        }
-        assert!((200..2000).contains(&clear_ones), "{clear_ones} of {} are clear", ends.len());
-    }
-}
-
-#[test]
-#[should_panic(expected = "must ascend")]
-fn attempts_whose_ends_descend_are_refused() {
-    let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), Vec3::z()]);
-    let ask = PairQuery { a: &body, b: &body, b_from_a: Vec3::zeros() };
-    PairQuery::clear_many(&[ask; 2], &[2, 1, 2], 0.0);
-}
-
-#[test]
 fn a_gap_is_exceeded_or_not_to_the_last_bit() {
     let cube = [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|y| [-1.0, 1.0].map(|z| Vec3::new(x, y, z))));
     let points: Vec<Vec3> = cube.into_iter().flatten().flatten().collect();
     let body = Body::new(&points).with_inside_of(&convex_hull(&points).unwrap());
-    let ask = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(0.1, x, -0.2) };
-    let asks = [ask(2.25), ask(2.25 + 4.0 * f64::EPSILON), ask(2.0), ask(9.0), ask(0.0)];
-    assert_eq!(PairQuery::clear_many(&asks, &[1, 2, 3, 4, 5], 0.25), [false, true, false, true, false]);
+    let is_clear = |x: f64| body.separating_axis(&body, &Vec3::new(0.1, x, -0.2), 0.25, None).is_some();
+    let apart = [2.25, 2.25 + 4.0 * f64::EPSILON, 2.0, 9.0, 0.0].map(is_clear);
+    assert_eq!(apart, [false, true, false, true, false]);
 }

@@ -203,21 +203,9 @@ impl Body {
         self.is_narrow.then_some(&self.narrow)
     }
 
-    /// Whether it has them.
-    #[inline(always)]
-    pub(crate) fn is_narrow(&self) -> bool {
-        self.is_narrow
-    }
-
     fn note_narrow(&mut self) {
         let in_range = NARROW_RADII.contains(&self.bounds.circumradius);
         self.is_narrow = self.holds_origin() && self.is_one_group() && in_range;
-    }
-
-    /// The points of [`Body::narrow`], of a body that has them.
-    #[inline(always)]
-    pub(crate) fn narrow_group(&self) -> &Group<f32> {
-        &self.narrow
     }
 
     /// True for a body that is known to hold its frame's origin.

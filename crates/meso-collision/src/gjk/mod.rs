@@ -19,16 +19,14 @@
 //!
 //! For many queries about the same points, make [`Bodies`] of them. Where they are about bodies that hold their frames'
 //! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`Body::overlaps`] or
-//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for
-//! many placement attempts.
+//! [`Body::separating_axis`].
 //!
 //! Rooms, from the question to its proof:
 //!
-//! 1. `ask` takes questions: plain `points`, prepared `bodies`, pairs of [`Body`]s (`cascade`), many pairs (`many`),
-//!    and attempts of placement (`attempts`). `scaled` brings points to a common scale.
+//! 1. `ask` takes questions: plain `points`, prepared `bodies`, and pairs of [`Body`]s (`cascade`). `scaled` brings
+//!    points to a common scale.
 //! 2. `search` proposes an answer. `mpr` takes bodies that hold their frames' origins, in f32 and then in f64;
-//!    `enhanced` and `classical` take all others. `kernel` finds supports, and `lockstep` runs `mpr` on a register of
-//!    pairs.
+//!    `enhanced` and `classical` take all others. `kernel` finds supports.
 //! 3. `prove` confirms it. `ellipsoid` and `gauge` decide most pairs without a search; `certificate` proves the result
 //!    of a search, and `exact` decides the rest in integers.
 //! 4. `measure` bounds depths (`penetration`) and times (`impact`) with these searches and proofs.
@@ -46,7 +44,6 @@ mod support;
 
 pub use ask::bodies::Bodies;
 pub use ask::cascade::{Counters, apart_from};
-pub use ask::pair_query::PairQuery;
 pub use ask::points::distance_exceeds;
 pub use ask::points::{Verdict, closest_points, distance, intersects};
 pub use body::Body;

@@ -6,8 +6,7 @@
 //! token only by `dispatch`, after detection: so the operations on it are safe.
 //!
 //! pulp 0.22 was tried in its place. It finds the same bits, and a support of two bodies takes as long with it. But its
-//! portable trait has no compress, expand or transposed loads, which lockstep lives on, so those would stay intrinsics
-//! of ours; and building it takes 12 s of processor time, a twentieth of the whole release build.
+//! portable trait has no compress, which sieve sizes live on, and building it takes 12 s of processor time.
 #![allow(unsafe_code)]
 
 #[cfg(any(test, not(target_arch = "aarch64")))]
@@ -98,13 +97,6 @@ pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
     unsafe { on(isa(), work) }
 }
 
-/// Runs `work` on `isa`, or the machine's widest set where that is narrower, whatever other threads choose.
-#[cfg(test)]
-pub(crate) fn dispatch_on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
-    // SAFETY: no set beyond the detected one is taken.
-    unsafe { on(isa.min(Isa::best()), work) }
-}
-
 /// Runs `work` on `isa`.
 ///
 /// # Safety
@@ -159,39 +151,9 @@ pub fn widest<W: Wide>(work: W) -> W::Output {
 /// The token of an instruction set.
 pub(crate) trait Simd: Copy {
     /// Its register of f32.
-    type F32: Lockstep<Token = Self>;
+    type F32: Lanes<T = f32, Token = Self>;
     /// Its register of f64.
     type F64: Lanes<T = f64, Token = Self>;
-    /// True where many pairs in lockstep take less than two thirds of the time of one after the other: as measured.
-    const LOCKSTEP_PAYS: bool;
-
-    /// The columns of as many rows as a register has f64.
-    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];
-
-    /// The columns of as many rows as a register has f32.
-    #[inline(always)]
-    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F32; 8] {
-        std::array::from_fn(|column| Self::F32::of_lanes(self, |l| rows[l][column]))
-    }
-
-    /// The coordinates of as many vectors as a register has f64.
-    #[inline(always)]
-    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [Self::F64; 3] {
-        std::array::from_fn(|axis| Self::F64::of_lanes(self, |l| vectors[l][axis]))
-    }
-
-    /// The rows of these columns, rounded: those of the lanes of the mask come first in `rows`, and the rest has no
-    /// meaning. The last number of each is the bits of `first` plus its lane. Returns how many there are.
-    #[inline(always)]
-    fn store_rows(self, columns: [Self::F64; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
-        let (columns, mut taken) = (columns.map(Lanes::to_array), 0);
-        for l in 0..Self::F64::LANES {
-            let [c0, c1, c2, c3, c4, c5, c6] = columns.each_ref().map(|column| column.as_ref()[l] as f32);
-            rows[taken] = Row([c0, c1, c2, c3, c4, c5, c6, f32::from_bits(first + l as u32)]);
-            taken += (mask >> l & 1) as usize;
-        }
-        taken
-    }
 
     /// Returns the reference, opaque to the optimiser.
     ///
@@ -213,11 +175,6 @@ pub(crate) trait Simd: Copy {
         there
     }
 }
-
-/// Eight numbers in one cache line.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(32))]
-pub(crate) struct Row(pub(crate) [f32; 8]);
 
 /// The most lanes of any register.
 pub(crate) const MOST_LANES: usize = 16;
@@ -260,16 +217,10 @@ pub(crate) trait Lanes:
     fn store(self, to: &mut [Self::T], at: usize);
     /// self * factor + term, rounded once.
     fn times_plus(self, factor: Self, term: Self) -> Self;
-    /// self * factor - term, rounded once.
-    fn times_minus(self, factor: Self, term: Self) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
-    /// The magnitude.
-    fn abs(self) -> Self;
     /// The larger number of each lane.
     fn max(self, other: Self) -> Self;
-    /// The lanes of these bits.
-    fn mask(token: Self::Token, bits: u32) -> Self::Mask;
     /// The lanes where `self` is larger; none for NaN.
     fn above(self, other: Self) -> Self::Mask;
     /// `other` in the lanes of the mask.
@@ -280,21 +231,6 @@ pub(crate) trait Lanes:
     fn keyed(self, at: usize) -> Self;
     /// The largest lane.
     fn largest(self) -> Self::T;
-    /// The largest lane of each of as many registers as there are lanes, in their order.
-    fn largest_of_each<E: Each<Self>>(registers: &E) -> Self;
-}
-
-/// A register for each lane of another. A trait and not a closure, which would not inherit the instruction set.
-pub(crate) trait Each<L> {
-    /// The register of lane `l`.
-    fn register(&self, l: usize) -> L;
-}
-
-/// Operations that only a search in lockstep needs.
-pub(crate) trait Lockstep: Lanes<T = f32> {
-    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are
-    /// lanes.
-    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;
 }
 
 /// Calls `act` with each lane of the mask.
@@ -321,10 +257,10 @@ mod tests {
             let above = a.above(b);
             let chosen = above.bits();
             masks |= u64::from(chosen) << at;
-            for mask in [above & a.above(b), above | above.but_not(above), L::mask(token, chosen)] {
+            for mask in [above & a.above(b), above | above.but_not(above)] {
                 assert_eq!((mask.bits(), mask.but_not(above).bits()), (chosen, 0));
             }
-            let all = [a + b, a - b, a * b, a / b, a.times_plus(b, a), a.times_minus(b, a), b.abs().sqrt(), a.max(b)];
+            let all = [a + b, a - b, a * b, a / b, a.times_plus(b, a), (b * b).sqrt(), a.max(b)];
             let all = all.into_iter().chain([a.or(above, b), a.keyed(at), L::all(token, y[at - at % MOST_LANES])]);
             let all = all.chain([L::of_lanes(token, |l| x[at + l]) * b]);
             let mut place = x.to_vec();
@@ -344,51 +280,6 @@ mod tests {
         found
     }
 
-    /// Each register begins one number later than the one before.
-    struct Later<'a, L: Lanes>(L::Token, &'a [L::T; COUNT]);
-
-    impl<L: Lanes> Each<L> for Later<'_, L> {
-        #[inline(always)]
-        fn register(&self, l: usize) -> L {
-            L::load(self.0, self.1, l)
-        }
-    }
-
-    fn largest_of_each<L: Lanes<T: PartialEq + std::fmt::Debug>>(
-        token: L::Token,
-        x: &[L::T; COUNT],
-        is_larger: impl Fn(&L::T, &L::T) -> bool,
-    ) {
-        let stored = L::largest_of_each(&Later::<L>(token, x)).to_array();
-        for (i, largest) in stored.as_ref().iter().enumerate() {
-            let own = x[i..i + L::LANES].iter().reduce(|most, it| if is_larger(it, most) { it } else { most });
-            assert_eq!(Some(largest), own);
-        }
-    }
-
-    fn rows_and_columns<S: Simd>(simd: S, rows: &[[f32; 8]; MOST_LANES], x: &[f64; COUNT]) {
-        for (column, register) in simd.narrow_columns(&rows.each_ref()).into_iter().enumerate() {
-            let stored = register.to_array();
-            stored.as_ref().iter().zip(rows).for_each(|(number, row)| assert_eq!(*number, row[column]));
-        }
-        let vectors: [[f64; 3]; MOST_LANES] = std::array::from_fn(|l| [x[l], x[l + 1], x[l + 2]]);
-        for (axis, register) in simd.coordinates(&vectors.each_ref()).into_iter().enumerate() {
-            let stored = register.to_array();
-            stored.as_ref().iter().zip(&vectors).for_each(|(number, vector)| assert_eq!(*number, vector[axis]));
-        }
-        let columns: [S::F64; 7] = std::array::from_fn(|column| S::F64::load(simd, x, column));
-        for mask in 0..1 << S::F64::LANES {
-            let mut stored = [Row::default(); MOST_LANES];
-            let taken = simd.store_rows(columns, 100, mask, &mut stored[..S::F64::LANES]);
-            let chosen = (0..S::F64::LANES).filter(|l| mask >> l & 1 == 1);
-            assert_eq!(taken, chosen.clone().count());
-            for (Row(row), l) in stored.iter().zip(chosen) {
-                (0..7).for_each(|column| assert_eq!(row[column], x[column + l] as f32));
-                assert_eq!(row[7].to_bits(), 100 + l as u32);
-            }
-        }
-    }
-
     struct All;
 
     impl Vectorized for All {
@@ -402,18 +293,6 @@ mod tests {
             let (small_x, small_y) = (x.map(|x| x as f32), y.map(|y| y as f32));
             let mut found = operations::<S::F64>(simd, &x, &y, f64::to_bits);
             found.extend(operations::<S::F32>(simd, &small_x, &small_y, |x| u64::from(x.to_bits())));
-            let rows: [[f32; 8]; MOST_LANES] = std::array::from_fn(|row| std::array::from_fn(|i| (8 * row + i) as f32));
-            for (column, register) in simd.columns(&rows.each_ref()).into_iter().enumerate() {
-                let mut stored = [0.0; MOST_LANES];
-                register.store(&mut stored, 0);
-                (0..S::F64::LANES).for_each(|row| assert_eq!(stored[row], f64::from(rows[row][column])));
-            }
-            rows_and_columns(simd, &rows, &x);
-            largest_of_each::<S::F32>(simd, &small_x, |x, y| x > y);
-            largest_of_each::<S::F64>(simd, &x, |x, y| x > y);
-            let mut stored = [0.0; MOST_LANES];
-            S::F32::all(simd, 1.0).refilled(0b101, &small_y, 3).store(&mut stored, 0);
-            assert_eq!(stored[..4], [small_y[3], 1.0, small_y[4], 1.0]);
             simd.afresh(&found).clone()
         }
     }

@@ -1,7 +1,7 @@
 //! Vector types of arm64: NEON, which every such machine has.
 
 use super::slots::{SLOTS_32, SLOTS_64};
-use super::{Each, Lanes, Lockstep, MOST_LANES, Mask, SLOTS, Simd};
+use super::{Lanes, Mask, SLOTS, Simd};
 use std::arch::aarch64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -18,43 +18,24 @@ impl Neon {
 impl Simd for Neon {
     type F32 = F32x4;
     type F64 = F64x2;
-    // By instructions under qemu, many pairs in lockstep take more than one by one: docs/measured/accuracy.md.
-    const LOCKSTEP_PAYS: bool = false;
-
-    #[inline(always)]
-    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x2; 8] {
-        // SAFETY: see `operator`; a row is eight floats.
-        unsafe {
-            let [a, b] = [0, 1].map(|row| [0, 4].map(|at| vld1q_f32(rows[row].as_ptr().add(at))));
-            let (low, high) =
-                ([vzip1q_f32(a[0], b[0]), vzip2q_f32(a[0], b[0])], [vzip1q_f32(a[1], b[1]), vzip2q_f32(a[1], b[1])]);
-            let two = |q: float32x4_t| [F64x2(vcvt_f64_f32(vget_low_f32(q))), F64x2(vcvt_high_f64_f32(q))];
-            let [[c0, c1], [c2, c3]] = low.map(two);
-            let [[c4, c5], [c6, c7]] = high.map(two);
-            [c0, c1, c2, c3, c4, c5, c6, c7]
-        }
-    }
 }
 
 /// For each mask of four lanes of 32 bits, the byte to take for each byte so that the lanes of the mask come first.
-static TO_FRONT: [[u8; 16]; 16] = permutations(true);
-/// So that the first ones come to those of the mask.
-static FROM_FRONT: [[u8; 16]; 16] = permutations(false);
+static TO_FRONT: [[u8; 16]; 16] = to_front();
 /// The bit of each lane.
 static BITS_32: [u32; 4] = [1, 2, 4, 8];
 static BITS_64: [u64; 2] = [1, 2];
 
-const fn permutations(to_front: bool) -> [[u8; 16]; 16] {
+const fn to_front() -> [[u8; 16]; 16] {
     let mut all = [[0; 16]; 16];
     let mut mask = 0;
     while mask < 16 {
         let (mut lane, mut taken) = (0, 0);
         while lane < 4 {
             if mask >> lane & 1 == 1 {
-                let (from, to) = if to_front { (lane, taken) } else { (taken, lane) };
                 let mut byte = 0;
                 while byte < 4 {
-                    all[mask][4 * to + byte] = (4 * from + byte) as u8;
+                    all[mask][4 * taken + byte] = (4 * lane + byte) as u8;
                     byte += 1;
                 }
                 taken += 1;
@@ -110,8 +91,8 @@ mask! { M64x2(uint64x2_t), [vandq_u64, vorrq_u64, vbicq_u64, vaddvq_u64, vld1q_u
 macro_rules! lanes {
     (
         $name:ident($register:ty), $lanes:literal of $t:ty, with $mask:ident,
-        [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $sqrt:ident, $abs:ident, $neg:ident, $fma:ident],
-        [$dup:ident, $load:ident, $store:ident, $above:ident, $blend:ident, $test:ident, $dup_bits:ident($bits:ty), $load_bits:ident, $lane_bits:ident],
+        [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $sqrt:ident, $fma:ident],
+        [$dup:ident, $load:ident, $store:ident, $above:ident, $blend:ident],
         $($special:item)*
     ) => {
         /// A register.
@@ -169,33 +150,15 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn times_minus(self, factor: Self, term: Self) -> Self {
-                // SAFETY: see `operator`.
-                Self(unsafe { $fma($neg(term.0), self.0, factor.0) })
-            }
-
-            #[inline(always)]
             fn sqrt(self) -> Self {
                 // SAFETY: see `operator`.
                 Self(unsafe { $sqrt(self.0) })
             }
 
             #[inline(always)]
-            fn abs(self) -> Self {
-                // SAFETY: see `operator`.
-                Self(unsafe { $abs(self.0) })
-            }
-
-            #[inline(always)]
             fn max(self, other: Self) -> Self {
                 // SAFETY: see `operator`. Keys alone come here: none is NaN, and of two zeros either will do.
                 Self(unsafe { $max(self.0, other.0) })
-            }
-
-            #[inline(always)]
-            fn mask(_: Neon, bits: u32) -> $mask {
-                // SAFETY: see `operator`.
-                $mask(unsafe { $test($dup_bits(bits as $bits), $load_bits($lane_bits.as_ptr())) })
             }
 
             #[inline(always)]
@@ -217,8 +180,8 @@ macro_rules! lanes {
 
 lanes! {
     F32x4(float32x4_t), 4 of f32, with M32x4,
-    [vaddq_f32, vsubq_f32, vmulq_f32, vdivq_f32, vmaxq_f32, vsqrtq_f32, vabsq_f32, vnegq_f32, vfmaq_f32],
-    [vdupq_n_f32, vld1q_f32, vst1q_f32, vcgtq_f32, vbslq_f32, vtstq_u32, vdupq_n_u32(u32), vld1q_u32, BITS_32],
+    [vaddq_f32, vsubq_f32, vmulq_f32, vdivq_f32, vmaxq_f32, vsqrtq_f32, vfmaq_f32],
+    [vdupq_n_f32, vld1q_f32, vst1q_f32, vcgtq_f32, vbslq_f32],
 
     #[inline(always)]
     fn front(self, mask: u32) -> Self {
@@ -241,14 +204,6 @@ lanes! {
         unsafe { vmaxvq_f32(self.0) }
     }
 
-    #[inline(always)]
-    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
-        // SAFETY: see `operator`.
-        unsafe {
-            let low = vpmaxq_f32(k.register(0).0, k.register(1).0);
-            Self(vpmaxq_f32(low, vpmaxq_f32(k.register(2).0, k.register(3).0)))
-        }
-    }
 }
 
 impl F32x4 {
@@ -259,18 +214,10 @@ impl F32x4 {
     }
 }
 
-impl Lockstep for F32x4 {
-    #[inline(always)]
-    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
-        let token = Neon(());
-        self.or(Self::mask(token, mask), Self::load(token, from, at).permuted(&FROM_FRONT[mask as usize % 16]))
-    }
-}
-
 lanes! {
     F64x2(float64x2_t), 2 of f64, with M64x2,
-    [vaddq_f64, vsubq_f64, vmulq_f64, vdivq_f64, vmaxq_f64, vsqrtq_f64, vabsq_f64, vnegq_f64, vfmaq_f64],
-    [vdupq_n_f64, vld1q_f64, vst1q_f64, vcgtq_f64, vbslq_f64, vtstq_u64, vdupq_n_u64(u64), vld1q_u64, BITS_64],
+    [vaddq_f64, vsubq_f64, vmulq_f64, vdivq_f64, vmaxq_f64, vsqrtq_f64, vfmaq_f64],
+    [vdupq_n_f64, vld1q_f64, vst1q_f64, vcgtq_f64, vbslq_f64],
 
     #[inline(always)]
     fn front(self, mask: u32) -> Self {
@@ -294,9 +241,4 @@ lanes! {
         unsafe { vmaxvq_f64(self.0) }
     }
 
-    #[inline(always)]
-    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
-        // SAFETY: see `operator`.
-        Self(unsafe { vpmaxq_f64(k.register(0).0, k.register(1).0) })
-    }
 }

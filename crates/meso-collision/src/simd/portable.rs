@@ -4,7 +4,7 @@
 //! inlined, they were a third of the crate's code.
 
 use super::bits::Bits;
-use super::{Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
+use super::{Lanes, SLOTS, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The token of every machine.
@@ -20,13 +20,6 @@ impl Portable {
 impl Simd for Portable {
     type F32 = Array<f32>;
     type F64 = Array<f64>;
-    // On x86-64 without FMA it loses.
-    const LOCKSTEP_PAYS: bool = false;
-
-    #[inline(always)]
-    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {
-        std::array::from_fn(|column| Array(std::array::from_fn(|l| f64::from(rows[l][column]))))
-    }
 }
 
 const LANES: usize = 4;
@@ -92,31 +85,15 @@ macro_rules! lanes {
                 Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], term.0[l])))
             }
 
-            #[cfg_attr(target_arch = "x86_64", inline(never))]
-            #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
-            fn times_minus(self, factor: Self, term: Self) -> Self {
-                Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], -term.0[l])))
-            }
-
             #[inline(always)]
             fn sqrt(self) -> Self {
                 Self(self.0.map(<$t>::sqrt))
-            }
-
-            #[inline(always)]
-            fn abs(self) -> Self {
-                Self(self.0.map(<$t>::abs))
             }
 
             #[cfg_attr(target_arch = "x86_64", inline(never))]
             #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
             fn max(self, other: Self) -> Self {
                 Self(std::array::from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
-            }
-
-            #[inline(always)]
-            fn mask(_: Portable, bits: u32) -> Bits {
-                Bits(bits)
             }
 
             #[cfg_attr(target_arch = "x86_64", inline(never))]
@@ -156,27 +133,8 @@ macro_rules! lanes {
                 let (p, q) = (if a > b { a } else { b }, if c > d { c } else { d });
                 if p > q { p } else { q }
             }
-
-            #[inline(always)]
-            fn largest_of_each<E: Each<Self>>(registers: &E) -> Self {
-                Self(std::array::from_fn(|l| registers.register(l).largest()))
-            }
         }
     };
 }
 lanes!(f32, u32);
 lanes!(f64, u64);
-
-impl Lockstep for Array<f32> {
-    #[cfg_attr(target_arch = "x86_64", inline(never))]
-    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
-    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
-        let mut refilled = self;
-        let mut next = at;
-        super::for_each_lane(mask, |l| {
-            refilled.0[l] = from[next];
-            next += 1;
-        });
-        refilled
-    }
-}

@@ -5,8 +5,7 @@
 //! points as given.
 
 use crate::geometry::convex_hull;
-use crate::gjk::ask::many::{Settle, clear_settled, overlap_settled};
-use crate::gjk::ask::pair_query::PairQuery;
+use crate::gjk::ask::cascade::Query;
 use crate::gjk::body::Body;
 use crate::gjk::error::{GjkError, Operand, check, check_finite};
 use crate::gjk::pair::{Found, Originals, Pair};
@@ -14,7 +13,6 @@ use crate::gjk::prove::exact::{Decision, ExactPair};
 use crate::gjk::scaled::is_ordinary;
 use crate::gjk::search::classical::Classical;
 use crate::gjk::search::enhanced::Enhanced;
-use crate::gjk::search::mpr::Portal;
 use crate::gjk::search::simplex::Corners;
 use crate::math::{Aabb, Vec3};
 use crate::simd::dispatch;
@@ -179,18 +177,11 @@ impl Bodies {
     pub fn clear(&self, others: &Self, body: u32, shifts: &[Vec3], gap: f64) -> Result<Vec<bool>, GjkError> {
         assert!(gap >= 0.0 && gap.is_finite(), "the gap is {gap}; it must be finite and at least 0");
         check_finite(shifts, Operand::Shifts)?;
-        let (mut asks, mut ends) = (Vec::new(), Vec::with_capacity(shifts.len()));
-        for shift in shifts {
-            let pairs = (0..self.0.len() as u32).map(|i| self.ask(others, &(i, body, *shift)));
-            asks.extend(pairs.filter(|ask| ask.boxes_touch(gap)));
-            ends.push(asks.len() as u32);
-        }
-        if asks.iter().all(Ask::is_ordinary) {
-            return Ok(clear_settled(&queries(&asks), &ends, gap, &Open { asks: &asks, gap }));
-        }
-        let starts = std::iter::once(&0).chain(&ends);
-        let attempts = starts.zip(&ends).map(|(&start, &end)| &asks[start as usize..end as usize]);
-        Ok(attempts.map(|attempt| attempt.iter().all(|ask| ask.is_farther(gap))).collect())
+        let is_clear = |shift: &Vec3| {
+            let asks = (0..self.0.len() as u32).map(|i| self.ask(others, &(i, body, *shift)));
+            asks.filter(|ask| ask.boxes_touch(gap)).all(|ask| ask.is_apart(gap))
+        };
+        Ok(shifts.iter().map(is_clear).collect())
     }
 
     fn ask<'b>(&'b self, others: &'b Self, &(i, j, shift): &(u32, u32, Vec3)) -> Ask<'b> {
@@ -200,14 +191,7 @@ impl Bodies {
 
 /// Which of the pairs share a point.
 fn answer(asks: &[Ask<'_>]) -> Vec<bool> {
-    if asks.iter().all(Ask::is_ordinary) {
-        return overlap_settled(&queries(asks), &Open { asks, gap: 0.0 });
-    }
-    asks.iter().map(|ask| !ask.is_farther(0.0)).collect()
-}
-
-fn queries<'a>(asks: &[Ask<'a>]) -> Vec<PairQuery<'a>> {
-    asks.iter().map(|ask| PairQuery { a: &ask.a.body, b: &ask.b.body, b_from_a: ask.displacement() }).collect()
+    asks.iter().map(|ask| !ask.is_apart(0.0)).collect()
 }
 
 /// A question about two bodies, B displaced.
@@ -238,6 +222,15 @@ impl Ask<'_> {
             let (sum, lost_again) = two_sum(difference, self.shift[k]);
             sum + (lost + lost_again)
         })
+    }
+
+    /// Whether the bodies are more than `gap` apart: by their bounds and a search in single precision first.
+    fn is_apart(&self, gap: f64) -> bool {
+        if !self.is_ordinary() {
+            return self.is_farther(gap);
+        }
+        let query = Query { a: &self.a.body, b: &self.b.body, x: self.displacement(), gap };
+        query.apart_or(|_| self.is_farther(gap))
     }
 
     /// Whether the bodies are more than `gap` apart, from the points as given.
@@ -272,16 +265,4 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
     (sum, (a - (sum - of_b)) + (b - of_b))
-}
-
-/// Pairs that lockstep leaves undecided.
-struct Open<'a> {
-    asks: &'a [Ask<'a>],
-    gap: f64,
-}
-
-impl Settle for Open<'_> {
-    fn is_farther(&self, query: usize, _: Option<Portal>) -> bool {
-        self.asks[query].is_farther(self.gap)
-    }
 }

@@ -263,13 +263,6 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// Settles one of many pairs, whose direction is no longer known.
-    #[cold]
-    pub(crate) fn settle_again(&self, portal: Option<Portal>) -> bool {
-        let v = if let Known::Nothing(v) = self.glance().1 { v } else { self.x };
-        self.settle_from(&v, portal, &mut Counters::default())
-    }
-
     /// The axis, not of unit length.
     fn axis(&self, start: Option<Vec3>, counters: &mut Counters) -> Option<Vec3> {
         let (stage, known) = self.glance();

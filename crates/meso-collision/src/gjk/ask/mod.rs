@@ -1,8 +1,5 @@
-//! Questions: plain points, prepared bodies, pairs, and many of them at once.
+//! Questions: plain points, prepared bodies and pairs of bodies.
 
-pub(crate) mod attempts;
 pub(crate) mod bodies;
 pub(crate) mod cascade;
-pub(crate) mod many;
-pub(crate) mod pair_query;
 pub(crate) mod points;

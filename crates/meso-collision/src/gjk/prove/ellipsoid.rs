@@ -19,8 +19,7 @@ const SINGLE: std::ops::Range<f64> = 1e-37..1e37;
 pub(crate) struct Ellipsoids {
     /// In f32: six entries of S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz, enlarged by the
     /// rounding; the inner ellipsoid over the outer one, squared, 0 where none is known; and the inradius, rounded
-    /// down, NaN where the frame's origin is not known to lie inside. Side by side, as many pairs in lockstep read
-    /// them.
+    /// down, NaN where the frame's origin is not known to lie inside.
     pub(crate) row: [f32; 8],
     pub(crate) circumradius: f64,
 }

@@ -3,7 +3,6 @@
 pub(crate) mod classical;
 pub(crate) mod enhanced;
 pub(crate) mod kernel;
-pub(crate) mod lockstep;
 pub(crate) mod mpr;
 pub(crate) mod nearest;
 pub(crate) mod simplex;
