@@ -301,7 +301,7 @@ fn the_array_of_labels_is_named_or_chosen() {
     assert_eq!((labels(&volume), &volume.array_note), (vec![0, 1, 2, 1, 2, 0], &None));
     let two = vti("", &[array("phase", "3 3 3 3 3 3"), labelled].concat(), "");
     let volume: Volume = read("a.vti", &two).unwrap();
-    let note = "the file has 2 arrays, and `phase` was read: take one of `phase`, `labels`";
+    let note = "the file has 2 arrays, and `phase` was read; for array take one of `phase`, `labels`";
     assert_eq!((&volume.labels[..], volume.array_note.as_deref()), (&[3][..], Some(note)));
     let wanted = |name| Wanted { array: Some(name), most_bytes: None };
     let volume: Volume = read_wanted("a.vti", &two, &wanted("labels")).unwrap();

@@ -75,6 +75,12 @@ def test_another_request_destroys_no_data_set(tmp_path, sink):
     ):
         with pytest.raises(FileExistsError, match=told):
             small(**{"n": 3, "sink": path, **change})
+    # Words that say the same of both requests name what differs.
+    for change, word in [({"spec": TINY | {"grading": mc.Grading.fuller(5, 9)}}, "spec"), ({"targets": {"x": len}}, "targets"), ({"model": True}, "model")]:
+        with pytest.raises(FileExistsError, match=rf"holds 3 volumes of .*, with another {word}; this request is of"):
+            small(**{"n": 3, "sink": path, **change})
+    with pytest.raises(ValueError, match=r"n is 2.5; it must be a whole number from 1"):
+        small(2.5, path)
     assert mc.Dataset(path).cases == data.cases and small(3, path)[1] == []
     other, made = small(2, path, {"fraction": [0.1, 0.2]}, shape=5, overwrite=True)
     assert made == [1, 2] and len(other) == 2 and other[0]["phase"].shape == (5, 5, 5)
@@ -193,7 +199,7 @@ def test_a_latin_hypercube_has_one_volume_in_every_stratum(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"n": 0}, "n is 0; it must lie within 1 and 1,000,000"),
+        ({"n": 0}, "n is 0; it must be a whole number from 1 to 1,000,000"),
         ({"what": ["colour"]}, "what is .*colour.*; it must list some of phase, grain, share, distance, scan"),
         ({"scan": {"noise": 2}}, "noise is 2; it must be 0 or more, and below 1"),
         ({"scan": {"colour": 2}}, "scan has 'colour'; it must be one of blur"),

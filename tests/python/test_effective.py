@@ -121,6 +121,10 @@ def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
         ([[0]], {"periodic": "w"}, ValueError, "periodic is"),
         ([[0]], {"what": "stiffness", "eigenstrain": 3}, TypeError, "eigenstrain is 3; it must be a map"),
         (np.arange(300).reshape(1, 300), {}, ValueError, "more than 256 labels"),
+        # The value of the text won over that of the number, without a word.
+        ([[1]], {"phases": {1: 2.0, "1": 5.0}}, ValueError, "the key 1 is given twice, as a number and as text"),
+        ([[1]], {"phases": {1: 1e300}}, ValueError, "it must be 0, or 1e-30 to 1e30"),
+        ([[0]], {"what": "stiffness", "phases": {0: {"youngs_modulus_mpa": 2e10}}}, ValueError, "2e10 Pa are 20000 MPa"),
     ],
 )
 def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
@@ -136,10 +140,14 @@ def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
         ({"eigenstrain": {"mortar": -1e-4}}, "eigenstrain is mortar=-1e-4; only stiffness has strains"),
         ({"what": "stiffness", "eigenstrain": {"stone": -1e-4}}, "eigenstrain is stone=-1e-4; its phases must be mortar"),
         ({"what": "stiffness", "phases": {"mortar": {"poisson_ratio": 0.5}}}, "stiffness.mortar.poisson_ratio is 0.5"),
+        # Pascals and per cent were solved.
+        ({"what": "stiffness", "phases": {"mortar": {"youngs_modulus_mpa": 2e10}}}, "0 to 2000000 MPa: 2e10 Pa are 20000 MPa"),
+        ({"what": "stiffness", "eigenstrain": {"mortar": -0.04}}, "stiffness.mortar.eigenstrain is -0.04; .*: -0.04 % are -0.0004"),
+        ({"what": "stiffness", "eigenstrain": {"fibre": 1e-4}}, "stiffness.fibre.eigenstrain is .*; the specimen has no such phase"),
         ({"axes": "xx"}, "axes is"),
         ({"voxel_size": 20}, "voxel_size is 20; it must be at most 7.5 mm"),
         ({"phases": {"stone": 1}}, "stone"),
-        ({"phases": {"mortar": 0}}, "diffusivity.mortar is 0; it must be a positive number"),
+        ({"phases": {"mortar": 0}}, "diffusivity.mortar is 0; it must be 1e-30 to 1e30"),
     ],
 )
 def test_wrong_options_are_named_with_their_range(cube, options, said):

@@ -240,6 +240,19 @@ def test_values_that_cannot_be_are_named(mesh, options, message):
         mesh.solve(**options)
 
 
+def test_much_added_mass_warns_and_more_is_refused_with_the_step_that_would_do(mesh):
+    """The case: a step with forty times the mass gave a curve without a word."""
+    heavy = {"strain": 1e-5, "duration_s": 1e-4, "frames": 0}
+    response = mesh.solve(time_step_s=1e-6, **heavy)
+    assert any("times the mass" in flag for flag in response.result["flags"])
+    [told] = [warning for warning in response.result["warnings"] if "times the mass" in warning]
+    fits = float(told.split("time_step_s = ")[1].split(",")[0])
+    lighter = mesh.solve(time_step_s=fits, **heavy).result
+    assert lighter["added_mass_percent"] <= 20 and not any("mass" in flag for flag in lighter["flags"])
+    with pytest.raises(ValueError, match=r"time_step_s is .*; it needs \d+ times the mass: inertia would carry this test; take"):
+        mesh.solve(time_step_s=1e-5, strain=1e-4, duration_s=0.01)
+
+
 def test_wrong_types_are_named(mesh):
     with pytest.raises(TypeError, match="friction"):
         mesh.solve(friction="rough")

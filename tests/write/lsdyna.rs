@@ -112,6 +112,8 @@ fn frames_have_damage_reduced_bricks_a_stiffness_and_curves_plain_numbers() {
     assert!(rows.count() > 50 && long.is_none(), "{long:?}");
     assert!(!of(false, TestKind::Compression.into()).contains("HOURGLASS"));
     assert!(!of(true, Analysis::None).contains("EXTENT_BINARY"));
+    // Without an analysis bricks of one point had none.
+    assert!(of(true, Analysis::None).contains("*CONTROL_HOURGLASS"));
 }
 
 #[test]

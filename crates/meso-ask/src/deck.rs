@@ -54,7 +54,7 @@ impl DeckAsk {
 
     /// Whether a deck of this format has a script beside it, which writes its curve.
     pub fn has_script(&self, format: MeshFormat) -> bool {
-        self.options().has_script(format)
+        format.has_script(&self.options())
     }
 
     /// Refuses options that no packing can have in these formats, before any work. A file is read first.

@@ -146,9 +146,10 @@ impl SolveAsk {
         tell: impl FnMut(&String),
     ) -> Result<Run<'m>, AskError> {
         let sample = sample_of(mesh, model, &footing.options);
-        sample.doubts().iter().for_each(tell);
         let materials = self.mesh.materials.clone().unwrap_or_default();
-        Run::new(sample, &materials, &self.test()).map_err(|error| self.wrong(&error))
+        let run = Run::new(sample, &materials, &self.test()).map_err(|error| self.wrong(&error))?;
+        run.doubts().iter().for_each(tell);
+        Ok(run)
     }
 
     /// Finds the size that `auto` means, and sets the gaps that the mesh needs and `spec` leaves open.

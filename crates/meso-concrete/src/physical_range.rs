@@ -22,6 +22,11 @@ impl PhysicalRange {
     /// Units of strain beside the ratio of lengths.
     pub const STRAINS: &[(&str, f64)] = &[("%", 1e-2), ("per mille", 1e-3), ("microstrain", 1e-6)];
 
+    /// Strains without stress: no phase of concrete shrinks by 0.5 %, and per cent of shrinkage lie below that.
+    pub const FREE_STRAIN: Self = Self { least: -0.005, most: 0.02, unit: "", others: Self::STRAINS };
+    /// Young's moduli of the phases of a composite, of which voids and soft ones have little; nothing is stiffer.
+    pub const MODULUS_OF_A_PHASE: Self = Self { least: 0.0, most: 2e6, unit: "MPa", others: Self::STRESSES };
+
     /// Whether the value lies in the range; NaN does not.
     pub fn has(&self, value: f64) -> bool {
         (self.least..=self.most).contains(&value)

@@ -1,8 +1,8 @@
 //! Elastic constants of the phases.
 
 use crate::surfaces::ByPhase;
-use meso_concrete::Phase;
-use meso_concrete::{OutOfRange, Ranges};
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{OutOfRange, Phase, PhysicalRange, Ranges};
 use serde::{Deserialize, Serialize};
 
 /// Constants of an isotropic phase.
@@ -35,11 +35,23 @@ pub type PhaseModuli = ByPhase<GivenModuli>;
 const CONTRAST: f64 = 1e4;
 /// Largest ratio of Poisson: trilinear voxels lock near 0.5.
 const INCOMPRESSIBLE: f64 = 0.49;
-/// Largest eigenstrain, a bound on small strains.
-const STRAIN: f64 = 0.1;
 
 /// Constants by [`Phase`].
 pub(crate) type Table = [Moduli; Phase::ALL.len()];
+
+/// Refuses the strain of a phase that no body has.
+pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate]) -> Result<(), OutOfRange> {
+    for (phase, Moduli { eigenstrain, .. }) in Phase::ALL.into_iter().zip(table) {
+        let has = |body: &Aggregate| match phase {
+            Phase::Itz => Phase::of(body.kind) == Phase::Aggregate && body.itz_thickness_mm > 0.0,
+            _ => Phase::of(body.kind) == phase,
+        };
+        let is_there = *eigenstrain == 0.0 || phase == Phase::Mortar || bodies.iter().any(has);
+        let key = format!("{}.eigenstrain", phase.name());
+        Ranges("stiffness").require(key, eigenstrain, is_there, "the specimen has no such phase; leave it out")?;
+    }
+    Ok(())
+}
 
 impl PhaseModuli {
     /// Constants of all phases.
@@ -95,18 +107,15 @@ impl Moduli {
     pub(crate) fn validate(&self, name: &str, mortar: f64) -> Result<(), OutOfRange> {
         let ranges = Ranges("stiffness");
         let (e, nu, strain) = (self.youngs_modulus_mpa, self.poisson_ratio, self.eigenstrain);
+        let modulus = PhysicalRange::MODULUS_OF_A_PHASE;
+        ranges.require(format!("{name}.youngs_modulus_mpa"), e, modulus.has(e), modulus.refusal(e))?;
         let most = CONTRAST * mortar;
         let accepted = format!("it must be 0 to {most} MPa, 10000 times the mortar's");
-        ranges.require(
-            format!("{name}.youngs_modulus_mpa"),
-            e,
-            (0.0..=most).contains(&e) && e.is_finite(),
-            accepted,
-        )?;
+        ranges.require(format!("{name}.youngs_modulus_mpa"), e, e <= most, accepted)?;
         let accepted = format!("it must be above -1 and at most {INCOMPRESSIBLE}");
         ranges.require(format!("{name}.poisson_ratio"), nu, nu > -1.0 && nu <= INCOMPRESSIBLE, accepted)?;
-        let accepted = format!("it must be -{STRAIN} to {STRAIN}");
-        ranges.require(format!("{name}.eigenstrain"), strain, strain.abs() <= STRAIN, accepted)
+        let free = PhysicalRange::FREE_STRAIN;
+        ranges.require(format!("{name}.eigenstrain"), strain, free.has(strain), free.refusal(strain))
     }
 
     /// Bulk modulus, MPa.

@@ -53,6 +53,8 @@ impl Phases {
     }
 }
 
+/// Values whose squares and quotients floating point holds.
+pub(crate) const SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Largest ratio of a phase's value to the mortar's.
 const CONTRAST: f64 = 1e4;
 
@@ -74,7 +76,13 @@ impl PhaseValues {
             Property::Diffusivity => "diffusivity",
             Property::Conductivity => "conductivity",
         });
-        ranges.positive("mortar", self.mortar)?;
+        let is_met = SIZES.contains(&self.mortar);
+        ranges.require(
+            "mortar",
+            self.mortar,
+            is_met,
+            format!("it must be {:e} to {:e}", SIZES.start(), SIZES.end()),
+        )?;
         let Self { mortar, aggregate, itz, void, fibre } = *self;
         for (name, value) in [("aggregate", aggregate), ("itz", itz), ("void", void), ("fibre", fibre)] {
             let met = value >= 0.0 && value <= CONTRAST * mortar;

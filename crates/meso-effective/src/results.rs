@@ -169,7 +169,7 @@ fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write
         ("bulk modulus", is.bulk_modulus_mpa, error.bulk_modulus_mpa),
         ("shear modulus", is.shear_modulus_mpa, error.shear_modulus_mpa),
     ] {
-        writeln!(out, "<p>{name}: {value:.5} ± {error:.5}</p>")?;
+        writeln!(out, "<p>{name}: {} ± {}</p>", figure(value), figure(error))?;
     }
     let bounds = &of.bounds;
     write_bounds(&[("bulk modulus", &bounds.bulk_modulus_mpa), ("shear modulus", &bounds.shear_modulus_mpa)], out)?;
@@ -211,13 +211,18 @@ table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem .8rem;text-alig
 td:first-child,th:first-child{text-align:left}figure{display:inline-block;margin:.5rem}img{width:15rem;image-rendering:pixelated}\
 .warning{color:#a00}</style>\n";
 
+/// A value for readers: five decimals, or five digits where these would say nothing.
+pub fn figure(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) { format!("{value:.5}") } else { format!("{value:.4e}") }
+}
+
 fn write_tensor(of: &Effective, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<table><tr><th>mean flux</th><th>gradient along x</th><th>y</th><th>z</th></tr>")?;
     for (row, name) in ["x", "y", "z"].into_iter().enumerate() {
         write!(out, "<tr><td>{name}</td>")?;
         for column in 0..3 {
             match (of.tensor[row][column], of.error[row][column]) {
-                (Some(value), Some(error)) => write!(out, "<td>{value:.5} ± {error:.5}</td>")?,
+                (Some(value), Some(error)) => write!(out, "<td>{} ± {}</td>", figure(value), figure(error))?,
                 _ => write!(out, "<td></td>")?,
             }
         }
@@ -231,7 +236,7 @@ fn write_bounds(rows: &[(&str, &PropertyBounds)], out: &mut dyn Write) -> io::Re
     writeln!(out, "<table><tr><th>bounds</th>{head}</tr>")?;
     for (name, b) in rows {
         let (low, high) = (b.hashin_shtrikman_lower, b.hashin_shtrikman_upper);
-        let values = [b.reuss, low, high, b.voigt].map(|value| format!("<td>{value:.5}</td>")).concat();
+        let values = [b.reuss, low, high, b.voigt].map(|value| format!("<td>{}</td>", figure(value))).concat();
         writeln!(out, "<tr><td>{name}</td>{values}</tr>")?;
     }
     writeln!(out, "</table>")

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Layers about the core that stay in the volume, voxels.
 const FRAME: usize = 2;
 /// Largest share of a core's voxels that may lie beyond its cylinder, or be missing within: 1.5 voxels of 100 across.
-const MOST_OFF: f64 = 0.05;
+pub(crate) const MOST_OFF: f64 = 0.05;
 
 /// The part of a volume about a core, and the core's cylinder in it.
 pub(crate) struct Drilled {

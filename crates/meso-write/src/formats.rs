@@ -213,6 +213,11 @@ impl MeshFormat {
         matches!(self, Self::Inp | Self::K)
     }
 
+    /// Whether a deck with these options has a script beside it, which writes the curve of its test.
+    pub fn has_script(self, deck: &DeckOptions) -> bool {
+        self.is_deck() && deck.has_script()
+    }
+
     /// Finds out whether the format takes these options of a deck; formats without options ignore them.
     ///
     /// # Errors
@@ -233,7 +238,7 @@ impl MeshFormat {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let script =
                 || MeshFile { path: abaqus::DeckOptions::curve_path(path), content: Content::Script(self, name) };
-            let script = deck.has_script(self).then(script);
+            let script = self.has_script(deck).then(script);
             return script.into_iter().chain([whole(Content::Whole(self))]).collect();
         }
         let piece = |index| MeshFile { path: Self::piece_path(path, index), content: Content::Piece(index) };
@@ -286,7 +291,7 @@ impl MeshFile {
             Content::Whole(_) => vtu_mesh::write(mesh, compress, out),
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), compress, out),
             Content::Index(names) => pvtu::write(mesh, names, out),
-            Content::Script(format, name) => script::write(*format, mesh, deck, name, out),
+            Content::Script(format, name) => script::write(*format == MeshFormat::K, mesh, deck, name, out),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
 use crate::estimate::{Estimate, Sizes};
 use crate::grid::{self, Grid, Space};
-use crate::moduli::{Moduli, PhaseModuli, Table};
+use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
 use crate::resolution::Resolution;
 use crate::shares::volume_fractions;
 use crate::solver::{Energy, Equations, solve_equations};
@@ -144,6 +144,7 @@ pub fn stiffness<'a>(
     let Parts { bodies, specimen } = parts.into();
     let table = moduli.table()?;
     let bodies = error::accepted(bodies)?;
+    accept_strains(&table, &bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, table }, counts, options, watch)
 }

@@ -12,7 +12,7 @@ use crate::field::{Flow, FluxField};
 use crate::grid::{End, Grid, Space};
 use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli};
-use crate::phases::{GivenValues, Phases, Property};
+use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
 use meso_concrete::Phase;
 use meso_concrete::import::volume::Volume;
@@ -96,8 +96,8 @@ impl LabelPhases {
             Ok(Phase::ALL.map(|phase| values.of(phase)))
         };
         let numbered = |label: i64, value: &f64| {
-            let met = *value >= 0.0 && value.is_finite();
-            ranges.require(label.to_string(), *value, met, "it must be 0 or a positive number")?;
+            let met = *value == 0.0 || SIZES.contains(value);
+            ranges.require(label.to_string(), *value, met, "it must be 0, or 1e-30 to 1e30")?;
             Ok(*value)
         };
         let values = by_label(property.name(), given, volume, numbered, named)?;

@@ -7,7 +7,7 @@ use crate::elastic::{Solved, Stiffness, StiffnessOptions, Strained, Sums, shares
 use crate::error::{self, EffectiveError};
 use crate::estimate::Sizes;
 use crate::grid::Space;
-use crate::moduli::{Moduli, PhaseModuli, Table};
+use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
 use crate::resolution::Resolution;
 use crate::solver::{Equations, Graph, Multigrid, Rows, dot, layers_mut};
 use meso_collision::math::{Mat3, Vec3};
@@ -33,6 +33,7 @@ pub fn stiffness_in_tetrahedra<'a>(
     let table = moduli.table()?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
     let bodies = error::accepted(bodies)?;
+    accept_strains(&table, &bodies)?;
     let of = |phase: Phase| table[phase as usize];
     let itz = Itz::of([Phase::Mortar, Phase::Aggregate, Phase::Itz].map(of), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);

@@ -3,10 +3,12 @@
 
 use super::Finding;
 use super::report::{differences, plain, wrong};
+use crate::drilled::MOST_OFF;
 use crate::labelled::{LabelOptions, assembled};
 use crate::model::Model;
 use meso_collision::geometry::Polyhedron;
 use meso_concrete::aggregate::Aggregate;
+use meso_concrete::exceeds;
 use meso_place::{CoreReport, LabelReport, Report};
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -67,8 +69,12 @@ fn alone(labels: &LabelReport, aggregates: usize) -> Vec<String> {
         (filled > 0) == (filled_fraction > 0.0),
         format!("labels.filled is {filled} and filled_fraction {filled_fraction}"),
     );
-    let most = filled_fraction * voxels;
-    say(filled as f64 <= most + WHOLE, format!("labels.filled is {filled} grains with {most:.0} voxels"));
+    for (name, count, share) in [("filled", filled, filled_fraction), ("dropped", dropped, dropped_fraction)] {
+        let most = share * voxels;
+        say(count as f64 <= most + WHOLE, format!("labels.{name} is {count} grains with {most:.0} voxels"));
+    }
+    let grains = aggregates.saturating_add(dropped);
+    say(filled <= grains, format!("labels.filled is {filled} of {grains} grains"));
     let pairs = aggregates.saturating_mul(aggregates.saturating_sub(1)) / 2;
     let separated = labels.separated_pairs;
     say(
@@ -99,6 +105,10 @@ fn core_alone(labels: &LabelReport, core: &CoreReport, say: &mut dyn FnMut(bool,
     for (name, share) in [("off_fraction", off_fraction), ("pores_fraction", pores_fraction)] {
         say((0.0..=1.0).contains(&share), format!("labels.core.{name} is {share}"));
     }
+    say(
+        !exceeds(off_fraction, MOST_OFF),
+        format!("labels.core.off_fraction is {off_fraction}, and no core is so far off"),
+    );
     say((pores - pores.round()).abs() <= WHOLE, format!("labels.core.pores_fraction is {pores} voxels"));
     let beside = labels.fraction - labels.filled_fraction + labels.dropped_fraction + pores_fraction;
     say(

@@ -49,7 +49,8 @@ const NOT_CHECKED: [&str; 4] = [
 /// Where the grains are a label volume's.
 const NOT_CHECKED_OF_LABELS: [&str; 2] = [
     "that the bodies, their labels and their distance are the label volume's: import it again and compare",
-    "how many grains were dropped, filled, or touched in the label volume: its voxels alone show that",
+    "how many grains were dropped, filled, or touched in the label volume, and a core's labels outside, pores and voxels that \
+     are off: its voxels alone show that",
 ];
 /// Where a time limit or the user ended the run.
 const NOT_CHECKED_IF_STOPPED: &str = "how many grains were made and discarded before the stop";

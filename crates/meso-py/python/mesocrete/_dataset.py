@@ -177,7 +177,8 @@ def dataset(
     workers = Workers(pool if executor is None else executor)
     asked_targets = [Target(name, given) for name, given in (targets or {}).items()]
     request = _Request(shape, _checked_what(what), checked_options(scan), asked_targets, model=model)
-    cases = _sampled(_checked_count(n), sampler, spec, seed)
+    n = _checked_count(n)
+    cases = _sampled(n, sampler, spec, seed)
     identity = [request.identity(job) for job in cases]
     asked = request.described(sampler, spec, seed, identity[0])
     store = _store(Path(sink))
@@ -389,7 +390,9 @@ class _Store:
             return "" if request or not any(self._own()) else "files of no data set"
         there = f"{len(records):,} volumes of {_words(request) if request else 'an unknown request'}"
         if request.get("hash") != asked["hash"]:
-            return there
+            named = (name for name in asked if name not in ("hash", "mesocrete") and request.get(name) != asked[name])
+            differ = ", ".join("the sampler" if name == "over" else name for name in named)
+            return there if _words(request)[:-10] != _words(asked)[:-10] else f"{there}, with another {differ or 'spec'}"
         if len(identity) <= max(records):
             return f"{there}, more than n = {len(identity)}"
         changed = [number for number, record in records.items() if record["hash"] != identity[number]]
@@ -814,8 +817,8 @@ def _checked_what(what: Sequence[str]) -> list[str]:
 
 
 def _checked_count(n: int) -> int:
-    if not 1 <= n <= _MOST:
-        message = f"n is {n}; it must lie within 1 and {_MOST:,}"
+    if not (1 <= n <= _MOST and int(n) == n):
+        message = f"n is {n}; it must be a whole number from 1 to {_MOST:,}"
         raise ValueError(message)
     return int(n)
 

@@ -129,7 +129,15 @@ pub(crate) fn of_labels<'py>(
 fn by_text<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let Ok(given) = given.cast::<PyDict>() else { return Ok(given.clone()) };
     let texts = PyDict::new(given.py());
-    given.iter().try_for_each(|(key, value)| texts.set_item(key.str()?, value))?;
+    for (key, value) in given {
+        let text = key.str()?;
+        if texts.contains(&text)? {
+            return Err(wrong_value(format!(
+                "the key {text} is given twice, as a number and as text; keep one of the two"
+            )));
+        }
+        texts.set_item(text, value)?;
+    }
     Ok(texts.into_any())
 }
 

@@ -207,14 +207,15 @@ impl Response {
             broken_stone: broken_stone(run),
             phase_error: off.map(|off| off.error()),
             phase_error_of: off.map(|off| off.phase.name().to_owned()),
-            flags: run.sample.flags(),
+            flags: run.flags(),
             ended,
-            warnings: run.sample.doubts(),
+            warnings: run.doubts(),
             mesh_warnings: 0,
             errors: Vec::new(),
         };
         result.warn(run);
-        result.flags.extend(result.dynamic_flag());
+        let stopped = (result.ended == Ended::Stopped).then(|| "stopped".to_owned());
+        result.flags.extend(result.dynamic_flag().into_iter().chain(stopped));
         Self { curve: rows.clone(), extra: run.extra(), result }
     }
 }

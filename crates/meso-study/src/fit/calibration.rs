@@ -36,8 +36,11 @@ impl Target {
     pub fn new(curve: &[[f64; 2]], height_mm: f64) -> Result<Self, String> {
         let peak = peak(curve);
         let falls = curve.windows(2).any(|pair| pair[1][0] < pair[0][0]);
-        let is_sound = curve.iter().flatten().all(|value| value.is_finite());
-        if !is_sound || falls || peak == 0 || curve[peak][1] <= 0.0 || curve[peak][0] <= 0.0 {
+        if let Some(row) = curve.iter().position(|row| row.iter().any(|value| !value.is_finite())) {
+            let [strain, stress] = curve[row];
+            return Err(format!("its row {} is {strain}, {stress}; give finite numbers", row + 1));
+        }
+        if falls || peak == 0 || curve[peak][1] <= 0.0 || curve[peak][0] <= 0.0 {
             return Err("it must rise from its first row to a peak, with strains that never fall".to_owned());
         }
         let at_peak = [("strain at its peak", curve[peak][0], PEAK_STRAIN), ("peak stress", curve[peak][1], PEAK)];

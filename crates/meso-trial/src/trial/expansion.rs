@@ -150,14 +150,12 @@ impl Course {
     }
 }
 
-/// Strains without stress: no phase of concrete shrinks by 0.5 %, and per cent of shrinkage lie below that.
-const FREE: PhysicalRange = PhysicalRange { least: -0.005, most: 0.02, unit: "", others: PhysicalRange::STRAINS };
-
 /// The reason why no phase has this strain.
 pub(super) fn unfit_strain(strain: f64) -> Option<String> {
     let is_seen = strain == 0.0 || strain.abs() >= LEAST_STRAIN;
-    match FREE.has(strain) {
-        false => Some(FREE.refusal(strain)),
+    let free = PhysicalRange::FREE_STRAIN;
+    match free.has(strain) {
+        false => Some(free.refusal(strain)),
         true if is_seen => None,
         true => Some("it must be 0, or 1e-12 at least: single precision carries no less".to_owned()),
     }

@@ -10,7 +10,7 @@ use meso_ask::{Giver, Input, Subject};
 use meso_core::Model;
 use meso_core::mesh::Tools;
 use meso_core::watch::Stage;
-use meso_effective::results::Found;
+use meso_effective::results::{Found, figure};
 use meso_effective::{Effective, LabelSpecimen, Stiffness};
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -89,12 +89,12 @@ fn tell(found: &Found, quiet: bool) {
 fn flux_line(found: &Effective) -> String {
     let entry = |axis: usize| {
         let (value, error) = (found.tensor[axis][axis]?, found.error[axis][axis]?);
-        Some(format!("{} {value:.5} +- {error:.5}", ["x", "y", "z"][axis]))
+        Some(format!("{} {} +- {}", ["x", "y", "z"][axis], figure(value), figure(error)))
     };
     let entries: Vec<String> = (0..3).filter_map(entry).collect();
     let (low, high) = (found.bounds.hashin_shtrikman_lower, found.bounds.hashin_shtrikman_upper);
     let name = found.what.name();
-    format!("{name}: {}; Hashin-Shtrikman {low:.5} to {high:.5}", entries.join(", "))
+    format!("{name}: {}; Hashin-Shtrikman {} to {}", entries.join(", "), figure(low), figure(high))
 }
 
 /// Constants of the nearest isotropic material, and the expansion if there is one.

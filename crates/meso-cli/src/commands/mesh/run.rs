@@ -113,7 +113,7 @@ pub(crate) fn print(settled: &DeckSettled, mesh: &Mesh, model: &Model, verbose: 
 /// Prints the commands that run a deck with a curve and write the curve.
 pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::K, true) = (target, format, deck.has_curve()) {
-        let curve = match deck.has_script(format) {
+        let curve = match format.has_script(deck) {
             true => format!("; its curve: python {} \"binout*\"", DeckOptions::curve_path(shown).display()),
             false => String::new(),
         };

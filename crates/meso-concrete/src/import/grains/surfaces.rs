@@ -67,6 +67,9 @@ const SMALL: usize = 12;
 const FIRST_ROUND: f64 = 0.8;
 /// Tries of a grain, by their shares of the tolerance.
 const TRIES: [f64; 3] = [1.0, 0.25, 0.0];
+/// Largest distance of a reduced surface from the given one, over the root mean square that it was reduced by: a mean over
+/// large sides hides what is lost at their edges.
+const FAR: f64 = 10.0;
 /// Levels that a surface may have, in widths of the blur: shares of 1/4 and 3/4.
 const LEVELS: [f64; 2] = [-0.67, 0.67];
 /// Faces of a grain's voxels whose distance to its surface is measured, about.
@@ -184,7 +187,9 @@ impl<'a> GrainSurfaces<'a> {
         let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
         let solids = (first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
         let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
-        solids.find(|(solid, number)| *number + 1 == TRIES.len() || !solid.crosses_itself())
+        let limit = |number: usize| TRIES[number] * self.options.tolerance * self.spacing_mm.min();
+        let is_right = |solid: &Solid, number| solid.is_near(&given, FAR * limit(number)) && !solid.crosses_itself();
+        solids.find(|(solid, number)| *number + 1 == TRIES.len() || is_right(solid, *number))
     }
 
     /// The surface of a field whose volume is that of so many voxels as nearly as its neighbours allow, mm, without its hollows.
@@ -348,6 +353,13 @@ struct Solid {
 impl Solid {
     fn new(mesh: TriangleMesh) -> Self {
         Self { facets: mesh.facets(), mesh }
+    }
+
+    /// Whether some of the vertices of another surface are all within this distance, mm.
+    fn is_near(&self, given: &TriangleMesh, most_mm: f64) -> bool {
+        let every = given.vertices.len().div_ceil(MEASURED).max(1);
+        let is_near = |v: &Vec3| self.facets.nearest(v).is_none_or(|near| near.1 <= most_mm);
+        given.vertices.iter().step_by(every).all(is_near)
     }
 
     fn crosses_itself(&self) -> bool {

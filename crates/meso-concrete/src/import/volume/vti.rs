@@ -11,8 +11,8 @@ use std::io::Read;
 
 const FIX: &str = "write it by ParaView's or PyVista's own writer";
 const NO_IMAGE: VolumeError = VolumeError::Begin("VTK image data");
-/// Arrays that VTK adds for itself, as vtkGhostType, begin so.
-const RESERVED: &str = "vtk";
+/// Arrays that VTK adds for itself: vtkGhostType, and numbers of cells and points.
+const RESERVED: [&str; 3] = ["vtk", "Global", "Pedigree"];
 
 pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Volume<N>, VolumeError> {
     let end = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
@@ -106,9 +106,14 @@ impl<'a> Section<'a> {
         let scalars = body.split('>').next().and_then(|tag| attribute(tag, "Scalars"));
         let arrays = body.split("<DataArray").skip(1).filter_map(|text| text.split_once('>'));
         let is_scalar = |tag: &str| attribute(tag, "NumberOfComponents").is_none_or(|count| count.trim() == "1");
-        let arrays = arrays.filter(|(tag, _)| is_scalar(tag) && !name_of(tag).starts_with(RESERVED));
+        let arrays = arrays.filter(|(tag, _)| is_scalar(tag) && !is_reserved(name_of(tag)));
         Self { scalars, arrays: arrays.collect() }
     }
+}
+
+fn is_reserved(name: &str) -> bool {
+    let is_number = ["Ids", "Id"].iter().any(|end| name.ends_with(end));
+    name.starts_with(RESERVED[0]) || is_number && RESERVED[1..].iter().any(|begin| name.starts_with(begin))
 }
 
 fn name_of(tag: &str) -> &str {
@@ -135,7 +140,7 @@ fn chosen<'a>(
     let names = names();
     let note = (names.len() > 1).then(|| {
         let own = name_of(array.0).escape_debug();
-        format!("the file has {} arrays, and `{own}` was read: {}", names.len(), super::arrays(&names))
+        format!("the file has {} arrays, and `{own}` was read; for array {}", names.len(), super::arrays(&names))
     });
     Ok((array, *counts, note))
 }

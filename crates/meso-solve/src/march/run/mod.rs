@@ -133,6 +133,20 @@ thread_local! {
     pub(crate) static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::default());
 }
 
+/// Mass over the specimen's own that is much for a step that was given, that is much for the step by rule, and that is
+/// refused; decks have the same.
+const MUCH_MASS: f64 = 2.0;
+const MUCH_BY_RULE: f64 = 5.0;
+const MOST_MASS: f64 = 100.0;
+
+/// A step of two digits that adds at most a fifth of the mass, where `dt` needs `factor` times of it: masses that are
+/// added fall with the square of the step.
+fn lighter_step(dt: f64, factor: f64) -> String {
+    let step = dt * (0.2 / factor).sqrt();
+    let unit = libm::exp10(libm::log10(step).floor() - 1.0);
+    format!("{:.1e}", (step / unit).floor() * unit)
+}
+
 impl<'a> Run<'a> {
     /// Prepares a test; nothing moves yet.
     ///
@@ -167,6 +181,14 @@ impl<'a> Run<'a> {
             let why = "its cohesive faces need mass, and a test in real time adds none; take a solid ITZ";
             return Err(SolveError::mesh(why));
         }
+        let factor = masses[1] / masses[0];
+        let why = || {
+            let fits = lighter_step(dt, factor);
+            format!(
+                "it needs {factor:.0} times the mass: inertia would carry this test; take {fits}, which adds at most 20 %, or check the units of the materials"
+            )
+        };
+        TEST.require("time_step_s", dt, !exceeds(factor, MOST_MASS), why())?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
         common.free = test.expansion().map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
@@ -232,6 +254,33 @@ impl<'a> Run<'a> {
     /// s.
     pub fn time_step_s(&self) -> f64 {
         self.outline.dt
+    }
+
+    /// Faults of mesh and step that a strength must not be cited without, in a few words each.
+    pub fn flags(&self) -> Vec<String> {
+        let factor = self.outline.masses[1] / self.outline.masses[0];
+        let heavy = exceeds(factor, self.much_mass()).then(|| format!("{factor:.1} times the mass"));
+        self.sample.flags().into_iter().chain(heavy).collect()
+    }
+
+    /// Mass over the specimen's own that is worth a warning.
+    fn much_mass(&self) -> f64 {
+        if self.test.time_step_s.is_some() { MUCH_MASS } else { MUCH_BY_RULE }
+    }
+
+    /// Warnings about the mesh and the step, in sentences, known before the first step.
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = self.sample.doubts();
+        let factor = self.outline.masses[1] / self.outline.masses[0];
+        if exceeds(factor, self.much_mass()) {
+            let fits = lighter_step(self.outline.dt, factor);
+            let step = self.outline.dt;
+            doubts.push(format!(
+                "the time step of {step:.3e} s needs {factor:.3} times the mass, whose inertia shows in the curve: take \
+                 time_step_s = {fits}, which adds at most 20 %, or check the units of the materials"
+            ));
+        }
+        doubts
     }
 
     /// Mass added over the specimen's own, percent.

@@ -22,8 +22,6 @@ const HISTORY: f64 = 500.0;
 const POINTS: u32 = 50;
 /// History variables of an element in a d3plot: those of `*MAT_CDPM` have its damage among the first.
 const HISTORIES: i64 = 20;
-/// Stiffness of hourglass modes over that of the element.
-const HOURGLASS: f64 = 0.03;
 /// Scale of the stable time step.
 const SCALE: f64 = 0.9;
 /// Numbers of the first node set and segment set behind those of the sides.
@@ -343,11 +341,6 @@ fn output(cards: &mut Lines<impl Write>, options: &DeckOptions, end_s: f64, forc
     }
     cards.line("*DATABASE_BINARY_D3PLOT")?;
     card(cards, &[(end_s / f64::from(options.field_frames())).into()])?;
-    if options.reduced_integration {
-        // IHQ QH: bricks of one point resist their modes by a stiffness, as those of the engine do.
-        cards.line("*CONTROL_HOURGLASS")?;
-        card(cards, &[Field::Integer(4), HOURGLASS.into()])?;
-    }
     if !options.has_curves() {
         return Ok(());
     }

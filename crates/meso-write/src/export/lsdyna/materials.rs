@@ -65,8 +65,16 @@ pub(super) fn write(
             None => elastic(cards, part(phase), materials.elastic(phase))?,
         }
     }
+    if options.reduced_integration && mesh.kind == CellKind::Hexahedron {
+        // IHQ QH: bricks of one point resist their modes by a stiffness, as those of the engine do.
+        cards.line("*CONTROL_HOURGLASS")?;
+        card(cards, &[Field::Integer(4), HOURGLASS.into()])?;
+    }
     plates(cards, blocks)
 }
+
+/// Stiffness of hourglass modes over that of the element.
+const HOURGLASS: f64 = 0.03;
 
 fn one_part(cards: &mut Lines<impl Write>, name: &str, number: u64) -> io::Result<()> {
     cards.line("*PART")?;

@@ -3,7 +3,6 @@
 use super::abaqus::lines::real;
 use super::abaqus::{Analysis, DeckOptions, supports};
 use super::lsdyna;
-use crate::formats::MeshFormat;
 use meso_mesh::cells::Mesh;
 use meso_trial::{Loads, RigidSupport};
 use std::io::{self, Write};
@@ -13,9 +12,9 @@ const ODB: &str = concat!(include_str!("odb.py"), include_str!("common.py"));
 const BINOUT: &str = concat!(include_str!("binout.py"), include_str!("common.py"));
 
 impl DeckOptions {
-    /// Whether a deck of this format has a script beside it.
-    pub fn has_script(&self, format: MeshFormat) -> bool {
-        format.is_deck() && self.has_curve() && !matches!(self.analysis, Analysis::Impact)
+    /// Whether a deck of a test has a script beside it.
+    pub(crate) fn has_script(&self) -> bool {
+        self.has_curve() && !matches!(self.analysis, Analysis::Impact)
     }
 
     /// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`.
@@ -24,19 +23,13 @@ impl DeckOptions {
     }
 }
 
-/// Writes the script of `mesh`'s deck of a test, which `name` is called, to `out`.
+/// Writes the script of `mesh`'s deck of a test, a `.k` or an `.inp`, which `name` is called, to `out`.
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub(crate) fn write(
-    format: MeshFormat,
-    mesh: &Mesh,
-    options: &DeckOptions,
-    name: &str,
-    mut out: impl Write,
-) -> io::Result<()> {
+pub(crate) fn write(is_k: bool, mesh: &Mesh, options: &DeckOptions, name: &str, mut out: impl Write) -> io::Result<()> {
     let Some(loads) = &options.loads else { return Err(io::Error::other("a deck without a test has no curve")) };
-    let script = if format == MeshFormat::K { binout(loads) } else { odb(mesh, loads) };
+    let script = if is_k { binout(loads) } else { odb(mesh, loads) };
     let whole = script.replace("@DECK@", &plain(name));
     let whole = whole.replace("@HEIGHT@", &real(loads.length_mm)).replace("@SECTION@", &real(loads.section_mm2));
     out.write_all(whole.replace("@AXIS@", &(loads.axis + 1).to_string()).as_bytes())
