@@ -1,6 +1,7 @@
 //! A study runs once: each case in hand is locked, and leaves its record.
 
 use crate::plan;
+use meso_ask::AskError;
 use meso_files::lock::{LOCK, LockError};
 use meso_study::{Again, Begun, CaseOutcome, Heard, RECORDS, RunError, Share, Status, StudyLayout, StudyRun};
 use serde_json::{Map, json};
@@ -43,7 +44,7 @@ fn every_case_runs_once_on_any_number_of_threads() {
         let (starts, calls) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let work = |number| {
             calls.fetch_add(1, Ordering::SeqCst);
-            Some(outcome(number))
+            Ok(Some(outcome(number)))
         };
         run.drive(
             jobs,
@@ -65,7 +66,7 @@ fn every_case_runs_once_on_any_number_of_threads() {
 #[test]
 fn finished_cases_run_again_on_request() {
     let folder = tempfile::tempdir().unwrap();
-    open(folder.path(), Again::None).unwrap().drive(2, (), &|_| (), &|number| Some(outcome(number))).unwrap();
+    open(folder.path(), Again::None).unwrap().drive(2, (), &|_| (), &|number| Ok(Some(outcome(number)))).unwrap();
     assert!(open(folder.path(), Again::None).unwrap().left().is_empty());
     assert_eq!(open(folder.path(), Again::Failed).unwrap().left(), [2]);
     assert_eq!(open(folder.path(), Again::All).unwrap().left(), [0, 1, 2, 3, 4]);
@@ -75,7 +76,7 @@ fn finished_cases_run_again_on_request() {
 fn a_run_stops_where_its_work_does_and_the_next_one_continues() {
     let folder = tempfile::tempdir().unwrap();
     let run = open(folder.path(), Again::None).unwrap();
-    run.drive(1, (), &|_| (), &|number| (number < 3).then(|| outcome(number))).unwrap();
+    run.drive(1, (), &|_| (), &|number| Ok((number < 3).then(|| outcome(number)))).unwrap();
     assert_eq!(run.left(), [3, 4]);
     drop(run);
     let run = open(folder.path(), Again::None).unwrap();
@@ -94,7 +95,7 @@ fn two_runs_in_one_folder_share_the_cases_and_do_none_twice() {
     for run in &runs {
         let work = |number| {
             calls.fetch_add(1, Ordering::SeqCst);
-            Some(outcome(number))
+            Ok(Some(outcome(number)))
         };
         run.drive(3, (), &|_| (), &work).unwrap();
         assert_eq!((run.tally().done, run.tally().failed), (4, 1));
@@ -145,7 +146,7 @@ fn shards_are_disjoint_and_together_the_study() {
     for shard in 1..=3 {
         let run = open_share(folder.path(), Again::None, Share { shard, of: 3 }).unwrap();
         all.extend(run.left());
-        run.drive(1, (), &|_| (), &|number| Some(outcome(number))).unwrap();
+        run.drive(1, (), &|_| (), &|number| Ok(Some(outcome(number)))).unwrap();
         assert_eq!((run.tally().cases, run.records().len()), (run.tally().over(), run.tally().cases));
     }
     assert_eq!(all, [0, 3, 1, 4, 2]);
@@ -165,13 +166,13 @@ fn a_torn_or_damaged_record_of_many_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join(RECORDS);
     let run = open_table(folder.path(), Again::None);
-    run.drive(1, (), &|_| (), &|number| (number < 4).then(|| outcome(number))).unwrap();
+    run.drive(1, (), &|_| (), &|number| Ok((number < 4).then(|| outcome(number)))).unwrap();
     drop(run);
     let text = std::fs::read_to_string(&place).unwrap();
     std::fs::write(&place, text[..text.len() - 20].replacen("\"n\":1", "\"n\":7", 1)).unwrap();
     let run = open_table(folder.path(), Again::None);
     assert_eq!((run.left(), run.tally().before), (vec![1, 3, 4], 2));
-    run.drive(2, (), &|_| (), &|number| Some(outcome(number))).unwrap();
+    run.drive(2, (), &|_| (), &|number| Ok(Some(outcome(number)))).unwrap();
     assert_eq!(run.save_tables(()).unwrap().rows(), 5);
     let found: Vec<_> = run.records().iter().map(|record| record.results.get("n").cloned()).collect();
     assert_eq!(found, [Some(json!(0)), Some(json!(1)), None, Some(json!(3)), Some(json!(4))]);
@@ -186,7 +187,7 @@ fn runs_with_records_in_one_file_do_no_case_twice_and_failed_ones_on_request() {
     let calls = AtomicUsize::new(0);
     let work = |number| {
         calls.fetch_add(1, Ordering::SeqCst);
-        Some(outcome(number))
+        Ok(Some(outcome(number)))
     };
     for run in &runs {
         run.drive(3, (), &|_| (), &work).unwrap();
@@ -196,7 +197,7 @@ fn runs_with_records_in_one_file_do_no_case_twice_and_failed_ones_on_request() {
     drop(runs);
     let again = open_table(folder.path(), Again::Failed);
     assert_eq!(again.left(), [2]);
-    again.drive(1, (), &|_| (), &|_| Some(Ok(Map::new()).into())).unwrap();
+    again.drive(1, (), &|_| (), &|_| Ok(Some(Ok(Map::new()).into()))).unwrap();
     assert_eq!((again.save_tables(()).unwrap().rows(), again.tally().done), (5, 5));
     drop(again);
     assert_eq!(open_table(folder.path(), Again::All).left(), [0, 1, 2, 3, 4]);
@@ -234,7 +235,7 @@ fn cases_of_other_processes_come_last_and_are_waited_for() {
         }
         Heard::Starts(number) => order.lock().unwrap().push(number),
     };
-    run.drive(1, (), &hears, &|number| Some(outcome(number))).unwrap();
+    run.drive(1, (), &hears, &|number| Ok(Some(outcome(number)))).unwrap();
     assert_eq!((order.into_inner().unwrap(), waits.into_inner()), (vec![2, 3, 4, 0, 1], 2));
 }
 
@@ -255,7 +256,23 @@ fn a_case_that_cannot_be_recorded_ends_the_run() {
     let run = open(folder.path(), Again::None).unwrap();
     let case = plan(&[("seed", json!([2]))]).unwrap().cases.remove(0);
     std::fs::write(folder.path().join(&case.folder), "a file").unwrap();
-    let error = run.drive(1, (), &|_| (), &|number| Some(outcome(number))).unwrap_err();
+    let error = run.drive(1, (), &|_| (), &|number| Ok(Some(outcome(number)))).unwrap_err();
     assert!(matches!(&error, RunError::File { path, .. } if path.ends_with(&case.folder)), "{error}");
     assert_eq!(run.records().iter().map(|record| record.status).collect::<Vec<_>>(), [Status::Done]);
+}
+
+/// A disk without room is no fault of a case: it stays open, and so do those that would fail like it.
+#[test]
+fn a_full_disk_ends_the_run_and_fails_no_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = || AskError::files("m.vtu: no room".to_owned(), &std::io::ErrorKind::StorageFull.into());
+    let run = open(folder.path(), Again::None).unwrap();
+    let work = |number: usize| if number == 1 { Err(full()) } else { Ok(Some(outcome(number))) };
+    let error = run.drive(1, (), &|_| (), &work).unwrap_err();
+    assert_eq!(error.to_string(), "m.vtu: no room; the same command then goes on");
+    drop(run);
+    let again = open(folder.path(), Again::None).unwrap();
+    assert_eq!(again.left(), [1, 2, 3, 4]);
+    again.drive(1, (), &|_| (), &|number| Ok(Some(outcome(number)))).unwrap();
+    assert_eq!(again.tally().over(), 5);
 }

@@ -1,8 +1,7 @@
 //! Why a request is refused, or cannot be done.
 
 use std::fmt::{self, Display, Formatter};
-use std::io;
-use std::path::Path;
+use std::io::{self, ErrorKind};
 
 /// A fault with its remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,18 +10,22 @@ pub enum AskError {
     Usage(String),
     /// Something that could not be done.
     Run(String),
+    /// A disk without room for the results: the same work can be done once there is some.
+    Full(String),
 }
 
 impl AskError {
-    /// A file that could not be read or written, with the system's reason.
-    pub fn file(path: &Path, error: &io::Error) -> Self {
-        let text = error.to_string();
-        Self::Run(format!("{}: {}", path.display(), text.split(" (os error").next().unwrap_or(&text)))
+    /// Files that could not be read or written, in words that name them and the system's reason.
+    pub fn files(message: String, error: &io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::Full(message),
+            _ => Self::Run(message),
+        }
     }
 
     /// The fault and the remedy.
     pub fn message(&self) -> &str {
-        let (Self::Usage(message) | Self::Run(message)) = self;
+        let (Self::Usage(message) | Self::Run(message) | Self::Full(message)) = self;
         message
     }
 }

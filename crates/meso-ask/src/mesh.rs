@@ -132,6 +132,7 @@ impl MeshAsk {
                 let method = giver.choice("method", "conforming");
                 AskError::Run(format!("{text}; a packing that is made with {method} leaves such gaps by itself"))
             }
+            MeshError::Files { error, .. } => AskError::files(text, error),
             _ => AskError::Run(text),
         }
     }

@@ -52,7 +52,7 @@ impl From<AskError> for Failure {
     fn from(fault: AskError) -> Self {
         match fault {
             AskError::Usage(message) => Self::Usage(message),
-            AskError::Run(message) => Self::Run(message),
+            AskError::Run(message) | AskError::Full(message) => Self::Run(message),
         }
     }
 }

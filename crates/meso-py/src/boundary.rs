@@ -9,6 +9,9 @@ use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+/// Number of a full disk, on every system.
+const ENOSPC: i32 = 28;
+
 /// Runs `work`; a panic becomes `RuntimeError("bug: ...")`.
 ///
 /// pyo3 would raise its `PanicException`, which derives from `BaseException` and so passes every `except Exception`.
@@ -38,6 +41,7 @@ pub(crate) fn raised(fault: &AskError) -> PyErr {
     match fault {
         AskError::Usage(message) => wrong_value(message),
         AskError::Run(message) => PyRuntimeError::new_err(printable(message).into_owned()),
+        AskError::Full(message) => PyOSError::new_err((ENOSPC, printable(message).into_owned())),
     }
 }
 

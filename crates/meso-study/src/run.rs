@@ -10,6 +10,7 @@ use crate::journal::{self, Seen, StudyLayout};
 use crate::plan::Plan;
 use crate::record::{CaseOutcome, CaseState, RECORD, Record, Status, save};
 use crate::table::{Table, tabulate};
+use meso_ask::AskError;
 use meso_files::lock::{Held, LOCK, LockError, hold, hold_as, join, patiently};
 use meso_files::whole::{self, Keeper, Unit};
 use serde::{Deserialize, Serialize};
@@ -81,6 +82,9 @@ pub enum RunError {
         /// The system's reason.
         error: io::Error,
     },
+    /// A disk that has no room for the files of a case, which stays open.
+    #[error("{0}; the same command then goes on")]
+    Full(AskError),
     /// A study of another layout is in the folder.
     #[error("{} has a study of another layout, which stays as it is; leave the layout out, or name another folder", _0.display())]
     Layout(PathBuf),
@@ -448,17 +452,17 @@ impl StudyRun {
         lock(&self.slots)[number] = Slot::Over(status);
     }
 
-    /// Does the cases that are left, `jobs` at a time, until all are over, one cannot be recorded, or `work` gives `None`. It
-    /// waits for cases of other processes, and takes over those of a process that ended. `hears` is told of every case.
+    /// Does the cases that are left, `jobs` at a time, until all are over, one cannot be recorded, or `work` gives `None` or an
+    /// error. It waits for cases of other processes, and takes over those of a process that ended. `hears` is told of every case.
     ///
     /// # Errors
-    /// The first error of [`begin`](Self::begin) or [`end`](Self::end); other cases at work are recorded before.
+    /// The first error of [`begin`](Self::begin), `work` or [`end`](Self::end); other cases at work are recorded before.
     pub fn drive(
         &self,
         jobs: u16,
         keeper: impl Keeper + Copy + Sync,
         hears: &(dyn Fn(Heard) + Sync),
-        work: &(dyn Fn(usize) -> Option<CaseOutcome> + Sync),
+        work: &(dyn Fn(usize) -> Result<Option<CaseOutcome>, AskError> + Sync),
     ) -> Result<(), RunError> {
         let left = Mutex::new(VecDeque::from(self.left()));
         // Whether the run goes on.
@@ -474,10 +478,10 @@ impl StudyRun {
                 Begun::Turn(turn) => {
                     hears(Heard::Starts(number));
                     match work(number) {
-                        Some(outcome) => self.end(number, turn, outcome, keeper).map(|()| true),
-                        None => {
+                        Ok(Some(outcome)) => self.end(number, turn, outcome, keeper).map(|()| true),
+                        left => {
                             turn.leave(&keeper);
-                            Ok(false)
+                            left.map(|_| false).map_err(RunError::Full)
                         }
                     }
                 }

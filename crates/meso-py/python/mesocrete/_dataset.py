@@ -32,7 +32,7 @@ from ._mesocrete import Packing, Spec, _Lock, _study_results, _StudyPlan, pack
 from ._mesocrete import __version__ as _VERSION
 from ._progress import listener
 from ._scan import checked_options, scan as _scan
-from ._study import _LOCKED
+from ._study import _FULL, _LOCKED
 
 _QUANTITIES = ("phase", "grain", "share", "distance", "scan")
 # Labels have long runs: more than the fastest level saves a tenth of the space for thrice the time.
@@ -216,6 +216,11 @@ def dataset(
             # The last part finds the volumes of all.
             if of == 1 or not store.begin(request, asked, identity):
                 store.close()
+    except OSError as error:
+        if error.errno in _FULL:
+            message = f"{error.strerror}; free some space, and the same call goes on"
+            raise OSError(error.errno, message, str(sink)) from error
+        raise
     finally:
         workers.close()
         # Threads that write would go on behind the caller's back.

@@ -6,6 +6,7 @@ cases are handed to executors. Whoever works on a case has locked its folder, an
 
 from __future__ import annotations
 
+import errno
 import importlib
 import json
 import math
@@ -322,6 +323,8 @@ class _Way(NamedTuple):
 
 # Seconds between two looks at a case that another process works on.
 _PAUSE = 0.1
+# A disk without room, or a user without quota.
+_FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
 def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
@@ -379,6 +382,9 @@ def _run(case: _StudyCase, then: Callable[..., Any] | None, threads: int | None,
                 found = _results(then(packing, case.folder) if _takes_folder(then) else then(packing))
                 results = json.dumps({**(json.loads(results) if case.has_steps else {}), **json.loads(found)})
         except Exception as error:
+            # No case is to blame for a full disk, and each that is left would fail there.
+            if isinstance(error, OSError) and error.errno in _FULL:
+                raise
             results, failure = "{}", _message(error)
         return case.end(results, failure, warned)
     finally:

@@ -294,6 +294,7 @@ pub(crate) fn run_error(error: RunError) -> PyErr {
     match error {
         RunError::Lock(LockError::Busy { .. }) => PyBlockingIOError::new_err(error.to_string()),
         RunError::Layout(_) => PyValueError::new_err(error.to_string()),
+        RunError::Full(fault) => raised(&fault),
         RunError::Lock(LockError::File { path, error }) | RunError::File { path, error } => file_error(&path, error),
     }
 }
@@ -481,6 +482,7 @@ impl PyStudyCase {
             let (model, results, warnings) = done.map_err(|fault| raised(&fault))?;
             let (results, error) = match results {
                 Ok(results) => (Value::Object(results).to_string(), None),
+                Err(fault @ AskError::Full(_)) => return Err(raised(&fault)),
                 Err(fault) => ("{}".to_owned(), Some(fault.message().to_owned())),
             };
             Ok((PyPacking(model), results, error, warnings))

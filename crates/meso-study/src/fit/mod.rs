@@ -12,7 +12,7 @@ pub use calibration::{Calibration, Estimate, Target};
 pub use curve::curve;
 pub use materials::PARAMETERS;
 
-use crate::steps::{commit, fill};
+use crate::steps::{commit, file_error, fill};
 use crate::{Axis, CURVE, Case, Keep, NamedFiles, Plan, Planning, Record, Status, Steps, digest};
 use meso_ask::files::Reader;
 use meso_ask::{AskError, FitAsk, Given};
@@ -131,7 +131,7 @@ impl FitRun {
             return Ok(None);
         }
         let folder = self.out.join("materials");
-        std::fs::create_dir_all(&folder).map_err(|error| AskError::file(&folder, &error))?;
+        std::fs::create_dir_all(&folder).map_err(|error| file_error(&folder, &error))?;
         let mut unit = Unit::new(keeper);
         for point in &self.points {
             let (name, text) = self.file(point);
@@ -223,7 +223,7 @@ impl FitRun {
         for (name, content) in RESULTS.into_iter().zip(contents) {
             let path = self.out.join(name);
             let filled = unit.fill(&path, replace, |out| out.write_all(content.as_bytes()));
-            filled.map_err(|error| AskError::file(&path, &error))?;
+            filled.map_err(|error| file_error(&path, &error))?;
         }
         commit(unit)
     }
@@ -272,7 +272,7 @@ fn curve_of(records: &[Record], cases: &Path, seed: u64, file: &str) -> Result<V
         return Err(AskError::Run(message));
     }
     let path = folder.join(CURVE);
-    let bytes = std::fs::read(&path).map_err(|error| AskError::file(&path, &error))?;
+    let bytes = std::fs::read(&path).map_err(|error| file_error(&path, &error))?;
     curve(&bytes, 1.0).map_err(|why| AskError::Run(format!("{}: {why}", path.display())))
 }
 

@@ -23,7 +23,7 @@ use std::cell::Cell;
 use std::path::Path;
 use work::{EffectiveStep, MESH_SUMMARY, MeshStep, SolveStep};
 
-pub(crate) use work::{commit, fill};
+pub(crate) use work::{commit, file_error, fill};
 
 /// Finds the device of a name and, if there is a run, puts it there.
 pub type Devices<'a> = dyn Fn(&str, Option<&mut Run<'_>>) -> Result<Attached, AskError> + Sync + 'a;
@@ -170,7 +170,7 @@ impl Steps {
         if let Some(effective) = self.effective.as_ref().filter(|_| goes_on) {
             results.insert("effective".to_owned(), effective.run(model, folder, doing)?);
         }
-        self.keep.tidy(folder).map_err(|error| work::unwritten(folder, &error))?;
+        self.keep.tidy(folder).map_err(|error| file_error(folder, &error))?;
         match (errors.is_empty(), goes_on) {
             (true, true) => Ok(results),
             (true, false) => Err(AskError::Run("the test has no valid end; result.json says why".to_owned())),

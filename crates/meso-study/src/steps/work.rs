@@ -367,14 +367,15 @@ pub(crate) fn fill<K: Keeper>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), AskError> {
-    unit.fill(path, true, |out| write(out)).map_err(|error| unwritten(path, &error))
+    unit.fill(path, true, |out| write(out)).map_err(|error| file_error(path, &error))
 }
 
 /// Gives the files of a step their names.
 pub(crate) fn commit<K: Keeper>(unit: Unit<K>) -> Result<(), AskError> {
-    unit.commit().map_err(|(path, error)| unwritten(&path, &error))
+    unit.commit().map_err(|(path, error)| file_error(&path, &error))
 }
 
-pub(super) fn unwritten(path: &Path, error: &io::Error) -> AskError {
-    AskError::Run(format!("{}: {}", path.display(), meso_files::reason(error)))
+/// A file that could not be read or written.
+pub(crate) fn file_error(path: &Path, error: &io::Error) -> AskError {
+    AskError::files(format!("{}: {}", path.display(), meso_files::reason(error)), error)
 }

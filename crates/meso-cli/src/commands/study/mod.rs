@@ -168,7 +168,10 @@ impl Working {
 
     /// Does a case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
     /// [`interrupt::asked`].
-    fn run(&self, case: &Case, steps: &Steps, folder: &Path) -> CaseOutcome {
+    ///
+    /// # Errors
+    /// A full disk, for which no case is to blame.
+    fn run(&self, case: &Case, steps: &Steps, folder: &Path) -> Result<CaseOutcome, AskError> {
         let warnings = Mutex::new(Vec::new());
         let tell = |word: &str, text: &str| {
             stderr::line(format!("{word}: {}: {text}", case.folder));
@@ -185,8 +188,11 @@ impl Working {
         let ended = threads::with(self.threads, || {
             catch_unwind(AssertUnwindSafe(all)).unwrap_or_else(|_| Err(Failure::Bug.into()))
         });
-        let results = ended.and_then(|ended| Ok(ended?)).map_err(|failure| failure.message().to_owned());
-        CaseOutcome { results, warnings: warnings.into_inner().unwrap_or_else(PoisonError::into_inner) }
+        let results = match ended.unwrap_or_else(|failure| Err(failure.into())) {
+            Err(full @ AskError::Full(_)) => return Err(full),
+            results => results.map_err(|fault| fault.message().to_owned()),
+        };
+        Ok(CaseOutcome { results, warnings: warnings.into_inner().unwrap_or_else(PoisonError::into_inner) })
     }
 }
 
@@ -219,10 +225,10 @@ fn drive(study: &StudyRun, plan: &Plan, steps: &StepsOf<'_>, how: &Working, show
     let work = |number: usize| {
         let case = &plan.cases[number];
         let outcome = match steps(case) {
-            Ok(steps) => how.run(case, &steps, &study.out().join(&case.folder)),
+            Ok(steps) => how.run(case, &steps, &study.out().join(&case.folder))?,
             Err(fault) => Err(fault.message().to_owned()).into(),
         };
-        (!interrupt::asked()).then_some(outcome)
+        Ok((!interrupt::asked()).then_some(outcome))
     };
     let hears = |heard: Heard| shown.heard(study.tally(), plan, heard);
     let ended = study.drive(how.jobs.unwrap_or(1), Signals, &hears, &work);
