@@ -4,6 +4,7 @@ import concurrent.futures
 import importlib.util
 import multiprocessing
 import os
+import queue
 import signal
 import subprocess
 import threading
@@ -137,6 +138,44 @@ def test_dask_loses_no_more_workers_to_a_case_than_it_allows(tmp_path):
             study = mc.study(TINY, {"seed": range(30)}, then=deadly, out=tmp_path / "s", executor=client)
             assert len(lost) == 2
     check_poison(study, 30)
+
+
+@kills
+@pytest.mark.slow
+def test_a_cluster_of_dask_that_drops_its_killed_worker_gets_it_back(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    monkeypatch.setattr("mesocrete._executor._COUNT", 0.2)
+    # The case: a loaded machine starts a worker later than dask waits for it, and the study waited without end.
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10 ms"}):
+        with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+
+            def kill(over: int, _: int) -> None:
+                if over == 2:
+                    os.kill(cluster.workers[0].pid, signal.SIGKILL)
+
+            with distributed.Client(cluster) as client:
+                study = mc.study(TINY, {"seed": range(6)}, then=slow, out=tmp_path / "s", executor=client, progress=kill)
+    assert len(study.results) == 6 and not study.failures
+
+
+def test_an_executor_without_workers_asks_for_those_it_had_and_says_once_that_the_cases_wait(monkeypatch):
+    from mesocrete import _executor
+
+    asked = []
+    cluster = types.SimpleNamespace(worker_spec={0: {}, 1: {}}, workers={1: None}, scale=asked.append)
+    nobody = types.SimpleNamespace(submit=None, nthreads=dict, cluster=cluster)
+    monkeypatch.setattr(_executor, "_COUNT", 0.01)
+    monkeypatch.setattr(_executor, "_NOBODY", 0.05)
+    ended = queue.SimpleQueue()
+    threading.Timer(0.3, ended.put, ["a future"]).start()
+    with pytest.warns(UserWarning, match="dask has no workers: 7 cases wait") as said:
+        assert _executor.Workers(nobody)._next(ended, 7) == "a future"
+    assert len(said) == 1 and set(asked) == {2}
+    cluster._adaptive = "dask counts them itself"
+    before = len(asked)
+    _executor._revive(cluster)
+    assert len(asked) == before
 
 
 def test_the_command_does_the_study_of_a_file_on_dask(command, tmp_path):

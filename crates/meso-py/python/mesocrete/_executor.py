@@ -10,11 +10,12 @@ import os
 import sys
 import sysconfig
 import time
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from importlib.metadata import PackageNotFoundError, files
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
 from ._mesocrete import __version__ as _VERSION
@@ -23,6 +24,8 @@ from ._mesocrete import __version__ as _VERSION
 _AHEAD = 4
 # Seconds between two counts of the workers, which come and go on a cluster.
 _COUNT = 5.0
+# Seconds without any worker until that is said.
+_NOBODY = 60.0
 
 
 class Submitter(Protocol):
@@ -41,10 +44,11 @@ class Workers:
         self._given = executor
         self._counted = -_COUNT
         self._most = _AHEAD
+        self._is_alone = False
         self._memory = _declared(executor)
+        self._executor: Any = executor
         # dask would take two calls with equal arguments for one.
-        dask = hasattr(executor, "get_executor")
-        self._executor: Any = executor.get_executor(pure=False) if dask else executor
+        self._options = {"pure": False} if hasattr(executor, "get_executor") else {}
         if not hasattr(self._executor, "submit"):
             name = type(executor).__name__
             message = f"executor is of type {name}; it must be a concurrent.futures.Executor or a dask client"
@@ -65,14 +69,13 @@ class Workers:
         its first loss, and cannot say which job had it: those that were `in_hand` run one by one in a new pool.
         Workers of dask that declare a resource MEMORY get no more at once than the bytes of `memory`.
         """
-        needs = (lambda job: _needs(memory(job), self._memory)) if self._memory else (lambda _: {})
+        needs = lambda job: {**self._options, **(_needs(memory(job), self._memory) if self._memory else {})}
         suspects: deque[Any] = deque()
         while jobs or suspects:
             alone = not jobs
             batch = deque([suspects.popleft()]) if alone else jobs
             is_broken = is_useful = False
-            for job, future in self._each(batch, call, needs):
-                error = future.exception()
+            for job, error, result in self._each(batch, call, needs):
                 # dask's KilledWorker is no BrokenExecutor: it comes after tries on other workers.
                 is_certain = type(error).__name__ == "KilledWorker"
                 if error is not None and not is_certain and not isinstance(error, BrokenExecutor):
@@ -83,7 +86,7 @@ class Workers:
                     continue
                 is_useful = True
                 if error is None or alone or is_certain:
-                    yield job, None if error is not None else future.result()
+                    yield job, result
                 else:
                     suspects.append(job)
             if alone:
@@ -95,8 +98,8 @@ class Workers:
 
     def _each(
         self, jobs: deque[Any], call: Callable[[Any], tuple[Any, ...]], needs: Callable[[Any], dict[str, Any]]
-    ) -> Iterator[tuple[Any, Any]]:
-        """Submit the calls of jobs; yield each with its future, which is done. `jobs` keeps what a broken executor does not take."""
+    ) -> Iterator[tuple[Any, Any, Any]]:
+        """Submit the calls of jobs; yield each with its error or its result. `jobs` keeps what a broken executor does not take."""
         ended: SimpleQueue[Any] = SimpleQueue()
         running: dict[Any, Any] = {}
         try:
@@ -110,11 +113,36 @@ class Workers:
                     future.add_done_callback(ended.put)
                 if not running:
                     return
-                future = ended.get()
-                yield running.pop(future), future
+                future = self._next(ended, len(jobs) + len(running))
+                yield running.pop(future), *self._told(future)
         finally:
             for future in running:
                 future.cancel()
+
+    def _next(self, ended: SimpleQueue[Any], left: int) -> Any:
+        """Wait for a future that is done; say once that nobody works on those that are left."""
+        since = time.monotonic()
+        while True:
+            try:
+                return ended.get(timeout=_COUNT)
+            except Empty:
+                if self._count():
+                    since = time.monotonic()
+                elif not self._is_alone and time.monotonic() - since > _NOBODY:
+                    self._is_alone = True
+                    warnings.warn(f"dask has no workers: {left} cases wait for new ones, which it takes at any time", stacklevel=2)
+
+    def _told(self, future: Any) -> tuple[Any, Any]:
+        """Return the error and the result of a future that is done. A result that dask loses with its worker comes again."""
+        while True:
+            try:
+                error = future.exception(timeout=_COUNT)
+                return error, None if error is not None else future.result(timeout=_COUNT)
+            # Python 3.10 has three of this name.
+            except Exception as error:
+                if type(error).__name__ != "TimeoutError":
+                    raise
+                self._count()
 
     def _renew(self) -> bool:
         """Replace a pool of processes that lost one; False where this cannot be done here."""
@@ -141,9 +169,17 @@ class Workers:
 
     def _count(self) -> int:
         if hasattr(self._given, "nthreads"):
+            _revive(self._given.cluster)
             return int(sum(self._given.nthreads().values()))
         counts = (getattr(self._executor, name, None) for name in ("_max_workers", "num_workers"))
         return int(next((count for count in counts if count), os.cpu_count() or 1))
+
+
+def _revive(cluster: Any) -> None:
+    """Start the workers again that a cluster of dask has dropped: those that were not back some seconds after they were killed."""
+    wanted = len(getattr(cluster, "worker_spec", ()))
+    if wanted and len(cluster.workers) < wanted and getattr(cluster, "_adaptive", None) is None:
+        cluster.scale(wanted)
 
 
 def _declared(executor: Any) -> float:
