@@ -3,6 +3,8 @@
 use crate::host::{Host, cuda, opencl};
 use crate::name::{DeviceName, Driver, THREADS};
 use std::fmt;
+use std::fs::File;
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -16,7 +18,7 @@ pub enum Choice {
     #[default]
     Cpu,
     /// The device that keeps the promise and has the fewest tests of this process, a processor only where nothing else is
-    /// there; of equals, CUDA's before OpenCL's.
+    /// there; of equals one that no other process has, CUDA's before OpenCL's.
     Gpu,
     /// A device by its driver and number, and the threads of a group of elements.
     Numbered(Driver, usize, usize),
@@ -73,6 +75,15 @@ static TAKEN: Mutex<Vec<(Driver, usize)>> = Mutex::new(Vec::new());
 pub struct Lease {
     /// The device.
     pub device: DeviceName,
+    /// Tells other processes.
+    _mark: Option<File>,
+}
+
+/// Locks the file in `folder` that stands for a device; `None` where another test has it.
+fn mark(device: &DeviceName, folder: &Path) -> Option<File> {
+    let path = folder.join(format!("mesocrete-{}-{}.lock", device.driver, device.number));
+    let file = File::options().write(true).create(true).truncate(false).open(path).ok()?;
+    file.try_lock().is_ok().then_some(file)
 }
 
 impl Lease {
@@ -98,14 +109,23 @@ impl Choice {
         if self == Self::Cpu {
             return Ok(None);
         }
-        let (all, mut taken) = (devices(), Lease::all());
-        let device = self.among(all, &taken)?;
+        let (all, mut taken, mut own) = (devices(), Lease::all(), None);
+        let device = self.among(all, &taken, |device| {
+            own = mark(device, &std::env::temp_dir());
+            own.is_some()
+        })?;
         taken.push((device.driver, device.number));
-        Ok(Some(Lease { device }))
+        Ok(Some(Lease { device, _mark: own }))
     }
 
-    /// The device among `all` that is meant, if it takes tests; of equals the one that is least `taken`.
-    fn among(self, all: Vec<DeviceName>, taken: &[(Driver, usize)]) -> Result<DeviceName, String> {
+    /// The device among `all` that is meant, if it takes tests; of equals the one that is least `taken`, and of these the first
+    /// that `is_free`.
+    fn among(
+        self,
+        all: Vec<DeviceName>,
+        taken: &[(Driver, usize)],
+        is_free: impl FnMut(&&&DeviceName) -> bool,
+    ) -> Result<DeviceName, String> {
         let wanted = |device: &&DeviceName| match self {
             Self::Cpu => false,
             Self::Gpu => device.faults.is_empty() && device.refusal.is_none(),
@@ -114,8 +134,10 @@ impl Choice {
         let threads = if let Self::Numbered(_, _, threads) = self { threads } else { THREADS };
         let tests =
             |device: &DeviceName| taken.iter().filter(|other| **other == (device.driver, device.number)).count();
-        // The first of the least.
-        match all.iter().filter(wanted).min_by_key(|device| (device.is_processor, tests(device))) {
+        let key = |device: &&DeviceName| (device.is_processor, tests(device));
+        let least = all.iter().filter(wanted).map(|device| key(&device)).min();
+        let found: Vec<_> = all.iter().filter(|device| wanted(device) && Some(key(device)) == least).collect();
+        match found.iter().find(is_free).or(found.first()).copied() {
             None => Err(self.missing(&all)),
             Some(DeviceName { refusal: Some(why), .. }) => Err(format!("{self}: {why}; {OTHER}")),
             Some(found) => Ok(DeviceName { threads, ..found.clone() }),
@@ -162,7 +184,7 @@ mod tests {
     #[test]
     fn a_device_is_chosen_by_its_number_or_as_the_first_that_keeps_the_promise() {
         let all = || vec![device(0, &["it rounds"], None), device(1, &[], Some("it is old")), device(2, &[], None)];
-        let chosen = |text: &str| text.parse::<Choice>().unwrap().among(all(), &[]);
+        let chosen = |text: &str| text.parse::<Choice>().unwrap().among(all(), &[], |_| true);
         assert_eq!(chosen("gpu").unwrap().number, 2);
         assert_eq!(chosen("opencl").unwrap().number, 0);
         assert_eq!(chosen("opencl:2:64").unwrap().threads, 64);
@@ -181,21 +203,44 @@ mod tests {
         let all = || [&[processor.clone()][..], &cards].concat();
         let mut taken = Vec::new();
         for expected in [2, 3, 2, 3] {
-            let found = Choice::Gpu.among(all(), &taken).unwrap();
+            let found = Choice::Gpu.among(all(), &taken, |_| true).unwrap();
             assert_eq!(found.number, expected, "{taken:?}");
             taken.push((found.driver, found.number));
         }
-        assert_eq!(Choice::Numbered(Driver::OpenCl, 0, THREADS).among(all(), &taken).unwrap().number, 0);
+        assert_eq!(Choice::Numbered(Driver::OpenCl, 0, THREADS).among(all(), &taken, |_| false).unwrap().number, 0);
+    }
+
+    /// Processes that know nothing of each other: two cards, then three tests. Locks of one process stand for those of several,
+    /// since each opens its file anew.
+    #[test]
+    fn processes_take_different_cards_before_two_share_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let process = || {
+            let mut own = None;
+            let cards = vec![device(0, &[], None), device(1, &[], None)];
+            let found = Choice::Gpu.among(cards, &[], |device| {
+                own = mark(device, folder.path());
+                own.is_some()
+            });
+            (found.unwrap().number, own)
+        };
+        let (first, second, third) = (process(), process(), process());
+        assert_eq!([first.0, second.0, third.0], [0, 1, 0]);
+        drop(second);
+        assert_eq!(process().0, 1);
     }
 
     #[test]
     fn a_gpu_is_refused_with_the_fault_of_the_only_device() {
         for (faults, refusal) in [(&["it rounds"][..], None), (&[], Some("it is old"))] {
-            let why = Choice::Gpu.among(vec![device(0, faults, refusal)], &[]).unwrap_err();
+            let why = Choice::Gpu.among(vec![device(0, faults, refusal)], &[], |_| true).unwrap_err();
             assert!(why.contains("(opencl:0: it ") && why.contains("or the device cpu"), "{why}");
         }
         assert!(
-            Choice::Gpu.among(Vec::new(), &[]).unwrap_err().starts_with("there is no device gpu; install its driver")
+            Choice::Gpu
+                .among(Vec::new(), &[], |_| true)
+                .unwrap_err()
+                .starts_with("there is no device gpu; install its driver")
         );
     }
 }
