@@ -224,6 +224,42 @@ def test_a_case_that_no_worker_has_the_memory_for_gets_a_whole_worker():
     assert _executor._declared(concurrent.futures.ThreadPoolExecutor(1)) == 0
 
 
+def of_volume(name: Path):
+    """Compute a property of a label volume in a file."""
+    return mc.effective(np.load(name), "conductivity", voxel_size=2.0)
+
+
+def test_many_properties_are_those_of_one_call_each(tmp_path):
+    packings = [mc.pack(TINY, seed=seed) for seed in range(3)]
+    names = [tmp_path / f"{seed}.npy" for seed in range(3)]
+    for name, packing in zip(names, packings):
+        np.save(name, packing.voxelize(2.0))
+    with spawned(2) as executor:
+        found = list(executor.map(of_volume, names))
+        study = mc.study(TINY, {"seed": range(3)}, effective={"voxel_size": 2}, model="none", out=tmp_path / "s", executor=executor)
+    assert found == [of_volume(name) for name in names] and found[0].tensor == found[0]["tensor"]
+    table = study.table()["effective.diffusivity.tensor.xx"]
+    assert np.array_equal(table, [packing.effective(voxel_size=2).tensor[0][0] for packing in packings])
+
+
+def test_two_threads_of_a_process_do_two_studies_and_one_of_them_a_folder(tmp_path):
+    over = {"seed": range(8)}
+    right = contents(mc.study(TINY, over, then=slow, version=1, out=tmp_path / "right").out)
+
+    def do(name: str) -> str:
+        try:
+            mc.study(TINY, over, then=slow, version=1, out=tmp_path / name)
+        except BlockingIOError as error:
+            return str(error)
+        return ""
+
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        assert list(threads.map(do, ["a", "b"])) == ["", ""]
+        said = sorted(threads.map(do, ["c", "c"]))
+    assert said[0] == "" and f"is in use by process {os.getpid()}" in said[1]
+    assert contents(tmp_path / "a") == contents(tmp_path / "b") == contents(tmp_path / "c") == right
+
+
 def assert_over(over: int) -> None:
     """Check that no case is left."""
     assert over == 6
