@@ -205,7 +205,7 @@ fn refusals_name_the_flag_and_the_range() {
         (&["--what", "stiffness", "--eigenstrain", "mortar"], "it must be a phase and a strain"),
         (&["--what", "stiffness", "--eigenstrain", "mortar=0.2"], "stiffness.mortar.eigenstrain is 0.2"),
         (&["--axes", "xx"], "it must be some of x, y, z, each once"),
-        (&["--phases", "bad.toml"], "diffusivity.mortar is 0; it must be a positive number"),
+        (&["--phases", "bad.toml"], "diffusivity.mortar is 0; it must be 1e-30 to 1e30"),
         (&["--phases", "unknown.toml"], "stone"),
     ] {
         let run = folder.run(&[&["effective", "small.json"][..], flags].concat());

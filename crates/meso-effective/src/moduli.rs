@@ -39,14 +39,11 @@ const INCOMPRESSIBLE: f64 = 0.49;
 /// Constants by [`Phase`].
 pub(crate) type Table = [Moduli; Phase::ALL.len()];
 
-/// Refuses the strain of a phase that no body has.
+/// Refuses the strain of a phase that no body has. An ITZ without thickness has the mortar's place.
 pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate]) -> Result<(), OutOfRange> {
     for (phase, Moduli { eigenstrain, .. }) in Phase::ALL.into_iter().zip(table) {
-        let has = |body: &Aggregate| match phase {
-            Phase::Itz => Phase::of(body.kind) == Phase::Aggregate && body.itz_thickness_mm > 0.0,
-            _ => Phase::of(body.kind) == phase,
-        };
-        let is_there = *eigenstrain == 0.0 || phase == Phase::Mortar || bodies.iter().any(has);
+        let has = |body: &Aggregate| Phase::of(body.kind) == phase;
+        let is_there = *eigenstrain == 0.0 || matches!(phase, Phase::Mortar | Phase::Itz) || bodies.iter().any(has);
         let key = format!("{}.eigenstrain", phase.name());
         Ranges("stiffness").require(key, eigenstrain, is_there, "the specimen has no such phase; leave it out")?;
     }
