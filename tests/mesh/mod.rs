@@ -7,5 +7,6 @@ mod itz;
 pub(crate) mod lattice;
 mod periodic;
 mod report;
+mod scatter;
 pub(crate) mod specimens;
 pub(crate) mod voxel;

@@ -25,6 +25,8 @@ pub enum Draw {
     Drop = 2,
     /// Sampling for statistics.
     Sample = 3,
+    /// Waves of a field of strengths.
+    Field = 4,
 }
 
 impl Stream {

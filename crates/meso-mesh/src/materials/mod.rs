@@ -9,6 +9,7 @@ mod concrete;
 mod mortar;
 mod ranges;
 mod rock;
+mod scatter;
 mod stone;
 
 pub use cdpm2::Cdpm2Parameters;
@@ -18,6 +19,7 @@ pub use ranges::MATERIALS;
 #[doc(hidden)]
 pub use ranges::{DENSITY, MODULUS};
 pub use rock::{Rock, RockValues};
+pub use scatter::{Covariance, Scatter, ScatteredPhase, StrengthDistribution, StrengthField};
 pub use stone::{Stone, StoneKind};
 
 use crate::cells::{CellKind, Mesh, Phase};
@@ -43,6 +45,9 @@ pub struct Materials {
     /// Strength of the aggregates in a test; absent, they stay elastic, as they do in decks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aggregate_strength: Option<Stone>,
+    /// Scatter of the strengths of mortar and ITZ over the specimen in a test; absent, each phase has one strength, as in decks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
     /// Strength of the mortar.
     pub mortar_strength: MortarStrength,
     /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
@@ -138,6 +143,7 @@ impl Default for Materials {
             mortar: MORTAR,
             fibre: FIBRE,
             aggregate_strength: None,
+            scatter: None,
             mortar_strength: MortarStrength::default(),
             itz_strength_ratio: 0.7,
             cohesive_thickness_mm: 0.1,

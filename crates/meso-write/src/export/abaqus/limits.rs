@@ -3,7 +3,7 @@
 use super::{Analysis, DeckOptions, LAW};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::cells::Phase;
-use meso_mesh::materials::{MATERIALS, Materials};
+use meso_mesh::materials::{LawName, MATERIALS, Materials};
 use meso_trial::Test;
 
 /// Checks values by their names in the options of a deck.
@@ -27,6 +27,8 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     if let Some(line) = options.heading.iter().find(|line| !fits(line)) {
         return Err(DECK.error("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
     }
+    let law = if options.damages() { LAW } else { LawName::Elastic };
+    options.materials.validate_scatter(law).map_err(in_deck)?;
     materials(&options.materials).map_err(in_deck)
 }
 
