@@ -145,6 +145,65 @@ fn results_that_are_there_are_kept_unless_forced() {
 }
 
 #[test]
+fn strengths_that_scatter_are_named_before_the_test_and_stand_in_its_frames() {
+    let folder = Folder::with_model();
+    let scatter = |rest: &str| {
+        folder.write("S.toml", format!("[materials.scatter]\ncoefficient_of_variation = 0.2\n{rest}"));
+    };
+    let with = |args: &[&str]| folder.run(&[args, &["--materials", "S.toml"], &QUICK[..2]].concat());
+    scatter("correlation_length_mm = 10\nseed = 4\n");
+    let flags = ["solve", "small.json", "-o", "out", "--frames", "1", "--strain", "1e-3", "--accept-phase-error"];
+    let run = with(&flags);
+    let words = "strengths of mortar and ITZ scatter by 20.0 % (Weibull, modulus 5.8) over 10 mm, seed 4\n";
+    assert!(run.code == 0 && run.stderr.contains(words), "{}", run.stderr);
+    assert!(String::from_utf8_lossy(&folder.read("out/frame_0001.vtu")).contains(r#"Name="strength_factor""#));
+    for (rest, args, said) in [
+        (
+            "correlation_length_mm = 1\n",
+            &["solve", "small.json"][..],
+            "is 1; with elements of 5 mm it must be 2.5 or more",
+        ),
+        (
+            "correlation_length_mm = 0\n",
+            &["solve", "small.json"],
+            "scatter.correlation_length_mm is 0; it must be a positive",
+        ),
+        (
+            "correlation_length_mm = nan\n",
+            &["solve", "small.json"],
+            "line 3: materials.scatter.correlation_length_mm is nan",
+        ),
+        ("", &["solve", "small.json"], "line 1: materials.scatter.correlation_length_mm is missing"),
+        (
+            "correlation_length_mm = 9\ndistribution = 'gauss'\n",
+            &["solve", "small.json"],
+            "line 4: materials.scatter.distribution is \"gauss\"; it must be one of \"weibull\", \"lognormal\"",
+        ),
+        (
+            "correlation_length_mm = 9\nphases = ['aggregate']\n",
+            &["solve", "small.json"],
+            "line 4: materials.scatter.phases is \"aggregate\"; it must be one of \"mortar\", \"itz\"",
+        ),
+        ("correlation_length_mm = 9\n", &["solve", "small.json", "--law", "cdp"], "in tests with the law meso only"),
+        (
+            "correlation_length_mm = 9\n",
+            &["solve", "small.json", "--itz", "cohesive"],
+            r#"take phases = ["mortar"], or a solid or smeared ITZ"#,
+        ),
+        (
+            "correlation_length_mm = 9\n",
+            &["mesh", "small.json", "--analysis", "compression", "-o", "deck.inp"],
+            "for decks and other laws set 0, or remove the table",
+        ),
+    ] {
+        scatter(rest);
+        let run = with(&[args, if args[0] == "solve" { &["-o", "other"] } else { &[] }].concat());
+        assert!(run.code == 2 && run.stderr.contains(said), "{rest} {args:?}: {}", run.stderr);
+        assert!(!run.stderr.contains("meshing"), "{rest} {args:?}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn an_impossible_test_is_named_before_any_step_and_leaves_nothing() {
     let folder = Folder::with_model();
     folder.write("soft.toml", "[materials.mortar]\nyoungs_modulus_mpa = -5\n");

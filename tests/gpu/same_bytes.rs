@@ -1,7 +1,7 @@
 //! A device gives the bytes of the processor.
 
 use meso_core::aggregate::Grading;
-use meso_core::materials::{Materials, Stone, StoneKind};
+use meso_core::materials::{Covariance, Materials, Scatter, ScatteredPhase, Stone, StoneKind, StrengthDistribution};
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
@@ -301,6 +301,26 @@ fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
         let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
         let response = same(&cube, &cube.within(400.0, test), &device);
         dissipates(&response, "aggregate");
+    }
+}
+
+#[test]
+fn strengths_that_scatter_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let scatter = Scatter {
+        coefficient_of_variation: 0.2,
+        correlation_length_mm: 8.0,
+        distribution: StrengthDistribution::Weibull,
+        covariance: Covariance::Exponential,
+        phases: vec![ScatteredPhase::Mortar, ScatteredPhase::Itz],
+        seed: 1,
+    };
+    let cube = cube(20.0, 4.0);
+    let cube = Cube { materials: Materials { scatter: Some(scatter), ..brittle() }, ..cube };
+    let pressed = cube.within(400.0, Test { smoothing: Some(Smoothing::Edges), ..Test::default() });
+    let hit = Test { kind: TestKind::Impact, rate_effect: true, frames: 2, duration_s: Some(4e-5), ..Test::default() };
+    for test in [pressed, Test { smoothing: Some(Smoothing::None), ..hit }] {
+        dissipates(&same(&cube, &test, &device), "mortar");
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::subject::{Number, along, close, peak};
 use meso_core::materials::{Materials, Mesoscale, Strength};
 use meso_element::law::point::{HeldStress, ramp, work};
-use meso_element::law::{Law, LawName, Meso, Rated, Tensor};
+use meso_element::law::{Law, LawName, Meso, Rated, Scaled, Tensor};
 use meso_element::real::Real;
 use std::path::Path;
 
@@ -40,7 +40,31 @@ pub(crate) fn meso<R: Real>() -> Meso<R> {
 /// The law with strengths that grow with the rate of strain, in steps of `dt_s`.
 pub(crate) fn rated<R: Real>(dt_s: f64) -> Rated<R> {
     let of = values();
-    Rated::new(&of.mortar, &of.mortar_strength.of(LawName::Meso), &of.meso, dt_s)
+    Rated::new(&of.mortar, &of.mortar_strength.of(LawName::Meso), &of.meso, [dt_s, 1.0])
+}
+
+/// Largest factor of strengths that scatter.
+const MOST: f64 = 2.0;
+
+/// The law with strengths that scatter: of 9 registers, or of 11 if they grow, too, in steps of `dt_s`.
+pub(crate) fn scattered<R: Real, const N: usize>(dt_s: f64) -> Scaled<R, N> {
+    let of = values();
+    Scaled::new(&of.mortar, &of.mortar_strength.of(LawName::Meso), &of.meso, [dt_s, MOST])
+}
+
+/// The law without scatter, of a mortar that is `factor` as strong; of 10 registers if its strengths grow.
+pub(crate) fn as_strong<const N: usize>(factor: f64, dt_s: f64) -> (Meso<f64>, Scaled<f64, N>) {
+    let of = values();
+    let usual = of.mortar_strength.of(LawName::Meso);
+    let strength = Strength {
+        compressive_mpa: factor * usual.compressive_mpa,
+        peak_strain: factor * usual.peak_strain,
+        tensile_mpa: factor * usual.tensile_mpa,
+        fracture_energy_n_per_mm: factor * usual.fracture_energy_n_per_mm,
+        crushing_energy_n_per_mm: factor * usual.crushing_energy_n_per_mm,
+    };
+    let own = &of.meso;
+    (Meso::new(&of.mortar, &strength, own), Scaled::new(&of.mortar, &strength, own, [dt_s, 1.0]))
 }
 
 /// The mortar of the defaults, but for its biaxial ratio.

@@ -1,6 +1,6 @@
 //! A point's bits do not depend on its neighbours in a register.
 
-use crate::meso::{meso, rated};
+use crate::meso::{meso, rated, scattered};
 use crate::safety::Dice;
 use crate::subject::{WIDTH, cdp, cdpm2, mortar};
 use meso_element::law::{Law, Tensor};
@@ -91,7 +91,17 @@ impl Real for Pair {
 /// A quiet walk and a wild one, alone and side by side: stress and history to the last bit. Returns how often one point was
 /// at rest (as stiff as new, no history) while the other was not.
 fn neighbours<P: Law<Pair>, S: Law<f32>>(pair: &P, single: &S) -> usize {
+    beside(pair, single, None)
+}
+
+/// The same with these numbers in the last registers of the histories.
+fn beside<P: Law<Pair>, S: Law<f32>>(pair: &P, single: &S, last: Option<[f32; 2]>) -> usize {
     let (mut together, mut alone) = (P::virgin(), [S::virgin(), S::virgin()]);
+    if let (Some(last), Some(both)) = (last, together.as_mut().last_mut()) {
+        *both = Pair(last);
+        let own = alone.iter_mut().filter_map(|history| history.as_mut().last_mut());
+        own.zip(last).for_each(|(own, last)| *own = last);
+    }
     let (mut dice, mut strains, mut mixed) = (Dice(5), [[0.0_f32; 6]; 2], 0);
     for step in 0..4000 {
         // The quiet point grows wilder, so that it, too, yields in the end.
@@ -128,5 +138,10 @@ fn a_point_has_the_same_bits_alone_and_beside_another() {
     // Its history has a rate from the first step on.
     for dt in [1e-7, 1e-4] {
         neighbours(&rated::<Pair>(dt), &rated::<f32>(dt));
+    }
+    // Its history has a factor.
+    for factors in [[-0.3, 0.2], [0.5, 0.5]] {
+        beside(&scattered::<Pair, 9>(1.0), &scattered::<f32, 9>(1.0), Some(factors));
+        beside(&scattered::<Pair, 11>(1e-4), &scattered::<f32, 11>(1e-4), Some(factors));
     }
 }

@@ -1,9 +1,9 @@
 //! A law survives every strain: its stress is finite, and its integrity a share.
 
-use crate::meso::{meso, rated, with_biaxial_ratio};
+use crate::meso::{as_strong, meso, rated, scattered, with_biaxial_ratio};
 use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
 use meso_element::law::point::ramp;
-use meso_element::law::{Law, Tensor, cdpm2 as options};
+use meso_element::law::{Law, State, Tensor, cdpm2 as options};
 
 /// Numbers from -1 to 1, the same every time.
 pub(crate) struct Dice(pub(crate) u64);
@@ -127,9 +127,14 @@ fn closed(dice: &mut Dice, size: f64, round: bool) -> Vec<Tensor<f64>> {
 /// Energy per volume that the law spends along closed paths in `steps` steps from corner to corner, and the part of it
 /// that steps give back, N/mm2: the flow's work against the stress at the end of a step, and the fall of the stiffness.
 fn spent_and_returned<L: Law<f64>>(law: &L, steps: u32, loops: usize) -> [f64; 2] {
+    spent_from(law, L::virgin(), steps, loops)
+}
+
+/// The same for a point that begins with this history.
+fn spent_from<L: Law<f64>>(law: &L, first: L::History, steps: u32, loops: usize) -> [f64; 2] {
     let (mut dice, mut spent, mut returned) = (Dice(5), 0.0, 0.0);
     for turn in 0..loops {
-        let (mut history, mut before, mut from) = (L::virgin(), 1.0, [0.0; 6]);
+        let (mut history, mut before, mut from) = (first, 1.0, [0.0; 6]);
         for to in closed(&mut dice, [0.001, 0.01, 0.05][turn % 3], turn % 2 == 0) {
             for share in ramp(0.0, 1.0, steps as usize) {
                 let strain: Tensor<f64> = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share);
@@ -163,6 +168,63 @@ fn mortar_between_grains_spends_in_steps_of_every_size() {
     for (dt, steps) in slow.into_iter().flatten().chain([(1e-3, 200)]) {
         let [spent, returned] = spent_and_returned(&rated::<f64>(dt), steps, 200);
         assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent} in {steps} steps of {dt} s");
+    }
+}
+
+/// The history of a point of such a factor, before its first step.
+fn placed<const N: usize>(factor: f64) -> [f64; N] {
+    let mut history = [0.0; N];
+    history[N - 1] = factor - 1.0;
+    history
+}
+
+#[test]
+fn mortar_whose_strengths_scatter_gives_no_energy_back() {
+    for (factor, steps) in [0.3, 0.8, 1.7].into_iter().flat_map(|factor| [20, 4, 1].map(|steps| (factor, steps))) {
+        for [spent, returned] in [
+            spent_from(&scattered::<f64, 9>(1.0), placed(factor), steps, 200),
+            spent_from(&scattered::<f64, 11>(1e-3), placed(factor), steps, 200),
+        ] {
+            assert!(spent > 1.0 && returned <= 1e-12 * spent, "{returned} of {spent}, {factor} in {steps} steps");
+        }
+    }
+}
+
+/// Largest difference of the stresses of two laws on closed paths, over 1 MPa and the stress; and of all shown values.
+fn apart<A: Law<f64>, B: Law<f64>>(a: &A, mut first: A::History, b: &B, mut second: B::History) -> f64 {
+    let (mut dice, mut worst, mut from, start) = (Dice(5), 0.0_f64, [0.0; 6], (first, second));
+    for turn in 0..60 {
+        (first, second) = start;
+        for to in closed(&mut dice, [0.0005, 0.005, 0.02][turn % 3], turn % 2 == 0) {
+            for share in ramp(0.0, 1.0, 40) {
+                let strain: Tensor<f64> = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share);
+                let one = a.stress(&strain, &mut first, WIDTH);
+                let other = b.stress(&strain, &mut second, WIDTH);
+                let shown = |state: State<f64>| [state.tension, state.compression, state.opening, state.stored];
+                let pairs = one.stress.into_iter().zip(other.stress);
+                let states = [a.state(&strain, &first, WIDTH), b.state(&strain, &second, WIDTH)].map(shown);
+                for (x, y) in pairs.chain(states[0].into_iter().zip(states[1])) {
+                    worst = worst.max((x - y).abs() / (1.0 + y.abs()));
+                }
+            }
+            from = to;
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_factor_makes_the_mortar_of_so_many_times_the_strengths_peak_strain_and_energies() {
+    for factor in [0.3, 0.8, 1.0, 1.7] {
+        let (meso, _) = as_strong::<10>(factor, 1.0);
+        let off = apart(&scattered::<f64, 9>(1.0), placed(factor), &meso, [0.0; 8]);
+        assert!(off < 1e-9, "{factor}: {off}");
+        let (_, rated) = as_strong::<10>(factor, 1e-3);
+        let off = apart(&scattered::<f64, 11>(1e-3), placed(factor), &rated, [0.0; 10]);
+        assert!(off < 1e-9, "{factor} with rates: {off}");
+        let [a, b] = meso.widest_mm();
+        let [c, d] = scattered::<f64, 9>(1.0).widest_mm().map(|mm| 2.0 * mm / factor);
+        assert!((a / c - 1.0).abs() < 1e-12 && (b / d - 1.0).abs() < 1e-12, "{a} {c} {b} {d}");
     }
 }
 

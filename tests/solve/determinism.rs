@@ -1,6 +1,7 @@
 //! A test gives the same bytes on any number of threads and on every instruction set.
 
 use crate::samples::{Meshed, brittle, concrete, damaged_plasticity};
+use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method};
 use meso_core::watch::Silent;
 use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Run, Smoothing, Test};
@@ -31,10 +32,20 @@ fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
 
 /// Bytes of the curve and of the fields, by one instruction set.
 fn bytes_by(meshed: &Meshed, test: &Test, threads: usize, set: InstructionSet) -> Vec<u8> {
+    bytes_of(meshed, &brittle(), test, threads, set)
+}
+
+pub(crate) fn bytes_of(
+    meshed: &Meshed,
+    materials: &Materials,
+    test: &Test,
+    threads: usize,
+    set: InstructionSet,
+) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let fields = Fields::default();
-        let mut run = Run::new(meshed.sample(), &brittle(), test).unwrap().with_instructions(set);
+        let mut run = Run::new(meshed.sample(), materials, test).unwrap().with_instructions(set);
         let response = run.to_end(&Silent, &fields);
         assert!(response.result.figures.peak_mpa > 1.0 && response.curve.len() > 50, "{:?}", response.result);
         [rows(&response), fields.0.into_inner()].concat()

@@ -20,6 +20,7 @@ mod loads;
 mod named;
 mod refusals;
 mod samples;
+mod scatter;
 mod servo;
 mod softening;
 mod stone;

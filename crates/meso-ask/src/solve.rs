@@ -2,12 +2,13 @@
 
 use crate::{AskError, FRAMES, Given, Giver, Machine, MeshAsk, flags::names};
 use meso_core::aggregate::Itz as Shells;
+use meso_core::materials::Materials;
 use meso_core::mesh::{CellKind, ItzForm, Mesh, MethodName, Order, Phase, Purpose};
 use meso_core::trial::TrialError;
 use meso_core::{Model, Spec, Watch};
 use meso_solve::footing::Footing;
 use meso_solve::results::sample_of;
-use meso_solve::{Geometry, Run, Smoothing, SolveError, Test};
+use meso_solve::{Geometry, LawName, Run, Smoothing, SolveError, Test};
 
 /// Friction of brushes and teflon (van Mier et al. 1997).
 const BRUSH: f64 = 0.005;
@@ -117,6 +118,10 @@ impl SolveAsk {
             (&size, options.element_size_mm),
         )?;
         let (measures, is_cohesive) = (Geometry::of(&spec.specimen), options.itz == ItzForm::Cohesive);
+        let scatter =
+            self.mesh.materials.as_ref().filter(|_| test.law != LawName::Elastic).and_then(Materials::scattered);
+        let scatter = scatter.map_or(Ok(()), |own| own.suits(options.element_size_mm, is_cohesive));
+        scatter.map_err(|error| self.wrong(&error.into()))?;
         // In real time the mesh decides the step.
         if test.is_fast() {
             return Ok(footing);

@@ -99,18 +99,19 @@ pub(crate) fn to_model(py: Python<'_>, model: &[u8], report: &str) -> PyResult<M
     Ok(Model { report: from_json(report)?, ..read })
 }
 
-/// Fields of a moment: the moment, displacements, stresses, three kinds of damage and openings.
-pub(crate) type Fields<'py> = (String, [PyReadonlyArray1<'py, f32>; 6]);
+/// Fields of a moment: the moment, displacements, stresses, three kinds of damage, openings and factors of strengths.
+pub(crate) type Fields<'py> = (String, [PyReadonlyArray1<'py, f32>; 7]);
 
 pub(crate) fn of_snapshot<'py>(py: Python<'py>, fields: &Snapshot) -> PyResult<Bound<'py, PyTuple>> {
     let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
-    let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
+    let Snapshot { damage, tension, compression, opening_mm, strength, .. } = fields;
+    let narrow = [damage, tension, compression, opening_mm, strength].map(Vec::as_slice);
     let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
     (json(&fields.moment)?, arrays).into_pyobject(py)
 }
 
 pub(crate) fn to_snapshot(mesh: &Mesh, (moment, fields): Fields<'_>) -> PyResult<Snapshot> {
-    let [displacement, stress, damage, tension, compression, opening_mm] = fields.map(|array| vector(&array));
+    let [displacement, stress, damage, tension, compression, opening_mm, strength] = fields.map(|array| vector(&array));
     let snapshot = Snapshot {
         moment: from_json(&moment)?,
         displacement: displacement?.as_chunks().0.to_vec(),
@@ -119,10 +120,12 @@ pub(crate) fn to_snapshot(mesh: &Mesh, (moment, fields): Fields<'_>) -> PyResult
         tension: tension?,
         compression: compression?,
         opening_mm: opening_mm?,
+        strength: strength?,
     };
     let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
     let fits = snapshot.displacement.len() == mesh.points.len()
         && snapshot.stress.len() == mesh.cell_count()
+        && [0, mesh.cell_count()].contains(&snapshot.strength.len())
         && cells.iter().all(|values| values.len() == mesh.cell_count());
     if fits { Ok(snapshot) } else { Err(damaged("its fields do not fit its mesh")) }
 }

@@ -470,6 +470,13 @@ impl PyFrame {
         PyArray1::from_slice(py, &self.1.opening_mm)
     }
 
+    /// Factor of the strengths in every cell, 1 where they do not scatter: ndarray, shape (m,), float32; a copy.
+    #[getter]
+    fn strength_factor<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        let (cells, own) = (self.0.cell_count(), &self.1.strength);
+        if own.is_empty() { PyArray1::from_vec(py, vec![1.0; cells]) } else { PyArray1::from_slice(py, own) }
+    }
+
     /// Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {

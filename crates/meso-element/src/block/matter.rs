@@ -80,6 +80,10 @@ pub enum Behaviour {
     Meso(Strength, Mesoscale),
     /// The same in steps of some seconds, with strengths that grow with the rate of strain.
     Rated(Strength, Mesoscale, f64),
+    /// Mortar between grains, with strengths that scatter by this factor at most.
+    Scattered(Strength, Mesoscale, f64),
+    /// Both: the step, s, and the largest factor.
+    RatedScattered(Strength, Mesoscale, [f64; 2]),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -95,6 +99,7 @@ pub fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> 
         LawName::Meso => meso::validate(materials),
     }?;
     validate_stone(materials, name)?;
+    materials.validate_scatter(name)?;
     materials.validate_cohesive()
 }
 
@@ -198,7 +203,13 @@ impl Matter {
             }
             Behaviour::Meso(strength, own) => task.run(self.prepared.law(&|| self.meso::<R>(strength, own)).get()),
             Behaviour::Rated(strength, own, dt) => {
-                task.run(self.prepared.law(&|| self.rated::<R>(strength, own, *dt)).get())
+                task.run(self.prepared.law(&|| self.scaled::<R, 10>(strength, own, [*dt, 1.0])).get())
+            }
+            Behaviour::Scattered(strength, own, most) => {
+                task.run(self.prepared.law(&|| self.scaled::<R, 9>(strength, own, [1.0, *most])).get())
+            }
+            Behaviour::RatedScattered(strength, own, factors) => {
+                task.run(self.prepared.law(&|| self.scaled::<R, 11>(strength, own, *factors)).get())
             }
         }
     }
@@ -215,15 +226,38 @@ impl Matter {
         law::Meso::new(&self.elastic, strength, own)
     }
 
-    fn rated<R: Real>(&self, strength: &Strength, own: &Mesoscale, dt_s: f64) -> law::Rated<R> {
-        law::Rated::new(&self.elastic, strength, own, dt_s)
+    fn scaled<R: Real, const N: usize>(
+        &self,
+        strength: &Strength,
+        own: &Mesoscale,
+        factors: [f64; 2],
+    ) -> law::Scaled<R, N> {
+        law::Scaled::new(&self.elastic, strength, own, factors)
     }
 
     /// Lets strengths grow with the rate of strain, in steps of `dt_s`; elastic phases stay.
     pub fn rate(&mut self, dt_s: f64) {
-        if let Behaviour::Meso(strength, own) = self.behaviour {
-            self.behaviour = Behaviour::Rated(strength, own, dt_s);
+        match self.behaviour {
+            Behaviour::Meso(strength, own) => self.behaviour = Behaviour::Rated(strength, own, dt_s),
+            Behaviour::Scattered(strength, own, most) => {
+                self.behaviour = Behaviour::RatedScattered(strength, own, [dt_s, most]);
+            }
+            _ => {}
         }
+    }
+
+    /// Lets strengths scatter by a factor of `most` at most, which each element has in its [register](Self::factor).
+    pub fn scatter(&mut self, most: f64) {
+        if let Behaviour::Meso(strength, own) = self.behaviour {
+            self.behaviour = Behaviour::Scattered(strength, own, most);
+        }
+    }
+
+    /// Place of the factor of the strengths, less 1, among the registers that an element remembers.
+    pub fn factor(&self) -> Option<usize> {
+        let is_scattered = matches!(self.behaviour, Behaviour::Scattered(..) | Behaviour::RatedScattered(..));
+        // Before the integrity.
+        is_scattered.then(|| self.remembered() - 2)
     }
 
     /// Registers that an element remembers: the law's history and the integrity.
@@ -237,6 +271,8 @@ impl Matter {
             Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
             Behaviour::Meso(..) => with_integrity::<law::Meso<f64>>(),
             Behaviour::Rated(..) => with_integrity::<law::Rated<f64>>(),
+            Behaviour::Scattered(..) => with_integrity::<law::Scattered<f64>>(),
+            Behaviour::RatedScattered(..) => with_integrity::<law::RatedScattered<f64>>(),
         }
     }
 
@@ -247,7 +283,11 @@ impl Matter {
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
             Behaviour::Cdpm2(strength, biaxial, own) => self.cdpm2::<f64>(strength, *biaxial, own).widest_mm(),
             Behaviour::Meso(strength, own) => self.meso::<f64>(strength, own).widest_mm(),
-            Behaviour::Rated(strength, own, dt) => self.rated::<f64>(strength, own, *dt).widest_mm(),
+            Behaviour::Rated(strength, own, dt) => self.scaled::<f64, 10>(strength, own, [*dt, 1.0]).widest_mm(),
+            Behaviour::Scattered(strength, own, most) => self.scaled::<f64, 9>(strength, own, [1.0, *most]).widest_mm(),
+            Behaviour::RatedScattered(strength, own, factors) => {
+                self.scaled::<f64, 11>(strength, own, *factors).widest_mm()
+            }
         }
     }
 

@@ -21,6 +21,8 @@ pub struct Point {
     pub opening_mm: f32,
     /// Energy per volume that unloading would give back, N/mm2.
     pub stored: f32,
+    /// Factor of its strengths over their mean.
+    pub strength: f32,
 }
 
 /// The cell or patch of a point, by its number.
@@ -55,7 +57,8 @@ impl Task for Probe<'_> {
         for group in &block.groups {
             let matter = &common.matter[usize::from(group.matter)];
             let strains = group_strains::<L>(group, common, &scratch.u);
-            points.extend(matter.law::<L, _>(GroupProbe { group, strains, free: common.over(group.free) }));
+            let (free, factor) = (common.over(group.free), matter.factor());
+            points.extend(matter.law::<L, _>(GroupProbe { group, strains, free, factor }));
         }
         points
     }
@@ -66,6 +69,8 @@ struct GroupProbe<'a, L> {
     /// Strains and widths of crack bands, eight elements each.
     strains: Vec<(Tensor<L>, L)>,
     free: Option<L>,
+    /// Register of the factor of the strengths.
+    factor: Option<usize>,
 }
 
 impl<L: Lanes> LawTask<L> for GroupProbe<'_, L> {
@@ -73,13 +78,14 @@ impl<L: Lanes> LawTask<L> for GroupProbe<'_, L> {
 
     #[inline(always)]
     fn run<W: Law<L>>(self, law: &W) -> Self::Output {
-        let Self { group, strains, free } = self;
+        let Self { group, strains, free, factor } = self;
         let remembered = group.memory.len() / strains.len().max(1);
         let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
         let mut points = Vec::with_capacity(strains.len() * LANES);
         for (i, (strain, width)) in strains.iter().enumerate() {
             let memory = &group.memory[i * remembered..(i + 1) * remembered];
-            let eight = answer(law, &without(*strain, free), *width, memory);
+            let strength = factor.map_or_else(Octet::default, |place| memory[place]);
+            let eight = answer(law, &without(*strain, free), *width, memory, &strength);
             let numbers = group.numbers[i * LANES..][..LANES].iter().zip(eight);
             points.extend(
                 numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (element(number), point)),
@@ -110,7 +116,13 @@ fn strains<L: Lanes, const N: usize>(cells: &[Uniform<N>], u: &Vectors) -> Vec<(
 }
 
 #[inline(always)]
-fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[Octet]) -> [Point; LANES] {
+fn answer<L: Lanes, W: Law<L>>(
+    law: &W,
+    strain: &Tensor<L>,
+    width: L,
+    memory: &[Octet],
+    strength: &Octet,
+) -> [Point; LANES] {
     let mut history = history::<L, W>(memory);
     let response = law.stress(strain, &mut history, width);
     let state = law.state(strain, &history, width);
@@ -127,6 +139,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
         compression: compression.0[lane],
         opening_mm: opening.0[lane],
         stored: stored.0[lane],
+        strength: 1.0 + strength.0[lane],
     })
 }
 

@@ -14,6 +14,9 @@
 //! That law is `meso` in other units. With c and t as the factors of f_c and f_t, stresses and strains are in units of c:
 //! the tensile strength is t / c of the one at rest, and a band softens as one of c t times its width in tension, and of
 //! c^2 times in compression.
+//!
+//! A factor s of [`Scatter`](meso_mesh::materials::Scatter), which stays, multiplies c and t, the peak strain and the
+//! energies. A band then softens as one of c t / s and c^2 / s times its width.
 
 use super::elastic::energy;
 use super::meso::{Meso, Rates};
@@ -33,9 +36,16 @@ fn factor<R: Real>(rate: R, [exponent, least, most]: [f64; 3]) -> R {
     ((rate.between(least, most) * R::splat(1.0 / least)).ln() * R::splat(exponent)).exp()
 }
 
-/// The law with its step.
+/// The law with strengths that grow with the rate of strain.
+pub type Rated<R> = Scaled<R, 10>;
+/// The law with strengths that scatter.
+pub type Scattered<R> = Scaled<R, 9>;
+/// The law with strengths that scatter and grow.
+pub type RatedScattered<R> = Scaled<R, 11>;
+
+/// The law with its step, and a history of `N` registers.
 #[derive(Clone, Copy, Debug)]
-pub struct Rated<R> {
+pub struct Scaled<R, const N: usize> {
     meso: Meso<R>,
     elastic: Hooke<R>,
     /// 2 / E, per MPa.
@@ -43,28 +53,65 @@ pub struct Rated<R> {
     per_step: R,
     /// Share of a step's rate in the low-passed one.
     share: R,
+    /// Largest factor of the scatter.
+    most: f64,
 }
 
-/// Where equivalent strain and rate stand in a history, after that of `meso`.
+/// Where equivalent strain and rate stand in a history, after that of `meso`; the factor of the scatter, less 1, is last.
 const LAST: usize = 8;
 const RATE: usize = 9;
 
-impl<R: Real> Rated<R> {
-    /// The law of a phase with these values, in steps of `dt_s`.
-    pub fn new(elastic: &materials::Elastic, strength: &Strength, own: &Mesoscale, dt_s: f64) -> Self {
+/// Factors of f_c and f_t by the rate, and of both by the scatter.
+struct Factors<R> {
+    growth: [R; 2],
+    own: R,
+}
+
+impl<R: Real, const N: usize> Scaled<R, N> {
+    const IS_RATED: bool = N > RATE;
+    const IS_SCATTERED: bool = N != RATE + 1;
+
+    /// The law of a phase with these values, in steps of `dt_s`, with factors of `most` at most.
+    pub fn new(elastic: &materials::Elastic, strength: &Strength, own: &Mesoscale, [dt_s, most]: [f64; 2]) -> Self {
         Self {
             meso: Meso::new(elastic, strength, own),
             elastic: Hooke::new(elastic),
             per_energy: R::splat(2.0 / elastic.youngs_modulus_mpa),
             per_step: R::splat(1.0 / dt_s),
             share: R::splat(-libm::expm1(-dt_s / LAG_S)),
+            most,
         }
     }
 
-    /// Factors of f_c and f_t at the rate of a history.
+    /// Factors at the rate and the place of a history.
     #[inline(always)]
-    fn factors(history: &[R; 10]) -> [R; 2] {
-        [factor(history[RATE], COMPRESSION), factor(history[RATE], TENSION)]
+    fn factors(history: &[R; N]) -> Factors<R> {
+        let one = R::splat(1.0);
+        let growth = if Self::IS_RATED {
+            [factor(history[RATE], COMPRESSION), factor(history[RATE], TENSION)]
+        } else {
+            [one; 2]
+        };
+        Factors { growth, own: if Self::IS_SCATTERED { one + history[N - 1] } else { one } }
+    }
+
+    /// A number times the factor of the scatter.
+    #[inline(always)]
+    fn times(number: R, own: R) -> R {
+        if Self::IS_SCATTERED { number * own } else { number }
+    }
+
+    /// The history of `meso`, its rates at these factors, and its unit of stress and strain.
+    #[inline(always)]
+    fn parts(history: &[R; N], Factors { growth: [c, t], own }: &Factors<R>) -> ([R; 8], Rates<R>, R) {
+        let (c, t, own) = (*c, *t, *own);
+        let unit = Self::times(c, own);
+        let (mut first, per) = ([history[0]; 8], R::splat(1.0) / unit);
+        for i in 0..8 {
+            first[i] = if i < 6 { history[i] * per } else { history[i] };
+        }
+        let rates = Rates { tensile: t / c, crack: Self::times(c * t, own), crush: Self::times(c * c, own) };
+        (first, rates, unit)
     }
 }
 
@@ -78,40 +125,33 @@ fn scaled<R: Real>(tensor: &Tensor<R>, by: R) -> Tensor<R> {
     scaled
 }
 
-/// The history of `meso`, and its rates at these factors.
-#[inline(always)]
-fn parts<R: Real>(history: &[R; 10], [c, t]: [R; 2]) -> ([R; 8], Rates<R>) {
-    let (mut own, per) = ([history[0]; 8], R::splat(1.0) / c);
-    for i in 0..8 {
-        own[i] = if i < 6 { history[i] * per } else { history[i] };
-    }
-    (own, Rates { tensile: t / c, crack: c * t, crush: c * c })
-}
+impl<R: Real, const N: usize> Law<R> for Scaled<R, N> {
+    /// That of `meso`, the strains of cracking and crushing in units of the factor of f_c; with rates the equivalent strain
+    /// and the rate; with scatter its factor, less 1.
+    type History = [R; N];
 
-impl<R: Real> Law<R> for Rated<R> {
-    /// That of `meso`, the strains of cracking and crushing in units of the factor of f_c; the equivalent strain, and the rate.
-    type History = [R; 10];
-
-    fn virgin() -> [R; 10] {
-        [R::splat(0.0); 10]
+    fn virgin() -> [R; N] {
+        [R::splat(0.0); N]
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 10], width: R) -> PointResponse<R> {
+    fn stress(&self, strain: &Tensor<R>, history: &mut [R; N], width: R) -> PointResponse<R> {
         let one = R::splat(1.0);
         let yielded = Meso::yielded(history);
         let elastic = self.elastic.of(strain);
-        let now = (energy(&elastic, strain) * self.per_energy).positive().sqrt();
-        let rate = (now - history[LAST]).abs() * self.per_step;
-        let passed = self.share.mul_add(rate - history[RATE], history[RATE]);
-        history[LAST] = now;
-        history[RATE] = R::select(yielded, history[RATE], passed);
+        if Self::IS_RATED {
+            let now = (energy(&elastic, strain) * self.per_energy).positive().sqrt();
+            let rate = (now - history[LAST]).abs() * self.per_step;
+            let passed = self.share.mul_add(rate - history[RATE], history[RATE]);
+            history[LAST] = now;
+            history[RATE] = R::select(yielded, history[RATE], passed);
+        }
         // Strengths only grow: where none is reached at rest, none is.
-        if !R::any(yielded | self.meso.yields(&elastic)) {
+        let at_rest = if Self::IS_SCATTERED { scaled(&elastic, one / (one + history[N - 1])) } else { elastic };
+        if !R::any(yielded | self.meso.yields(&at_rest)) {
             return PointResponse { stress: elastic, integrity: one };
         }
-        let factors = Self::factors(history);
-        let ([c, _], (before, rates)) = (factors, parts(history, factors));
+        let (before, rates, c) = Self::parts(history, &Self::factors(history));
         let (per, mut own) = (one / c, before);
         let answer = self.meso.answer::<true>(&scaled(strain, per), &mut own, width, &rates);
         for i in 0..8 {
@@ -128,18 +168,20 @@ impl<R: Real> Law<R> for Rated<R> {
     }
 
     #[inline(always)]
-    fn state(&self, strain: &Tensor<R>, history: &[R; 10], width: R) -> State<R> {
-        let factors = Self::factors(history);
-        let ([c, _], (own, rates)) = (factors, parts(history, factors));
+    fn state(&self, strain: &Tensor<R>, history: &[R; N], width: R) -> State<R> {
+        let (own, rates, c) = Self::parts(history, &Self::factors(history));
         let per = R::splat(1.0) / c;
         let state = self.meso.shown::<true>(&scaled(strain, per), &own, width, &rates);
         State { opening: state.opening * c, stored: state.stored * (c * c), ..state }
     }
 
     fn widest_mm(&self) -> [f64; 2] {
-        let [c, t] = [COMPRESSION, TENSION].map(|[exponent, least, most]| libm::pow(most / least, exponent));
+        let most = |[exponent, least, most]: [f64; 3]| {
+            if Self::IS_RATED { libm::pow(most / least, exponent) } else { 1.0 }
+        };
+        let [c, t] = [COMPRESSION, TENSION].map(most);
         let [cracks, crushes] = self.meso.widest_mm();
-        [cracks / (t * t), crushes / (c * c)]
+        [cracks / (t * t * self.most), crushes / (c * c * self.most)]
     }
 }
 
@@ -155,7 +197,7 @@ mod tests {
         let materials = Materials::default();
         let strength = materials.mortar_strength.of(LawName::Meso);
         let dt = if rate { DT_S } else { 1e3 };
-        let rated = Rated::new(&materials.mortar, &strength, &materials.meso, dt);
+        let rated = Rated::new(&materials.mortar, &strength, &materials.meso, [dt, 1.0]);
         (rated, Meso::new(&materials.mortar, &strength, &materials.meso), strength)
     }
 

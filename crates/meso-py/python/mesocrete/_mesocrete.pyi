@@ -1094,6 +1094,10 @@ class Frame:
         """Opening of the crack in every cell: ndarray, shape (m,), float32, mm; a copy."""
 
     @property
+    def strength_factor(self) -> NDArray[np.float32]:
+        """Factor of the strengths in every cell, 1 where they do not scatter: ndarray, shape (m,), float32; a copy."""
+
+    @property
     def phase(self) -> NDArray[np.uint8]:
         """Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
 

@@ -481,6 +481,8 @@ class DeckMaterials(TypedDict, total=False):
     """Strength of the mortar."""
     plasticity: DeckPlasticity
     """Yield surface and flow of the damaged plasticity."""
+    scatter: DeckScatter | None
+    """Scatter of the strengths of mortar and ITZ over the specimen in a test; absent, each phase has one strength, as in decks."""
 
 
 class DeckMesoscale(TypedDict, total=False):
@@ -528,6 +530,23 @@ class DeckPlasticity(TypedDict, total=False):
     """Ratio of the second invariants on the tensile and the compressive meridian, K_c."""
     viscosity_s: float
     """Viscosity parameter, s (without effect in Abaqus/Explicit)."""
+
+
+class DeckScatter(TypedDict, total=False):
+    """Scatter of the strengths of mortar and ITZ over the specimen, for the law `meso`. One factor multiplies strengths, peak strain and energies of a place, so that openings of cracks keep their law. Stiffness has no scatter."""
+
+    coefficient_of_variation: float
+    """Standard deviation of the strengths over their mean; 0 is no scatter."""
+    correlation_length_mm: float
+    """Distance at which the covariance has fallen to 1/e, mm."""
+    covariance: Literal["squared-exponential", "exponential"]
+    """Covariance of the Gaussian field over the distance; squared-exponential unless given."""
+    distribution: Literal["weibull", "lognormal"]
+    """Distribution of the strengths; weibull unless given."""
+    phases: Sequence[Literal["mortar", "itz"]]
+    """Phases that scatter, by one field; mortar and itz unless given."""
+    seed: int
+    """Seed of the field, which the packing does not depend on; 1 unless given."""
 
 
 class DeckStone(TypedDict, total=False):

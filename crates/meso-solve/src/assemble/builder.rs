@@ -1,9 +1,11 @@
 //! A block, built from the mesh's cells, cohesive faces and patches that it has.
 
+use crate::assemble::centroid;
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::{MOST_NODES, Patch, Patches, band};
 use crate::assemble::tet::{Shape, corners};
 use crate::assemble::weight::facing;
+use meso_collision::math::Vec3;
 use meso_element::block::{Batch, Block, EMPTY, Group, eights};
 use meso_element::face::Faces;
 use meso_element::hex::Hexes;
@@ -126,10 +128,35 @@ impl<'a> Builder<'a> {
     fn group(&self, (phase, matter, free): Matter, cells: Batch, numbers: &[u32]) -> Group {
         let count = eights(numbers.len());
         let remembered = cells.remembered(&self.parts.common.matter[usize::from(matter)]);
+        let mut memory = vec![Octet::default(); count * remembered];
+        self.scatter(&cells, matter, numbers, &mut memory);
         let mut numbers = numbers.to_vec();
         numbers.resize(count * LANES, EMPTY);
-        let memory = vec![Octet::default(); count * remembered];
         Group { phase, matter, free, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
+    }
+
+    /// Writes the factors of the strengths of some cells or patches into their memory.
+    fn scatter(&self, kind: &Batch, matter: u16, numbers: &[u32], memory: &mut [Octet]) {
+        let matter = &self.parts.common.matter[usize::from(matter)];
+        let (Some(place), Some(field)) = (matter.factor(), self.parts.strengths) else { return };
+        let remembered = matter.remembered();
+        for (i, number) in numbers.iter().enumerate() {
+            let own = self.patches.as_ref().filter(|_| kind.are_patches());
+            let at = own.map_or_else(|| self.centre(&[*number]), |own| self.centre(own.all.cells(*number)));
+            memory[i / LANES * remembered + place].0[i % LANES] = (field.factor(&at) - 1.0) as f32;
+        }
+    }
+
+    /// Centre of the volume of some cells; those of a patch are tetrahedra.
+    fn centre(&self, cells: &[u32]) -> Vec3 {
+        let mesh = self.parts.sample.mesh;
+        let volume = |cell: u32| if cells.len() == 1 { 1.0 } else { Shape::of(&corners(mesh, cell)).volume };
+        let (mut sum, mut all) = (Vec3::zeros(), 0.0);
+        for &cell in cells {
+            sum += volume(cell) * centroid(mesh, self.cell(cell));
+            all += volume(cell);
+        }
+        sum / all
     }
 
     /// The block's own number of a node.

@@ -2,6 +2,7 @@
 
 use meso_element::block::{Common, PHASES};
 use meso_mesh::Phase;
+use meso_mesh::materials::StrengthField;
 use meso_trial::Sample;
 use meso_trial::Smoothing;
 
@@ -15,6 +16,8 @@ pub(crate) struct Parts<'a> {
     pub(crate) smoothing: Smoothing,
     /// By cell, whether it lies below the layer at the surface; empty where there is no layer.
     pub(crate) below: &'a [bool],
+    /// Factors of the strengths; none where they do not scatter.
+    pub(crate) strengths: Option<&'a StrengthField>,
 }
 
 impl Parts<'_> {

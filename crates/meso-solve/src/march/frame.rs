@@ -47,6 +47,11 @@ impl<'a> Frame<'a> {
         self.run.sample.mesh
     }
 
+    /// Whether strengths scatter.
+    pub(crate) fn is_scattered(&self) -> bool {
+        self.run.scatter.is_some()
+    }
+
     /// Displacements of the mesh's nodes, mm; the lower plate rests.
     pub fn displacement(&self) -> Vec<[f32; 3]> {
         let rest = self.run.rest();
@@ -128,5 +133,6 @@ impl Mean for Point {
         self.compression.add(&other.compression, share);
         self.opening_mm.add(&other.opening_mm, share);
         self.stored.add(&other.stored, share);
+        self.strength.add(&other.strength, share);
     }
 }

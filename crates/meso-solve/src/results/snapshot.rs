@@ -60,6 +60,8 @@ pub struct Snapshot {
     pub compression: Vec<f32>,
     /// Opening of the crack in every cell, mm.
     pub opening_mm: Vec<f32>,
+    /// Factor of the strengths in every cell; empty where they do not scatter.
+    pub strength: Vec<f32>,
 }
 
 impl Snapshot {
@@ -68,6 +70,7 @@ impl Snapshot {
         let cells = frame.mesh().cell_count();
         let (mut stress, mut damage) = (vec![[0.0_f32; 6]; cells], vec![0.0_f32; cells]);
         let (mut tension, mut compression, mut opening_mm) = (damage.clone(), damage.clone(), damage.clone());
+        let mut strength = if frame.is_scattered() { damage.clone() } else { Vec::new() };
         frame.visit(
             |point| *point,
             |cell, point, share| {
@@ -76,10 +79,13 @@ impl Snapshot {
                 tension[cell].take(&point.tension, share);
                 compression[cell].take(&point.compression, share);
                 opening_mm[cell].take(&point.opening_mm, share);
+                if let Some(strength) = strength.get_mut(cell) {
+                    strength.take(&point.strength, share);
+                }
             },
         );
         let (moment, displacement) = (Moment::of(frame), frame.displacement());
-        Self { moment, displacement, stress, damage, tension, compression, opening_mm }
+        Self { moment, displacement, stress, damage, tension, compression, opening_mm, strength }
     }
 
     /// Fields at the end of `run`, with the number 0; a run that diverged holds no numbers then.
@@ -94,13 +100,14 @@ impl Snapshot {
     pub fn write(&self, mesh: &Mesh, still: &mut Still, out: &mut dyn Write) -> io::Result<()> {
         let scalar = |name, values| Field { name, components: 1, values };
         let moved = Field { name: "displacement_mm", components: 3, values: self.displacement.as_flattened() };
-        let cells = [
+        let mut cells = vec![
             scalar("damage", &self.damage),
             scalar("damage_tension", &self.tension),
             scalar("damage_compression", &self.compression),
             scalar("crack_opening_mm", &self.opening_mm),
             Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
         ];
+        cells.extend((!self.strength.is_empty()).then(|| scalar("strength_factor", &self.strength)));
         vtu_mesh::write_fields(mesh, &[moved], &cells, still, out)
     }
 }

@@ -174,6 +174,7 @@ impl Args {
             run.added_mass_percent(),
             run.bytes() as f64 / 1e6
         ));
+        run.scatter().iter().for_each(|own| stderr::line(own.words()));
     }
 }
 

@@ -22,13 +22,14 @@ use crate::march::path::{Leg, Path};
 use crate::march::servo::{Follower, Servo};
 use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, Moment, Supports};
+use meso_collision::math::Aabb;
 use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
 use meso_element::face::CohesionValues;
 use meso_element::lanes::InstructionSet;
-use meso_mesh::materials::Materials;
+use meso_mesh::materials::{Materials, Scatter, StrengthField};
 use meso_mesh::{CellKind, Phase};
 use meso_trial::Sample;
 use meso_trial::{Control, Setup, Smoothing, Test};
@@ -55,6 +56,8 @@ pub struct Run<'a> {
     pub(crate) supports: Supports,
     /// Record of the test for its results.
     pub(crate) setup: Setup,
+    /// Scatter of the strengths, unless the test has none.
+    pub(crate) scatter: Option<Scatter>,
     pub(crate) path: Path,
     pub(crate) gauges: Vec<Reader>,
     /// Place of the gauge that controls the path, among all.
@@ -160,6 +163,10 @@ impl<'a> Run<'a> {
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
         let (mesh, geometry) = (sample.mesh, sample.geometry());
+        let scatter = materials.scattered().filter(|_| test.law != LawName::Elastic).cloned();
+        scatter.iter().try_for_each(|own| own.suits(sample.element_size_mm, !mesh.cohesive.is_empty()))?;
+        let field = scatter.as_ref().map(Scatter::field);
+        let strengths: Option<&StrengthField> = field.as_ref();
         let mut common = common(&sample, &materials.in_mesh(mesh), test)?;
         let rig = test.rig(&geometry)?;
         let smoothing = test.smoothing(mesh.kind);
@@ -167,7 +174,7 @@ impl<'a> Run<'a> {
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
         let (steps, dt) = if test.is_fast() {
-            let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below };
+            let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below, strengths: None };
             in_real_time(test, test.duration_s(&geometry), stable_s(&parts)?)?
         } else {
             test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?
@@ -176,7 +183,7 @@ impl<'a> Run<'a> {
             common.matter.iter_mut().for_each(|matter| matter.rate(dt));
         }
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } =
-            assemble(&Parts { sample: &sample, common: &common, dt, smoothing, below: &below })?;
+            assemble(&Parts { sample: &sample, common: &common, dt, smoothing, below: &below, strengths })?;
         if test.is_fast() && exceeds(masses[1], masses[0] * (1.0 + 1e-9)) {
             let why = "its cohesive faces need mass, and a test in real time adds none; take a solid ITZ";
             return Err(SolveError::mesh(why));
@@ -230,6 +237,7 @@ impl<'a> Run<'a> {
             spent,
             supports,
             setup,
+            scatter,
             path,
             gauges,
             leader,
@@ -268,7 +276,7 @@ impl<'a> Run<'a> {
         if self.test.time_step_s.is_some() { MUCH_MASS } else { MUCH_BY_RULE }
     }
 
-    /// Warnings about the mesh and the step, in sentences, known before the first step.
+    /// Warnings about the mesh, the step and the scatter, in sentences, known before the first step.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.sample.doubts();
         let factor = self.outline.masses[1] / self.outline.masses[0];
@@ -280,12 +288,19 @@ impl<'a> Run<'a> {
                  time_step_s = {fits}, which adds at most 20 %, or check the units of the materials"
             ));
         }
+        let longest = Aabb::around(&self.sample.mesh.points).size().amax();
+        doubts.extend(self.scatter.iter().filter_map(|own| own.doubt(self.sample.element_size_mm, longest)));
         doubts
     }
 
     /// Mass added over the specimen's own, percent.
     pub fn added_mass_percent(&self) -> f64 {
         100.0 * (self.outline.masses[1] / self.outline.masses[0] - 1.0)
+    }
+
+    /// Scatter of the strengths of its mortar and ITZ, unless there is none.
+    pub fn scatter(&self) -> Option<&Scatter> {
+        self.scatter.as_ref()
     }
 
     /// Bytes that the engine holds, the mesh apart.
@@ -530,6 +545,10 @@ fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common,
     let matter = |phase| Matter::new(materials, phase, test.law);
     // Places in the order of the phases' numbers; 3 is no phase of a mesh.
     let mut matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter).to_vec();
+    let scattered = materials.scattered().into_iter().flat_map(|own| Phase::SOLID.map(|phase| (phase, own)));
+    for (phase, own) in scattered.filter(|(phase, own)| own.has(*phase)) {
+        matter[phase as usize].scatter(own.most());
+    }
     let mut stones = Vec::new();
     if let Some(stone) = materials.aggregate_strength.as_ref().filter(|_| test.law != LawName::Elastic) {
         stones = sample.mesh.id_of.iter().map(|&id| (PHASES + stone.place(id)) as u16).collect();
