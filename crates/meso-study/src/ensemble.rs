@@ -1,27 +1,40 @@
 //! Ensemble statistics of repetitions: mean and scatter of every figure, and how many are needed to know the mean.
 //!
 //! The mean is *known to 1 %* where the half-width of its 95 % confidence interval, `t s / sqrt(n)` with Student's t of
-//! n - 1 degrees of freedom, is at most 1 % of it. `s` is the sample's standard deviation.
+//! n - 1 degrees of freedom, is at most 1 % of it. `s` is the sample's standard deviation. Where packings and fields of
+//! strengths have seeds of their own, [`Figure`] has what each of them scatters.
 
-use crate::student::quantile_975;
+use crate::repetitions::Figure;
 use crate::table::{Column, Table, Values};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The axis whose cases are repetitions, unless another one is named.
 pub const REPLICATE: &str = "seed";
-/// Share of the mean to which it is to be known.
-const KNOWN: f64 = 0.01;
-/// More repetitions than anybody runs.
-const MOST: u64 = 1_000_000_000;
+/// Ending of the axis with the seeds of strengths that scatter: its cases are repetitions beside those of [`REPLICATE`].
+const MATERIAL: &str = "materials.scatter.seed";
 
 /// One row for each combination of the other axes' values and each figure: `figure`, `n`, `mean`, `std`, `cv`, the `low` and
 /// `high` end of the mean's 95 % confidence interval, and `needed`, the repetitions until the mean is known to 1 %.
 ///
+/// Where the seeds of strengths that scatter are an axis, too, the scatter from packings and from materials follow, each with
+/// its standard error.
+///
 /// `table` is as [`tabulate`](crate::tabulate) makes it, of axes `keys`; cases that failed have no figures.
 pub fn ensemble(table: &Table, keys: &[String], replicate: &str) -> Table {
+    let material = keys.iter().find(|key| replicate == REPLICATE && key.ends_with(MATERIAL));
+    let is_repeated = |key: &String| key == replicate || Some(key) == material;
     let others: Vec<&Column> =
-        keys.iter().filter(|key| *key != replicate).filter_map(|key| table.column(key)).collect();
+        keys.iter().filter(|key| !is_repeated(key)).filter_map(|key| table.column(key)).collect();
+    // The place of every row's packing and material among all.
+    let places = |key: Option<&str>| {
+        let mut places = vec![0; table.rows()];
+        let column: Vec<&Column> = key.and_then(|key| table.column(key)).into_iter().collect();
+        let each = groups(&column, table.rows());
+        each.iter().enumerate().for_each(|(place, rows)| rows.iter().for_each(|row| places[*row] = place));
+        places
+    };
+    let pairs = material.map(|material| [places(Some(replicate)), places(Some(material))]);
     let is_axis = |name: &str| keys.iter().any(|key| key == name);
     let figures: Vec<(&str, Vec<Option<f64>>)> = table
         .columns
@@ -32,8 +45,14 @@ pub fn ensemble(table: &Table, keys: &[String], replicate: &str) -> Table {
     let mut rows = Vec::new();
     for group in groups(&others, table.rows()) {
         for (name, numbers) in &figures {
-            let sample: Vec<f64> = group.iter().filter_map(|row| numbers[*row]).collect();
-            rows.push((group[0], *name, Figure::of(&sample)));
+            let figure = match &pairs {
+                None => Figure::of(&group.iter().filter_map(|row| numbers[*row]).collect::<Vec<f64>>()),
+                Some([packing, material]) => {
+                    let own = |row: &usize| numbers[*row].map(|number| (packing[*row], material[*row], number));
+                    Figure::of_pairs(&group.iter().filter_map(own).collect::<Vec<_>>())
+                }
+            };
+            rows.push((group[0], *name, figure));
         }
     }
     let first: Vec<usize> = rows.iter().map(|row| row.0).collect();
@@ -57,6 +76,14 @@ pub fn ensemble(table: &Table, keys: &[String], replicate: &str) -> Table {
         number("high", |figure| Some(figure.mean? + figure.half_width()?)),
         whole("needed", Figure::needed),
     ]);
+    if material.is_some() {
+        columns.extend([
+            number("std_packing", |figure| Some(figure.parts[0]?[0])),
+            number("std_packing_error", |figure| Some(figure.parts[0]?[1])),
+            number("std_material", |figure| Some(figure.parts[1]?[0])),
+            number("std_material_error", |figure| Some(figure.parts[1]?[1])),
+        ]);
+    }
     Table { columns }
 }
 
@@ -86,47 +113,4 @@ fn pick(column: &Column, rows: &[usize]) -> Column {
         Values::Text(values) => Values::Text(of(values, rows)),
     };
     Column { name: column.name.clone(), values }
-}
-
-/// Mean and scatter of a sample.
-struct Figure {
-    n: u64,
-    mean: Option<f64>,
-    std: Option<f64>,
-}
-
-impl Figure {
-    fn of(sample: &[f64]) -> Self {
-        let n = sample.len();
-        let mean = (n > 0).then(|| sample.iter().sum::<f64>() / n as f64);
-        let squares = mean.map(|mean| sample.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>());
-        let std = squares.filter(|_| n > 1).map(|squares| (squares / (n - 1) as f64).sqrt());
-        Self { n: n as u64, mean, std }
-    }
-
-    /// Standard deviation over the mean.
-    fn cv(&self) -> Option<f64> {
-        Some(self.std? / self.mean?.abs()).filter(|cv| cv.is_finite())
-    }
-
-    /// Half of the mean's 95 % confidence interval.
-    fn half_width(&self) -> Option<f64> {
-        Some(quantile_975(self.n.checked_sub(1).filter(|degrees| *degrees > 0)?) * self.std? / (self.n as f64).sqrt())
-    }
-
-    /// The smallest number of repetitions of this scatter whose mean is known.
-    fn needed(&self) -> Option<i128> {
-        let cv = self.cv()?;
-        let is_known = |n: u64| quantile_975(n - 1) * cv <= KNOWN * (n as f64).sqrt();
-        // The interval narrows with n, so that halving finds the first.
-        let (mut low, mut high) = (2, MOST);
-        if !is_known(high) {
-            return None;
-        }
-        while low < high {
-            let middle = low + (high - low) / 2;
-            (low, high) = if is_known(middle) { (low, middle) } else { (middle + 1, high) };
-        }
-        Some(low.into())
-    }
 }

@@ -15,6 +15,7 @@ mod named_files;
 mod names;
 mod plan;
 mod record;
+mod repetitions;
 mod results;
 mod run;
 pub mod steps;
