@@ -1,6 +1,6 @@
 //! The kernels as CUDA compiles them: no operation is fused, approximated or flushed; registers stay within the card's.
 
-use crate::same_bytes::{cube, meshed};
+use crate::same_bytes::{cube, meshed, scattered};
 use meso_core::mesh::ItzForm;
 use meso_core::specimen::Specimen;
 use meso_solve::{Expansion, LawName, Smoothing, Test, TestKind};
@@ -9,7 +9,7 @@ use std::process::Command;
 
 /// Instructions that would cost the promise of the same bytes.
 const FORBIDDEN: [&str; 6] = ["fma.rn.f64", "fma.rn.ftz", ".approx", ".ftz", "mad.f32", "div.full"];
-/// Registers of five groups of 128 threads, and of the four of a law whose strengths grow with the rate.
+/// Registers of five groups of 128 threads, and of the four of a law whose strengths grow or scatter.
 const MOST_REGISTERS: [u32; 2] = [96, 128];
 const MOST_SHARED: u32 = 48 << 10;
 
@@ -17,6 +17,7 @@ const MOST_SHARED: u32 = 48 << 10;
 fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (smeared, cohesive) = (cube(24.0, 4.0), meshed(Specimen::cube(20.0), 4.0, ItzForm::Cohesive));
+    let scattered = scattered(cube(24.0, 4.0));
     let (law, kind, smoothing) = (LawName::Meso, TestKind::Triaxial, Some(Smoothing::None));
     let expansion = Some(Expansion { aggregate: 1e-4.into(), ..Expansion::default() });
     for (name, body, test) in [
@@ -26,6 +27,8 @@ fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
         ("pressed-meso", &smeared, Test { law, kind, ..Test::default() }),
         ("swelling-cohesive", &cohesive, Test { expansion, ..Test::default() }),
         ("fast", &smeared, Test { kind: TestKind::Impact, rate_effect: true, ..Test::default() }),
+        ("scattered", &scattered, Test::default()),
+        ("fast-scattered", &scattered, Test { kind: TestKind::Impact, rate_effect: true, ..Test::default() }),
     ] {
         for architecture in ["80", "90"] {
             let source = meso_gpu::source(&body.run(&test), meso_gpu::THREADS).unwrap();
@@ -40,7 +43,7 @@ fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
             assert!(ptx.contains("div.rn.f32") && ptx.contains("sqrt.rn.f32") && ptx.contains("fma.rn.f32"));
             let path = folder.join(format!("{name}{architecture}.ptx"));
             std::fs::write(&path, ptx).unwrap();
-            assemble(&path, architecture, MOST_REGISTERS[usize::from(test.rate_effect)]);
+            assemble(&path, architecture, MOST_REGISTERS[usize::from(test.rate_effect || name.ends_with("scattered"))]);
         }
     }
 }

@@ -304,9 +304,8 @@ fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
     }
 }
 
-#[test]
-fn strengths_that_scatter_have_the_bytes_of_the_processor_on_a_device() {
-    let Some(device) = device() else { return };
+/// A specimen whose strengths scatter.
+pub(crate) fn scattered(cube: Cube) -> Cube {
     let scatter = Scatter {
         coefficient_of_variation: 0.2,
         correlation_length_mm: 8.0,
@@ -315,8 +314,13 @@ fn strengths_that_scatter_have_the_bytes_of_the_processor_on_a_device() {
         phases: vec![ScatteredPhase::Mortar, ScatteredPhase::Itz],
         seed: 1,
     };
-    let cube = cube(20.0, 4.0);
-    let cube = Cube { materials: Materials { scatter: Some(scatter), ..brittle() }, ..cube };
+    Cube { materials: Materials { scatter: Some(scatter), ..brittle() }, ..cube }
+}
+
+#[test]
+fn strengths_that_scatter_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let cube = scattered(cube(20.0, 4.0));
     let pressed = cube.within(400.0, Test { smoothing: Some(Smoothing::Edges), ..Test::default() });
     let hit = Test { kind: TestKind::Impact, rate_effect: true, frames: 2, duration_s: Some(4e-5), ..Test::default() };
     for test in [pressed, Test { smoothing: Some(Smoothing::None), ..hit }] {
@@ -332,9 +336,9 @@ fn cohesive_faces_have_the_bytes_of_the_processor_on_a_device() {
     let expansion = Some(Expansion { aggregate: 2e-4.into(), ..Expansion::default() });
     let [edges, none] = [Smoothing::Edges, Smoothing::None].map(Some);
     for (steps, test) in [
-        (500.0, Test { smoothing: edges, ..Test::default() }),
-        (500.0, Test { smoothing: none, law: LawName::Cdpm2, kind: TestKind::Tension, ..Test::default() }),
-        (60.0, Test { smoothing: edges, kind: TestKind::Expansion, expansion, ..Test::default() }),
+        (700.0, Test { smoothing: edges, ..Test::default() }),
+        (700.0, Test { smoothing: none, law: LawName::Cdpm2, kind: TestKind::Tension, ..Test::default() }),
+        (90.0, Test { smoothing: edges, kind: TestKind::Expansion, expansion, ..Test::default() }),
     ] {
         let response = same(&cube, &cube.within(steps, test), &device);
         dissipates(&response, "itz");

@@ -6,10 +6,8 @@ use meso_solve::device::{SPAN, Upload};
 use std::fmt::Write;
 
 const KERNEL: &str = include_str!("kernel.cl");
-/// Most operations of a law that fits 80 registers, and of one that fits 96: CDP has 485, `meso` 686, CDPM2 810, `meso`
-/// with strengths that grow with the rate 850.
+/// Most operations of a law that fits 80 registers: CDP has 485, `meso` 686 and CDPM2 810.
 const SMALL: usize = 500;
-const LARGE: usize = 830;
 /// Pairs of nodes of a cohesive face, and its nodes beside one.
 const PAIRS: usize = 3;
 const FACE: usize = 2 * PAIRS - 1;
@@ -24,12 +22,14 @@ pub(crate) struct Laws {
     of_faces: Option<usize>,
     /// Constants of all materials.
     pub(crate) params: Vec<f32>,
+    /// Whether strengths grow or scatter.
+    are_scaled: bool,
 }
 
 impl Laws {
     /// Traces the laws of all materials.
     pub(crate) fn of(upload: &Upload) -> Self {
-        let mut all = Self::default();
+        let mut all = Self { are_scaled: upload.are_scaled(), ..Self::default() };
         for material in 0..upload.materials() {
             let (law, params) = law::of_material(upload, material);
             all.add(law, params, 1);
@@ -55,14 +55,13 @@ impl Laws {
     }
 
     /// Groups of 128 threads on a multiprocessor: 6 have 80 registers a thread, which larger laws, expansion and cohesive faces
-    /// would spill; 5 have 96, 4 have 128.
+    /// would spill; 5 have 96, which `meso` with strengths that grow or scatter would spill; 4 have 128.
     fn resident(&self, expands: bool) -> usize {
-        let most = self.laws.iter().map(Law::operations).max().unwrap_or(0);
-        match most {
-            LARGE.. => 4,
-            SMALL.. => 5,
-            _ if expands || self.of_faces.is_some() => 5,
-            _ => 6,
+        let is_large = expands || self.of_faces.is_some() || self.laws.iter().any(|law| law.operations() > SMALL);
+        match (self.are_scaled, is_large) {
+            (true, _) => 4,
+            (false, true) => 5,
+            (false, false) => 6,
         }
     }
 

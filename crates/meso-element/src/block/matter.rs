@@ -253,6 +253,11 @@ impl Matter {
         }
     }
 
+    /// Whether strengths grow with the rate of strain, or scatter.
+    pub fn is_scaled(&self) -> bool {
+        matches!(self.behaviour, Behaviour::Rated(..) | Behaviour::Scattered(..) | Behaviour::RatedScattered(..))
+    }
+
     /// Place of the factor of the strengths, less 1, among the registers that an element remembers.
     pub fn factor(&self) -> Option<usize> {
         let is_scattered = matches!(self.behaviour, Behaviour::Scattered(..) | Behaviour::RatedScattered(..));

@@ -337,6 +337,11 @@ impl Upload<'_> {
         !self.0.test.has_extra()
     }
 
+    /// Whether the strengths of a material grow with the rate of strain, or scatter.
+    pub fn are_scaled(&self) -> bool {
+        self.0.common.matter.iter().any(|matter| matter.is_scaled())
+    }
+
     /// Whether supports move in real time: their work is then that on the nodes, and not that along their own path.
     pub fn is_driven(&self) -> bool {
         self.0.supports.is_driven
