@@ -47,6 +47,26 @@ fn every_combination_has_a_folder_and_a_row() {
 }
 
 #[test]
+fn fields_of_strengths_are_repetitions_beside_packings_and_the_ensemble_splits_their_scatter() {
+    let study = "spec = 'small.toml'\nmodel = 'none'\n[over]\nseed = [1, 2]\nsolve.materials.scatter.seed = [1, 5]\n\
+                 [solve]\nelement-size-mm = 5\nstrain = 0.002\nframes = 0\naccept-phase-error = true\n\
+                 [solve.materials.scatter]\ncoefficient_of_variation = 0.2\ncorrelation_length_mm = 20\n";
+    let folder = folder(study);
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let table = String::from_utf8(folder.read("study/ensemble.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let names = ["figure", "n", "mean", "std", "cv", "low", "high", "needed"];
+    let parts = ["std_packing", "std_packing_error", "std_material", "std_material_error"];
+    assert_eq!(rows[0], [&names[..], &parts[..]].concat());
+    let of = |figure: &str| rows.iter().find(|row| row[0] == figure).unwrap_or_else(|| panic!("{figure} of {table}"));
+    // Fields leave the packing as it is.
+    let by_material = |figure: &str| of(figure)[10].parse::<f64>().unwrap();
+    assert!(of("fraction")[1] == "4" && by_material("fraction") < 1e-9, "{:?}", of("fraction"));
+    assert!(by_material("solve.peak_mpa") > 0.5, "{:?}", of("solve.peak_mpa"));
+}
+
+#[test]
 fn effective_properties_are_columns() {
     let study = "spec = 'small.toml'\n[effective]\nwhat = 'all'\nvoxel-size-mm = 5\nno-fields = true\nphases = 'p.toml'\n\
                  [over]\nseed = [1, 2]\neffective.axes = ['x', 'xz']\n";

@@ -377,6 +377,19 @@ def test_materials_of_a_concrete_and_of_its_mortar_are_those_of_a_test():
         mc.Materials.for_concrete(38, rock="cheese")
 
 
+def test_strengths_that_scatter_are_a_field_of_frames_and_of_their_pickles(mesh):
+    scatter = {"coefficient_of_variation": 0.2, "correlation_length_mm": 20.0}
+    response = mesh.solve(strain=0.001, frames=1, materials={"scatter": scatter})
+    frame = response.frames[0]
+    grains = frame.phase == 2
+    assert (frame.strength_factor[grains] == 1).all()
+    assert 0.02 < frame.strength_factor[~grains].std() < 0.4
+    assert (pickle.loads(pickle.dumps(response)).frames[0].strength_factor == frame.strength_factor).all()
+    assert (mesh.solve(strain=0.001, frames=1).frames[0].strength_factor == 1).all()
+    with pytest.raises(ValueError, match="scatter.correlation_length_mm is 0.1; with elements of"):
+        mesh.solve(strain=0.001, materials={"scatter": scatter | {"correlation_length_mm": 0.1}})
+
+
 def test_materials_of_a_concrete_solve(mesh):
     response = mesh.solve(strain=0.002, materials=mc.Materials.for_concrete(38))
     assert response.result["peak_mpa"] > 10

@@ -32,7 +32,7 @@ pub struct Scatter {
     pub coefficient_of_variation: f64,
     /// Distance at which the covariance has fallen to 1/e, mm.
     pub correlation_length_mm: f64,
-    /// StrengthDistribution of the strengths; weibull unless given.
+    /// Distribution of the strengths; weibull unless given.
     #[serde(default)]
     pub distribution: StrengthDistribution,
     /// Covariance of the Gaussian field over the distance; squared-exponential unless given.
@@ -46,7 +46,7 @@ pub struct Scatter {
     pub seed: u64,
 }
 
-/// StrengthDistribution of strengths about a mean of 1.
+/// Distribution of strengths about a mean of 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]

@@ -144,7 +144,7 @@ def mean_curves(
         A study of tests, or its folder, as `mesocrete study` with `[solve]` makes it: cases with a `curve.csv`. Failed cases
         do not count.
     replicate : str
-        The axis whose cases are repetitions.
+        The axis whose cases are repetitions; beside `seed`, seeds of `[materials.scatter]` are repetitions, too.
     x, y : str
         Columns of `curve.csv`; `x` must not fall.
     points : int
@@ -164,10 +164,14 @@ def mean_curves(
     if points < 2:
         message = f"points is {points}; it must be 2 or more"
         raise ValueError(message)
+
+    def is_repeated(key: str) -> bool:
+        return key == replicate or (replicate == "seed" and key.endswith("materials.scatter.seed"))
+
     root = study.out if isinstance(study, Study) else Path(study)
     groups: dict[str, tuple[dict[str, Any], list[tuple[NDArray[np.float64], NDArray[np.float64]]]]] = {}
     for record in _records(study, root):
-        others = {key: value for key, value in record["values"].items() if key != replicate}
+        others = {key: value for key, value in record["values"].items() if not is_repeated(key)}
         _, found = groups.setdefault(json.dumps(others, sort_keys=True), (others, []))
         found.append(_curve(root / record["case"] / _CURVE, x, y))
     if not groups:
