@@ -111,10 +111,13 @@ def test_all_types_survive_a_frame_and_its_parquet(tmp_path):
 
 
 def test_a_bar_names_the_cases_and_is_plain_lines_in_a_pipe(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("mesocrete._progress._LINE", 0.0)
+    monkeypatch.setattr("mesocrete._study._MINUTE", 0.0)
     mc.study(TINY, {"seed": [1, 2]}, out=tmp_path / "s", progress=True)
     lines = capsys.readouterr().err.splitlines()
-    assert [line.split(" after ")[0] for line in lines] == [f"study: {n} of 2: {50 * n} %" for n in range(3)]
+    assert [line.split(" after ")[0].split(" a minute")[0].rpartition(", ")[0] for line in lines[1:]] == [
+        f"study: {n} of 2, 0 failed, {2 - n} running" for n in (1, 2)
+    ]
+    assert lines[0].startswith("study: 0 of 2, 0 failed, 1 running: 0 % after ") and ", 0 min left: 100 % after" in lines[2]
 
 
 def test_failures_are_kept_with_their_message_and_done_again_on_request(tmp_path):

@@ -182,8 +182,8 @@ impl Drop for Held {
         let Some(file) = self.file.take() else { return };
         if self.is_shared {
             let _ = file.unlock();
-            // The last one removes the file.
-            if file.try_lock().is_err() || !is_at(&file, &self.path) {
+            // The last one removes the file, and on a disk without locks each does.
+            if (self.is_exclusive && file.try_lock().is_err()) || !is_at(&file, &self.path) {
                 return;
             }
         }

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -101,6 +102,8 @@ pub struct Tally {
     pub done: usize,
     /// Cases with an error.
     pub failed: usize,
+    /// Cases in the hand of [`StudyRun::drive`].
+    pub running: usize,
 }
 
 impl Tally {
@@ -251,6 +254,7 @@ pub struct StudyRun {
     again: Again,
     slots: Mutex<Vec<Slot>>,
     before: usize,
+    running: AtomicUsize,
     held: Mutex<Vec<Held>>,
     /// Of records in one file: what has been read of them, and the numbers of the cases by their hashes.
     listed: Option<Mutex<(Seen, HashMap<String, usize>)>>,
@@ -324,7 +328,7 @@ impl StudyRun {
             Mutex::new((Seen::default(), hashes.collect()))
         });
         let (slots, held, then, out) = (Mutex::new(slots), Mutex::new(held), then.to_owned(), out.to_owned());
-        let mut run = Self { plan, then, out, again, slots, before: 0, held, listed };
+        let mut run = Self { plan, then, out, again, slots, before: 0, running: AtomicUsize::new(0), held, listed };
         run.look_again(0)?;
         // What runs again is left whatever the records say.
         for slot in run.slots.get_mut().unwrap_or_else(PoisonError::into_inner) {
@@ -409,7 +413,7 @@ impl StudyRun {
         let count = |wanted: Slot| slots.iter().filter(|slot| **slot == wanted).count();
         let cases = slots.len() - count(Slot::Elsewhere);
         let (done, failed) = (count(Slot::Over(Status::Done)), count(Slot::Over(Status::Failed)));
-        Tally { cases, before: self.before, done, failed }
+        Tally { cases, before: self.before, done, failed, running: self.running.load(Ordering::Relaxed) }
     }
 
     /// Records of the cases of this run that are over, in order.
@@ -476,8 +480,11 @@ impl StudyRun {
                     Ok(true)
                 }
                 Begun::Turn(turn) => {
+                    self.running.fetch_add(1, Ordering::Relaxed);
                     hears(Heard::Starts(number));
-                    match work(number) {
+                    let worked = work(number);
+                    self.running.fetch_sub(1, Ordering::Relaxed);
+                    match worked {
                         Ok(Some(outcome)) => self.end(number, turn, outcome, keeper).map(|()| true),
                         left => {
                             turn.leave(&keeper);

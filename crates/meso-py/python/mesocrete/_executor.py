@@ -45,6 +45,8 @@ class Workers:
         self._counted = -_COUNT
         self._most = _AHEAD
         self._is_alone = False
+        self._submitted = 0
+        self.idle: Callable[[], object] = lambda: None
         self._memory = _declared(executor)
         self._executor: Any = executor
         # dask would take two calls with equal arguments for one.
@@ -111,6 +113,7 @@ class Workers:
                         break
                     running[future] = jobs.popleft()
                     future.add_done_callback(ended.put)
+                self._submitted = len(running)
                 if not running:
                     return
                 future = self._next(ended, len(jobs) + len(running))
@@ -126,6 +129,7 @@ class Workers:
             try:
                 return ended.get(timeout=_COUNT)
             except Empty:
+                self.idle()
                 if self._count():
                     since = time.monotonic()
                 elif not self._is_alone and time.monotonic() - since > _NOBODY:
@@ -155,6 +159,11 @@ class Workers:
         else:
             return False
         return True
+
+    @property
+    def running(self) -> int:
+        """Number of the calls that have a worker."""
+        return min(self._submitted, self._most // _AHEAD)
 
     def close(self) -> None:
         """End the processes that were started here."""

@@ -35,8 +35,9 @@ class Listener:
 class Bar:
     """A bar of its own, one line wide, which is gone at the end; plain lines where stderr is no terminal."""
 
-    def __init__(self) -> None:
-        """Start the clock."""
+    def __init__(self, line: float | None = None) -> None:
+        """Start the clock; `line` is the time between two lines where nobody sees a bar, seconds."""
+        self._line = line
         self._started = self._drawn = time.monotonic()
         self._handle = _notebook()
         self._shown = False
@@ -45,7 +46,7 @@ class Bar:
         """Draw the share that is done, at most ten times a second."""
         now = time.monotonic()
         seen = self._handle is not None or sys.stderr.isatty()
-        if now - self._drawn < (_REDRAW if seen else _LINE):
+        if now - self._drawn < (_REDRAW if seen else _LINE if self._line is None else self._line):
             return
         self._drawn, self._shown = now, True
         share = min(max(done / total if total else 0.0, 0.0), 1.0)

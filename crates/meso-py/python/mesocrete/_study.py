@@ -324,6 +324,8 @@ class _Way(NamedTuple):
 
 # Seconds between two looks at a case that another process works on.
 _PAUSE = 0.1
+# Seconds between two lines of a study where nobody sees a bar.
+_MINUTE = 60.0
 # A disk without room, or a user without quota.
 _FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -332,23 +334,26 @@ def _drive(plan: _StudyPlan, folder: Path, way: _Way) -> None:
     """Do the cases of a plan that are left."""
     then, name, executor, threads, progress, retry_failed, layout = way
     workers = None if executor is None else Workers(executor, then)
-    tell = _teller(progress, len(plan))
+    if not isinstance(progress, bool | None) and not callable(progress):
+        message = f"progress is of type {type(progress).__name__}; it must be a bool or a callable that takes (over, cases)"
+        raise TypeError(message)
     run = _StudyRun(plan, name, folder, retry_failed, layout)
+    tell = _teller(progress, run, len(plan), workers)
     _LOCKED.add(run)
     try:
         if not run.is_exclusive:
             message = f"the disk of {folder} has no locks: keep other processes out of the folder while this one works there"
-            warnings.warn(message, stacklevel=4)
-        tell(run.over)
+            warnings.warn(message, stacklevel=3)
+        tell()
         if workers is None:
             ended = _here(run, then, threads)
         else:
             ended = _there(run, workers, (then, 1 if threads is None else threads))
         for number, state in ended:
             run.note(number, state == "failed")
-            tell(run.over)
+            tell()
     finally:
-        tell(None)
+        tell(is_over=True)
         if workers is not None:
             workers.close()
         _LOCKED.discard(run)
@@ -500,17 +505,30 @@ def _message(error: Exception) -> str:
     return text.encode("utf-8", "backslashreplace").decode()
 
 
-def _teller(progress: bool | Callable[[int, int], object] | None, cases: int) -> Callable[[int | None], None]:
-    """Return a listener to the number of cases that are over; None ends it."""
-    if not progress:
-        return lambda _: None
-    if progress is True:
-        bar = Bar()
-        return lambda over: bar.close() if over is None else bar(over, cases, f"study: {over} of {cases}")
-    if not callable(progress):
-        message = f"progress is of type {type(progress).__name__}; it must be a bool or a callable that takes (over, cases)"
-        raise TypeError(message)
-    return lambda over: None if over is None else (progress(over, cases), None)[1]
+def _teller(
+    progress: bool | Callable[[int, int], object] | None, run: _StudyRun, cases: int, workers: Workers | None
+) -> Callable[..., None]:
+    """Return the function that reports how far a run is; `is_over` ends it."""
+    bar, begun, before = Bar(_MINUTE) if progress is True else None, time.monotonic(), run.over
+
+    def show() -> None:
+        over, minutes = run.over, (time.monotonic() - begun) / 60.0
+        running = workers.running if workers is not None else int(over < cases)
+        text = f"study: {over} of {cases}, {run.failed} failed, {running} running"
+        if over > before:
+            text += f", {(over - before) / minutes:.3g} a minute, {(cases - over) * minutes / (over - before):.0f} min left"
+        if bar is not None:
+            bar(over, cases, text)
+
+    def tell(*, is_over: bool = False) -> None:
+        if bar is not None:
+            bar.close() if is_over else show()
+        elif callable(progress) and not is_over:
+            progress(run.over, cases)
+
+    if bar is not None and workers is not None:
+        workers.idle = show
+    return tell
 
 
 def _arrays(columns: Mapping[str, list[Any]]) -> dict[str, NDArray[np.generic]]:

@@ -328,6 +328,12 @@ impl PyStudyRun {
         self.run.tally().over()
     }
 
+    /// Number of the cases that failed.
+    #[getter]
+    fn failed(&self) -> usize {
+        self.run.tally().failed
+    }
+
     /// False on a file system without locks.
     #[getter]
     fn is_exclusive(&self) -> bool {

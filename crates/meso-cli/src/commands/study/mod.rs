@@ -22,6 +22,7 @@ use std::io::{self, IsTerminal};
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -231,7 +232,14 @@ fn drive(study: &StudyRun, plan: &Plan, steps: &StepsOf<'_>, how: &Working, show
         Ok((!interrupt::asked()).then_some(outcome))
     };
     let hears = |heard: Heard| shown.heard(study.tally(), plan, heard);
-    let ended = study.drive(how.jobs.unwrap_or(1), Signals, &hears, &work);
+    let is_over = AtomicBool::new(false);
+    let ended = std::thread::scope(|scope| {
+        let ticking = scope.spawn(|| shown.tick(study, &is_over));
+        let ended = study.drive(how.jobs.unwrap_or(1), Signals, &hears, &work);
+        is_over.store(true, Ordering::Relaxed);
+        ticking.thread().unpark();
+        ended
+    });
     shown.clear();
     ended.map_err(failure)
 }
@@ -335,7 +343,7 @@ fn finish(study: &StudyRun, args: &Args) -> Result<u8, Failure> {
     for record in study.records().iter().filter(|record| record.status == Status::Failed) {
         stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
     }
-    let Tally { cases, before, done, failed } = tally;
+    let Tally { cases, before, done, failed, .. } = tally;
     let left = cases - tally.over();
     if !args.quiet {
         let hint = if failed > 0 { "; --retry-failed runs them again" } else { "" };
@@ -387,25 +395,36 @@ impl Shown {
         if self.quiet {
             return;
         }
-        let (word, number) = match heard {
-            Heard::Starts(number) => ("next: ", number),
-            Heard::Waits(number) => ("waiting for another process: ", number),
-        };
-        let (over, cases, failed) = (tally.over(), tally.cases, tally.failed);
-        let folder = &plan.cases[number].folder;
         if self.is_terminal {
-            let bar = bar(over as f64 / cases as f64);
-            let text = format!("study {bar} {over} of {cases}, {failed} failed: {folder}");
-            show(&format!("{CLEAR}{}", fit(&text)));
+            let bar = bar(tally.over() as f64 / tally.cases as f64);
+            show(&format!("{CLEAR}{}", fit(&format!("{} {bar}", self.state(tally)))));
             return;
         }
-        self.first.call_once(|| stderr::line(format!("study of {cases} cases, {} done before", tally.before)));
+        self.first.call_once(|| stderr::line(format!("study of {} cases, {} done before", tally.cases, tally.before)));
+        let Heard::Waits(number) = heard else { return };
         let Ok(mut last) = self.last.try_lock() else { return };
         if last.elapsed() >= CASE_LINE {
             *last = Instant::now();
-            let pace = self.pace(over - tally.before, cases - over);
-            stderr::line(format!("{over} of {cases} cases over, {failed} failed{pace}; {word}{folder}"));
+            stderr::line(format!("waiting for another process: {}", plan.cases[number].folder));
         }
+    }
+
+    /// A line a minute where nobody sees a bar, however long a case takes.
+    fn tick(&self, study: &StudyRun, is_over: &AtomicBool) {
+        while !self.quiet && !self.is_terminal && !is_over.load(Ordering::Relaxed) {
+            let begun = Instant::now();
+            std::thread::park_timeout(CASE_LINE);
+            if begun.elapsed() >= CASE_LINE {
+                stderr::line(self.state(study.tally()));
+            }
+        }
+    }
+
+    /// Numbers of the cases, rate and remaining time.
+    fn state(&self, tally: Tally) -> String {
+        let (over, cases) = (tally.over(), tally.cases);
+        let pace = self.pace(over - tally.before, cases - over);
+        format!("{over} of {cases} cases over, {} failed, {} running{pace}", tally.failed, tally.running)
     }
 
     /// Rate and remaining time, once a case is over.
