@@ -3,9 +3,10 @@
 use crate::samples::{Meshed, options};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
-use meso_core::mesh::{ItzForm, Mesh, Method};
+use meso_core::mesh::{ItzForm, Mesh, Method, PhaseVolumes};
 use meso_core::specimen::Specimen;
-use meso_solve::{Gauge, Interface, Run, Sample, Smoothing, Test};
+use meso_solve::results::Snapshot;
+use meso_solve::{Ended, Gauge, Interface, Run, Sample, Smoothing, Test};
 
 fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
     Run::new(sample, materials, test).err().expect("a refusal").to_string()
@@ -367,4 +368,32 @@ fn voxels_that_do_not_fill_a_round_specimen_are_refused() {
     assert!(Run::new(fitted.sample(), &Materials::default(), &Test::default()).is_ok());
     let fine = meshed(cylinder(24.0), Method::VOXEL, 1.0);
     assert!(Run::new(fine.sample(), &Materials::default(), &Test::default()).is_ok());
+}
+
+/// The case: a cube of 36 mm had 71,682 tetrahedra, 35 blocks of 2,048 and 2 more. All patches of the two belonged to other
+/// blocks, and the test ended with an internal error.
+#[test]
+fn cells_whose_patches_all_belong_to_other_blocks_are_tested() {
+    let mut whole = Meshed::mortar([12.0; 3], Method::FITTED, 1.715);
+    let count = whole.mesh.cell_count();
+    assert!(count > 2200, "{count}");
+    // Cells in the middle, which no plate meets, are taken away until one is left over.
+    let middle = |cell: &[u32]| cell.iter().all(|&node| (whole.mesh.points[node as usize].z - 6.0).abs() < 4.4);
+    let removable: Vec<usize> = (0..count).filter(|cell| middle(whole.mesh.cell(*cell))).collect();
+    let surplus = (count - 1) % 2048;
+    for first in (0..removable.len() - surplus).step_by((removable.len() - surplus) / 12) {
+        let gone = &removable[first..first + surplus];
+        let kept: Vec<usize> = (0..count).filter(|cell| gone.binary_search(cell).is_err()).collect();
+        let mut mesh = whole.mesh.clone();
+        mesh.cells = kept.iter().flat_map(|&cell| whole.mesh.cell(cell)).copied().collect();
+        mesh.phase = kept.iter().map(|&cell| whole.mesh.phase[cell]).collect();
+        mesh.owner = kept.iter().map(|&cell| whole.mesh.owner[cell]).collect();
+        mesh.notes.voids_mm3 = 1728.0 - PhaseVolumes::of_mesh(&mesh).mortar;
+        std::mem::swap(&mut whole.mesh, &mut mesh);
+        let run = Run::new(whole.sample(), &Materials::default(), &Test::default()).unwrap();
+        let fields = Snapshot::last(&run, &Ended::Stopped).unwrap();
+        assert_eq!(fields.damage.len(), kept.len());
+        drop(run);
+        std::mem::swap(&mut whole.mesh, &mut mesh);
+    }
 }

@@ -118,7 +118,8 @@ fn blocks(parts: &Parts, aabb: &Aabb, number: &[u32], patches: Option<&Patches>)
         let own = patches.map(|patches| OwnPatches::new(mesh, patches, &of_patches[block]));
         Builder::new(parts, number, own).build(chunks[block], &faces[block])
     };
-    (0..chunks.len()).into_par_iter().map(build).collect()
+    // The last cells may have no patch of their own.
+    (0..chunks.len()).into_par_iter().map(build).filter(|block| !block.nodes.is_empty()).collect()
 }
 
 fn centroid(mesh: &Mesh, nodes: &[u32]) -> Vec3 {
