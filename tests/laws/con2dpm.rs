@@ -111,7 +111,7 @@ fn the_card_of_mat_273_has_the_curves_of_the_law() {
     let mut deck = DeckOptions { analysis: TestKind::Compression.into(), materials: mortar(), ..Default::default() };
     deck.load(&Sample::of(&mesh, &Specimen::cube(4.0), &options)).unwrap();
     let mut text = Vec::new();
-    let file = MeshFormat::K.files(Path::new("mesh.k"), &mesh, &deck).remove(0);
+    let file = MeshFormat::K.files(Path::new("mesh.k"), &mesh, &deck).pop().unwrap();
     file.write(&mesh, &deck, false, &mut text).unwrap();
     let card = include_str!("../oracles/con2dpm/card.k");
     assert!(
