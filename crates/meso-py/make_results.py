@@ -38,6 +38,7 @@ SOURCES = {
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/lateral.rs": ["Lateral"],
     "meso-trial/src/trial/setup.rs": ["Setup"],
+    "meso-mesh/src/materials/scatter.rs": ["Scatter"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
@@ -75,6 +76,7 @@ PLAIN = {
     "String": "str", "&'static str": "str",
     # Names of a choice, and findings, which are a kind and its own keys.
     "StopReason": "str", "Kind": "str", "TestKind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
+    "StrengthDistribution": "str", "Covariance": "str", "ScatteredPhase": "str",
     "Ended": "str | dict[str, str]",
     # Rows of a tensor, None where not asked for.
     "Property": "str", "FluxTensor": "list[list[float | None]]", "StiffnessTensor": "list[list[float]]",

@@ -472,7 +472,8 @@ fn an_array_with_killed_tasks_leaves_the_bytes_of_the_serial_study() {
     let (array, straight) = (folder(study), folder(study));
     straight.run(&["study", "STUDY.toml", "-q"]);
     let task = |number: usize| array.command(&["study", "STUDY.toml", "-q", "--shard", &format!("{number}/8")]);
-    for number in 1..=8 {
+    // One is lost before it begins, so that cases are left however fast the others are.
+    for number in (1..=8).filter(|number| *number != 5) {
         let mut child = task(number).spawn().expect("it starts");
         if number % 3 == 0 {
             std::thread::sleep(std::time::Duration::from_millis(30));

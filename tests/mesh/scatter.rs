@@ -189,7 +189,7 @@ fn a_scatter_that_cannot_be_is_refused_with_a_remedy() {
         assert_eq!(text, format!("materials.scatter.correlation_length_mm is {length}; it must be a positive number"));
     }
     let text = of(Scatter { phases: Vec::new(), ..scatter(0.1) }, LawName::Meso);
-    assert_eq!(text, r#"materials.scatter.phases is []; name "mortar", "itz" or both"#);
+    assert_eq!(text, r#"materials.scatter.phases is []; name "mortar", "itz" or each of them once"#);
     for law in [LawName::Cdp, LawName::Cdpm2] {
         let text = of(scatter(0.1), law);
         let remedy =

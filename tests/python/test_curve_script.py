@@ -79,8 +79,12 @@ def nodes_of(deck, number):
 
 @pytest.mark.parametrize(("analysis", "strain"), [("compression", 0.005), ("tension", 0.0005)])
 def test_the_script_of_a_k_sums_the_forces_of_the_lower_support(tmp_path, mesh, analysis, strain):
-    mesh.write(tmp_path / "test.k", analysis=analysis)
-    duration = float((tmp_path / "test_curve.py").read_text().split("DURATION_S = ")[1].split()[0])
+    # The script opens its deck, and shares no name with that of an .inp.
+    mesh.write(tmp_path / "test.inp", analysis=analysis)
+    deck = tmp_path / 'tést "1".k'
+    mesh.write(deck, analysis=analysis)
+    deck.with_name('tést "1"_binout.py').rename(tmp_path / "test_binout.py")
+    duration = float((tmp_path / "test_binout.py").read_text().split("DURATION_S = ")[1].split()[0])
     times = [0.0, duration / 2, duration]
     energies = {"kinetic_energy": 2, "internal_energy": 40, "external_work": 43, "sliding_interface_energy": 1, "hourglass_energy": 0.5}
     rows = {name: [0, last / 2, last] for name, last in energies.items()}
@@ -90,11 +94,11 @@ def test_the_script_of_a_k_sums_the_forces_of_the_lower_support(tmp_path, mesh, 
         forces["z_force"] = [[45 * k, -45 * k, -50 * k, 50 * k] for k in (0, 1, 2)]
         histories = {"rcforc": forces}
     else:
-        nodes = nodes_of(tmp_path / "test.k", 11)
+        nodes = nodes_of(deck, 11)
         forces = [[45 * k / len(nodes)] * len(nodes) + [1e6] for k in (0, 1, 2)]
         histories = {"bndout": {"velocity": {"nodes": {"ids": [*nodes, 10**7], "time": times, "z_force": forces}}}}
     (tmp_path / "binout0000").write_text(json.dumps({"glstat": {"time": times, **rows}, **histories}))
-    done = run(tmp_path, tmp_path / "test_curve.py", "binout0000")
+    done = run(tmp_path, tmp_path / "test_binout.py", "binout0000")
     assert done.returncode == 0, done.stderr
     with (tmp_path / "curve.csv").open() as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
@@ -105,7 +109,7 @@ def test_the_script_of_a_k_sums_the_forces_of_the_lower_support(tmp_path, mesh, 
     assert [rows[-1][name] for name in COLUMNS[2:]] == [2, 40, 43, 1, 0.5]
     histories.get("rcforc", histories.get("bndout", {}).get("velocity", {}).get("nodes"))["ids"] = [7, 7, 8, 8]
     (tmp_path / "other").write_text(json.dumps({"glstat": {}, **histories}))
-    assert "is it of this deck" in run(tmp_path, tmp_path / "test_curve.py", "other").stderr
+    assert "is it of this deck" in run(tmp_path, tmp_path / "test_binout.py", "other").stderr
 
 
 def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):

@@ -81,6 +81,10 @@ def test_another_request_destroys_no_data_set(tmp_path, sink):
             small(**{"n": 3, "sink": path, **change})
     with pytest.raises(ValueError, match=r"n is 2.5; it must be a whole number from 1"):
         small(2.5, path)
+    for wrong, message in [({"n": True}, "n is True; it must be an int"), ({"n": "2"}, "n is '2'"), ({"shape": 1.5}, "shape is 1.5; it must be an int or three")]:
+        with pytest.raises(TypeError, match=message):
+            small(**{"n": 3, "sink": path, **wrong})
+    assert small(np.int64(3), path, shape=np.int64(8))[1] == []
     assert mc.Dataset(path).cases == data.cases and small(3, path)[1] == []
     other, made = small(2, path, {"fraction": [0.1, 0.2]}, shape=5, overwrite=True)
     assert made == [1, 2] and len(other) == 2 and other[0]["phase"].shape == (5, 5, 5)

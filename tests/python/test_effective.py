@@ -125,6 +125,7 @@ def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
         ([[1]], {"phases": {1: 2.0, "1": 5.0}}, ValueError, "the key 1 is given twice, as a number and as text"),
         ([[1]], {"phases": {1: 1e300}}, ValueError, "it must be 0, or 1e-30 to 1e30"),
         ([[0]], {"what": "stiffness", "phases": {0: {"youngs_modulus_mpa": 2e10}}}, ValueError, "2e10 Pa are 20000 MPa"),
+        ([[0]], {"what": "stiffness", "eigenstrain": {0: 1e-4, "0": 2e-4}}, ValueError, "the key 0 is given twice"),
     ],
 )
 def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
@@ -153,6 +154,13 @@ def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
 def test_wrong_options_are_named_with_their_range(cube, options, said):
     with pytest.raises(ValueError, match=said):
         cube.effective(**options)
+
+
+def test_moduli_that_may_be_gigapascals_are_warned_of():
+    layers = np.zeros((8, 8, 8), np.uint8)
+    layers[:4] = 1
+    found = mc.effective(layers, "stiffness", phases={0: {"youngs_modulus_mpa": 20}, 1: {"youngs_modulus_mpa": 60}}, voxel_size=1)
+    assert "moduli below 300 MPa (0, 1) are no mortar's: 20 GPa would be 20000 MPa" in found.warnings
 
 
 def test_a_size_beyond_the_memory_is_refused_by_its_keyword(cube):

@@ -307,6 +307,25 @@ def test_a_worker_with_another_build_is_refused_by_its_name(tmp_path, monkeypatc
     assert not list((tmp_path / "s").glob("*/case.json"))
 
 
+def _without_devices():
+    os.environ["OCL_ICD_VENDORS"] = "/nowhere"
+
+
+def test_a_worker_without_the_device_is_refused_by_its_name_and_its_case_stays_open(tmp_path):
+    study = {"solve": {"strain": 1e-4, "device": "opencl:0", "accept-phase-error": True, "element-size-mm": 4}, "outputs": ["m.json"]}
+    try:
+        mc.study(TINY, {"seed": [1]}, out=tmp_path / "here", **study)
+    except ValueError as missing:
+        pytest.skip(str(missing))
+    context = multiprocessing.get_context("spawn")
+    said = r"the worker .*, cannot do this test: .*opencl:0"
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context, initializer=_without_devices) as executor:
+        with pytest.raises(RuntimeError, match=said):
+            mc.study(TINY, {"seed": [1]}, out=tmp_path / "s", executor=executor, **study)
+    assert not list((tmp_path / "s").glob("*/case.json"))
+    assert mc.study(TINY, {"seed": [1]}, out=tmp_path / "s", **study).failures == {}
+
+
 def test_libraries_of_two_platforms_may_differ_and_those_of_one_may_not(monkeypatch):
     from mesocrete import _executor
 

@@ -73,6 +73,12 @@ fn a_resumed_test_of_scattered_strengths_has_the_bytes_of_a_whole_one() {
     let mut run = Run::new(meshed.sample(), &materials, &test).unwrap();
     run.resume(&mut &killed.state()[..]).unwrap();
     assert!(rows(&whole) == rows(&run.to_end(&Silent, &Silent)));
+    // Another field went on with the first one's factors.
+    let others = [Scatter { seed: 2, ..scatter(0.2, 5.0) }, scatter(0.2, 6.0)];
+    for other in others {
+        let mut run = Run::new(meshed.sample(), &with(other), &test).unwrap();
+        assert!(run.resume(&mut &killed.state()[..]).unwrap_err().to_string().contains("other materials"));
+    }
 }
 
 fn centroid(meshed: &Meshed, cell: usize) -> Vec3 {
@@ -148,6 +154,12 @@ fn a_field_that_a_mesh_or_a_law_cannot_have_is_refused_before_the_first_step() {
     assert!(text.contains(r#"take phases = ["mortar"], or a solid or smeared ITZ"#), "{text}");
     let own = Scatter { phases: vec![ScatteredPhase::Mortar], ..scatter(0.1, 6.0) };
     assert_eq!(refused(&cohesive, own, LawName::Meso), "");
+    // Its strengths were told to scatter, and there are none.
+    let bare = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
+    let itz = Scatter { phases: vec![ScatteredPhase::Itz], ..scatter(0.1, 6.0) };
+    assert!(refused(&bare, itz, LawName::Meso).contains("the mesh has no ITZ of cells"));
+    let twice = Scatter { phases: vec![ScatteredPhase::Mortar; 2], ..scatter(0.1, 6.0) };
+    assert!(refused(&bare, twice, LawName::Meso).contains("each of them once"));
 }
 
 #[test]

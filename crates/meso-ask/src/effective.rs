@@ -246,7 +246,9 @@ impl EffectiveAsk {
     /// Those of [`accept`](Self::accept); values out of range; a specimen that has no such property.
     pub fn settle(&self, of: Facts<'_>, mut values: PhaseTables) -> Result<Vec<EffectiveTask>, EffectiveError> {
         self.accept(of.input())?;
-        for (name, strain) in &self.eigenstrain {
+        for (place, (name, strain)) in self.eigenstrain.iter().enumerate() {
+            let is_new = self.eigenstrain[..place].iter().all(|(other, _)| other != name);
+            ASK.require("eigenstrain", name, is_new, "it is given twice; keep one of the two")?;
             let accepted = "its phases must be mortar, itz, aggregate, void or fibre";
             let unknown = || ASK.error("eigenstrain", format!("{name}={strain:e}"), accepted);
             let moduli = match &mut values {

@@ -351,7 +351,10 @@ impl Stiffness {
         let isotropic_error = isotropic.error(bulk.error, shear.error);
         Self {
             what: "stiffness",
-            warnings: warnings(&isotropic, &isotropic_error, &bounds, resolution.remedy()),
+            warnings: soft(&phases)
+                .into_iter()
+                .chain(warnings(&isotropic, &isotropic_error, &bounds, resolution.remedy()))
+                .collect(),
             tensor,
             error,
             fine: fine.tensor,
@@ -422,6 +425,20 @@ impl ElasticBounds {
 
 /// An error above this share of a modulus is worth a warning.
 const LARGE: f64 = 0.02;
+
+/// No mortar or stone has a modulus below this, MPa; many have so many GPa.
+const SOFT: f64 = 300.0;
+
+/// Phases that may be in GPa.
+fn soft(phases: &[(Moduli, ElasticShare)]) -> Option<String> {
+    let is_soft = |share: &ElasticShare| share.volume_fraction > 0.0 && (0.0..SOFT).contains(&share.youngs_modulus_mpa);
+    let soft = phases.iter().map(|(_, share)| share).filter(|share| is_soft(share) && share.youngs_modulus_mpa > 0.0);
+    let (names, moduli): (Vec<&str>, Vec<f64>) =
+        soft.map(|share| (share.name.as_str(), share.youngs_modulus_mpa)).unzip();
+    let first = moduli.first()?;
+    let names = names.join(", ");
+    Some(format!("moduli below {SOFT} MPa ({names}) are no mortar's: {first} GPa would be {} MPa", 1e3 * first))
+}
 
 fn warnings(found: &Isotropic, error: &Isotropic, bounds: &ElasticBounds, remedy: &str) -> Vec<String> {
     let large = error.bulk_modulus_mpa > LARGE * found.bulk_modulus_mpa

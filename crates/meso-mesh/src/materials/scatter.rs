@@ -285,7 +285,9 @@ impl Materials {
         MATERIALS.require("scatter.coefficient_of_variation", cv, met, accepted)?;
         MATERIALS.positive("scatter.correlation_length_mm", length)?;
         let count = scatter.phases.len();
-        MATERIALS.require("scatter.phases", "[]", count > 0, r#"name "mortar", "itz" or both"#)?;
+        let is_right = count == 1 || count == 2 && scatter.phases[0] != scatter.phases[1];
+        let named = if count == 0 { "[]" } else { "a list" };
+        MATERIALS.require("scatter.phases", named, is_right, r#"name "mortar", "itz" or each of them once"#)?;
         let has_factor = cv == 0.0 || matches!(law, LawName::Meso | LawName::Elastic);
         let accepted =
             "strengths scatter in tests with the law meso only; for decks and other laws set 0, or remove the table";

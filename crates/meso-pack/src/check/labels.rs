@@ -101,6 +101,9 @@ fn core_alone(labels: &LabelReport, core: &CoreReport, say: &mut dyn FnMut(bool,
     let is_round = diameter_mm > 0.0 && diameter_mm <= (nx * hx).max(ny * hy) && (area - own).abs() <= cut;
     say(is_round, format!("labels.core is a cylinder of {diameter_mm} mm with {own:.3} mm2 of voxels in a layer"));
     say(!core.outside.is_empty(), "labels.core has no labels outside".to_owned());
+    let is_grain = core.outside.iter().any(|label| labels.labels.contains(label));
+    let is_twice = core.outside.iter().enumerate().any(|(place, label)| core.outside[..place].contains(label));
+    say(!is_grain && !is_twice, format!("labels.core.outside is {:?}, of grains or twice", core.outside));
     let pores = pores_fraction * voxels as f64;
     for (name, share) in [("off_fraction", off_fraction), ("pores_fraction", pores_fraction)] {
         say((0.0..=1.0).contains(&share), format!("labels.core.{name} is {share}"));

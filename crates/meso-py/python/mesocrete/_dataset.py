@@ -19,6 +19,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -286,7 +287,7 @@ class _Request:
         *,
         model: bool,
     ) -> None:
-        self.shape = shape if isinstance(shape, int) else tuple(int(count) for count in shape)
+        self.shape = _checked_shape(shape)
         self.what = what
         self.scan = scan
         self.targets = targets
@@ -821,7 +822,20 @@ def _checked_what(what: Sequence[str]) -> list[str]:
     return names
 
 
+def _checked_shape(shape: Any) -> int | tuple[int, ...]:
+    try:
+        if not isinstance(shape, (bool, str)):
+            return index(shape) if hasattr(shape, "__index__") else tuple(map(index, shape))
+    except TypeError:
+        pass
+    message = f"shape is {shape!r}; it must be an int or three"
+    raise TypeError(message)
+
+
 def _checked_count(n: int) -> int:
+    if isinstance(n, (bool, str, bytes)) or not hasattr(n, "__index__" if not isinstance(n, float) else "__int__"):
+        message = f"n is {n!r}; it must be an int"
+        raise TypeError(message)
     if not (1 <= n <= _MOST and int(n) == n):
         message = f"n is {n}; it must be a whole number from 1 to {_MOST:,}"
         raise ValueError(message)

@@ -225,16 +225,28 @@ def require(driver: tuple[str, str, str]) -> None:
     version, platform, library = driver
     if version == _BUILD[0] and (platform != _BUILD[1] or library == _BUILD[2]):
         return
+    told = " and ".join(f"{name} {' '.join(one)}" for name, one in ((f"{_where()}, has mesocrete", _BUILD), ("the driver", driver)))
+    message = f"{told}; install the driver's on it"
+    raise WrongWorkerError(message)
+
+
+def require_device(find: Callable[[], None]) -> None:
+    """Refuse to work without the device that `find` looks for."""
+    try:
+        find()
+    except ValueError as error:
+        message = f"{_where()}, cannot do this test: {error}"
+        raise WrongWorkerError(message) from error
+
+
+def _where() -> str:
     import socket
 
-    where = f"the worker {socket.gethostname()}, process {os.getpid()}, {sys.executable}"
-    told = " and ".join(f"{name} {' '.join(one)}" for name, one in ((f"{where}, has mesocrete", _BUILD), ("the driver", driver)))
-    message = f"{told}; install the driver's on it"
-    raise WrongBuildError(message)
+    return f"the worker {socket.gethostname()}, process {os.getpid()}, {sys.executable}"
 
 
-class WrongBuildError(RuntimeError):
-    """A worker has another build of mesocrete."""
+class WrongWorkerError(RuntimeError):
+    """A worker has another build of mesocrete than the driver, or no device of a test."""
 
 
 def _check_picklable(sent: Callable[..., Any]) -> None:

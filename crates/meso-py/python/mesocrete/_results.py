@@ -657,6 +657,23 @@ class Setup(TypedDict):
     """Gauges, each a column of the curve."""
 
 
+class Scatter(TypedDict):
+    """Scatter of the strengths of mortar and ITZ over the specimen, for the law `meso`.  One factor multiplies strengths, peak strain and energies of a place, so that openings of cracks keep their law. Stiffness has no scatter."""
+
+    coefficient_of_variation: float
+    """Standard deviation of the strengths over their mean; 0 is no scatter."""
+    correlation_length_mm: float
+    """Distance at which the covariance has fallen to 1/e, mm."""
+    distribution: str
+    """Distribution of the strengths; weibull unless given."""
+    covariance: str
+    """Covariance of the Gaussian field over the distance; squared-exponential unless given."""
+    phases: list[str]
+    """Phases that scatter, by one field; mortar and itz unless given."""
+    seed: int
+    """Seed of the field, which the packing does not depend on; 1 unless given."""
+
+
 class Energies(TypedDict):
     """Energies at the end of a test, mJ."""
 
@@ -748,6 +765,8 @@ class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     """Means of the gauges after the growth in a test that moves no support: the strains of an expansion."""
     broken_stone: float | None
     """Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break."""
+    scatter: NotRequired[Scatter | None]
+    """Scatter of the strengths of mortar and ITZ; absent where they have none."""
     phase_error: float | None
     """Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known."""
     phase_error_of: str | None

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from ._executor import _BUILD, Submitter, Workers, require
+from ._executor import _BUILD, Submitter, Workers, require, require_device
 from ._fingerprint import fingerprint
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _Lock, _StudyCase, _StudyPlan, _StudyRun, load, pack
@@ -376,6 +376,7 @@ if hasattr(os, "register_at_fork"):
 def _run(case: _StudyCase, then: Callable[..., Any] | None, threads: int | None, driver: tuple[str, str, str]) -> str:
     """Do a case, on whatever machine, and record it; "done", "failed", or "busy" for a case of another process."""
     require(driver)
+    require_device(case.find_device)
     state: str = case.begin()
     if state != "turn":
         return state

@@ -451,6 +451,13 @@ impl PyStudyCase {
         Ok(has_steps(self.whole()?))
     }
 
+    /// Refuses a machine that has not the device of the case's test.
+    fn find_device(&self) -> PyResult<()> {
+        let case = self.whole()?;
+        // A fault of the steps is that of their work.
+        self.of.how.steps(&case.task).map_or(Ok(()), |steps| steps.find_device(&device).map_err(|fault| raised(&fault)))
+    }
+
     /// Memory that the mesh and the test are estimated to take, bytes.
     #[getter]
     fn memory(&self, py: Python<'_>) -> PyResult<f64> {

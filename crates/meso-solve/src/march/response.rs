@@ -8,6 +8,7 @@ use crate::march::lateral::Lateral;
 use crate::march::run::Run;
 use meso_concrete::exceeds;
 use meso_element::LawName;
+use meso_mesh::materials::Scatter;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
 use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, Test, TestKind, TurnOf};
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,9 @@ pub struct Summary {
     pub strains_at_end: BTreeMap<String, f64>,
     /// Share of the aggregates' volume that lost more than half of its stiffness; `None` where stone does not break.
     pub broken_stone: Option<f64>,
+    /// Scatter of the strengths of mortar and ITZ; absent where they have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
     /// Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known.
     pub phase_error: Option<f64>,
     /// Name of the phase that is farthest off, in lower case.
@@ -205,6 +209,7 @@ impl Response {
             columns: run.extra().names,
             strains_at_end: strains_at_end(run),
             broken_stone: broken_stone(run),
+            scatter: run.scatter().cloned(),
             phase_error: off.map(|off| off.error()),
             phase_error_of: off.map(|off| off.phase.name().to_owned()),
             flags: run.flags(),

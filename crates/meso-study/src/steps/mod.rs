@@ -111,6 +111,14 @@ impl Steps {
         self.solve.as_ref().map_or(Ok(()), |solve| solve.accept(spec, machine, devices))
     }
 
+    /// Finds out whether this machine has the device of the test.
+    ///
+    /// # Errors
+    /// The device, with the remedy.
+    pub fn find_device(&self, devices: &Devices<'_>) -> Result<(), AskError> {
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.find_device(devices))
+    }
+
     /// Memory that the mesh and the test of `spec` take at most, bytes, on any machine.
     pub fn memory(&self, spec: &Spec, gmsh: &Gmsh) -> f64 {
         let asked = Cell::new(0.0);

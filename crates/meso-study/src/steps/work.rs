@@ -197,10 +197,13 @@ impl SolveStep {
     }
 
     pub(super) fn accept(&self, spec: &Spec, machine: &Machine<'_>, devices: &Devices<'_>) -> Result<(), AskError> {
-        if self.ask.on_device {
-            devices(&self.device, None)?;
-        }
+        self.find_device(devices)?;
         self.ask.settle(spec, machine).map(drop)
+    }
+
+    /// Finds out whether this machine has the device.
+    pub(super) fn find_device(&self, devices: &Devices<'_>) -> Result<(), AskError> {
+        if self.ask.on_device { devices(&self.device, None).map(drop) } else { Ok(()) }
     }
 
     pub(super) fn leave_room(&self, spec: &mut Spec, watch: &dyn Watch) -> Result<(), AskError> {

@@ -114,18 +114,24 @@ pub(crate) fn print(settled: &DeckSettled, mesh: &Mesh, model: &Model, verbose: 
 pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::K, true) = (target, format, deck.has_curve()) {
         let curve = match format.has_script(deck) {
-            true => format!("; its curve: python {} \"binout*\"", DeckOptions::curve_path(shown).display()),
+            true => format!("; its curve: python {} \"binout*\"", in_shell(&DeckOptions::curve_path(shown))),
             false => String::new(),
         };
-        stderr::line(format!("run it: lsdyna i={} ncpu=16 (double precision){curve}", shown.display()));
+        stderr::line(format!("run it: lsdyna i={} ncpu=16 (double precision){curve}", in_shell(shown)));
     }
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
-        let (input, script) = (shown.display(), DeckOptions::curve_path(shown));
+        let (input, script) = (in_shell(shown), in_shell(&DeckOptions::curve_path(shown)));
         stderr::line(format!(
-            "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {} NAME.odb",
-            script.display()
+            "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {script} NAME.odb"
         ));
     }
+}
+
+/// A path as a shell takes it.
+fn in_shell(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = text.chars().all(|c| c.is_alphanumeric() || "._-/\\:+=,@".contains(c));
+    if is_plain { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
 /// Writes `mesh` to `target`, and its pieces beside it where the format has any.

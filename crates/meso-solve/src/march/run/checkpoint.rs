@@ -170,7 +170,7 @@ impl Run<'_> {
         let test = &self.test;
         let mut hash = Sha256::new();
         let common = Common { free: None, ..self.common.clone() };
-        hash.update(format!("{test:?} {:?} {common:?}", self.outline));
+        hash.update(format!("{test:?} {:?} {:?} {common:?}", self.outline, self.scatter));
         self.nodes.mass.iter().for_each(|m| hash.update(m.to_le_bytes()));
         self.blocks.iter().for_each(|block| hash.update(size(block).to_le_bytes()));
         hash.finalize().into()

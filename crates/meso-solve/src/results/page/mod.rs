@@ -9,6 +9,7 @@ use crate::march::{Ended, Row, Summary};
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
+use meso_mesh::materials::Scatter;
 use meso_trial::{Gauge, OF_SUPPORTS, TestKind, word};
 use meso_view::embedded::{TURNTABLE, base64};
 use meso_view::plot::{Plot, Series, escape};
@@ -269,6 +270,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("hourglass over internal energy, at most", percent(result.hourglass_over_internal)),
         ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
         ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
+        ("scatter", result.scatter.as_ref().map_or_else(|| "none".to_owned(), Scatter::words)),
     ];
     let lateral = [
         ("Poisson's ratio to 30 % of the peak", result.lateral.poisson_ratio.map(|x| format!("{x:.3}"))),

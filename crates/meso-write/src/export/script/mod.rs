@@ -17,9 +17,11 @@ impl DeckOptions {
         self.has_curve() && !matches!(self.analysis, Analysis::Impact)
     }
 
-    /// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`.
+    /// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`, `name_binout.py` beside `name.k`.
     pub fn curve_path(deck: &Path) -> PathBuf {
-        deck.with_file_name(format!("{}_curve.py", deck.file_stem().unwrap_or_default().to_string_lossy()))
+        let is_k = deck.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("k"));
+        let end = if is_k { "binout" } else { "curve" };
+        deck.with_file_name(format!("{}_{end}.py", deck.file_stem().unwrap_or_default().to_string_lossy()))
     }
 }
 
@@ -30,12 +32,14 @@ impl DeckOptions {
 pub(crate) fn write(is_k: bool, mesh: &Mesh, options: &DeckOptions, name: &str, mut out: impl Write) -> io::Result<()> {
     let Some(loads) = &options.loads else { return Err(io::Error::other("a deck without a test has no curve")) };
     let script = if is_k { binout(loads) } else { odb(mesh, loads) };
+    // The script of a `.k` opens its deck; Python takes the escapes of JSON.
+    let script = script.replace("\"@DECK@\"", &serde_json::to_string(name)?);
     let whole = script.replace("@DECK@", &plain(name));
     let whole = whole.replace("@HEIGHT@", &real(loads.length_mm)).replace("@SECTION@", &real(loads.section_mm2));
     out.write_all(whole.replace("@AXIS@", &(loads.axis + 1).to_string()).as_bytes())
 }
 
-/// A deck's name in the script: anything but a plain one would need escapes of Python's.
+/// A deck's name in words: Python 2 takes ASCII alone.
 fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._- ".contains(c) { c } else { '_' }).collect()
 }
