@@ -126,6 +126,7 @@ def test_an_image_of_a_packing_has_the_values_of_its_phases(cube):
         ([[1]], {"phases": {1: 1e300}}, ValueError, "it must be 0, or 1e-30 to 1e30"),
         ([[0]], {"what": "stiffness", "phases": {0: {"youngs_modulus_mpa": 2e10}}}, ValueError, "2e10 Pa are 20000 MPa"),
         ([[0]], {"what": "stiffness", "eigenstrain": {0: 1e-4, "0": 2e-4}}, ValueError, "the key 0 is given twice"),
+        ([[0]], {"what": "stiffness", "phases": {0: {"youngs_modulus_mpa": 2e4}}, "eigenstrain": {7: 1e-4}}, ValueError, "no such label"),
     ],
 )
 def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):

@@ -40,6 +40,15 @@ def test_a_slab_from_side_to_side_keeps_its_edges(axis):
     assert packing.fraction == pytest.approx(11 / 60, rel=1e-3)
 
 
+def test_a_slab_of_two_voxels_in_a_side_keeps_its_volume():
+    """The case: 8 % were lost, since triangles in the side counted among those that a vertex must stay near."""
+    slab = np.zeros((40, 40, 40), np.uint8)
+    slab[:2] = 1
+    packing = mc.from_labels(slab, 0.5, largest_grain=1.0)
+    assert packing.fraction == pytest.approx(0.05, rel=1e-3)
+    assert packing.report()["labels"]["farthest_mm"] < 0.1
+
+
 def test_wrong_labels_and_options_are_named(labels):
     for arguments, kind, said in [
         ((labels * 0.5,), TypeError, "labels has dtype float64"),

@@ -249,6 +249,10 @@ impl EffectiveAsk {
         for (place, (name, strain)) in self.eigenstrain.iter().enumerate() {
             let is_new = self.eigenstrain[..place].iter().all(|(other, _)| other != name);
             ASK.require("eigenstrain", name, is_new, "it is given twice; keep one of the two")?;
+            if let (Facts::Labels(specimen), Ok(label)) = (of, name.parse::<i64>()) {
+                let is_there = specimen.volume.labels.contains(&label);
+                ASK.require("eigenstrain", name, is_there, "the volume has no such label; leave it out")?;
+            }
             let accepted = "its phases must be mortar, itz, aggregate, void or fibre";
             let unknown = || ASK.error("eigenstrain", format!("{name}={strain:e}"), accepted);
             let moduli = match &mut values {

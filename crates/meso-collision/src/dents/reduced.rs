@@ -274,6 +274,11 @@ impl Reduction {
             passes: 0,
         };
         for t in 0..mesh.triangles.len() as u32 {
+            // A triangle in a side holds no vertex that is held there anyway: its area would only hide what others lose.
+            if reduction.triangles[t as usize].iter().fold(u8::MAX, |sides, &v| sides & reduction.held[v as usize]) != 0
+            {
+                continue;
+            }
             let quadric = Quadric::of_plane(&reduction.corners(t));
             for corner in reduction.triangles[t as usize] {
                 let own = &mut reduction.quadrics[corner as usize];
