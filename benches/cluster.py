@@ -5,6 +5,7 @@
     python3 benches/cluster.py plan                                       # 100,000 cases: memory, time to the first record
     python3 benches/cluster.py overhead                                   # time a case beside the same loop by hand
     python3 benches/cluster.py dask                                       # two workers, each killed twice
+    python3 benches/cluster.py dataset                                    # volumes by one job and by two workers of dask
     python3 benches/cluster.py --quick                                    # few cases, and no rows
 
 The tasks of the array are started as Slurm starts them, by a stand-in of SLURM_ARRAY_TASK_ID, some at a time.
@@ -192,16 +193,41 @@ def dask() -> None:
         save("dask", cases=60, killed=len(set(killed)), failed=len(there.failures), bytes_equal=equal)
 
 
+def dataset() -> None:
+    """Volumes of 64^3 by one job, then by two workers of dask: wall time on quiet cores, and whether the bytes are equal."""
+    from distributed import Client, LocalCluster
+
+    import mesocrete as mc
+
+    drawn = {"fraction": (0.2, 0.4)}
+    for name, count, spec in [("usual", 4 if QUICK else 150, {}), ("tiny", 4 if QUICK else 1000, TINY)]:
+        with (
+            tempfile.TemporaryDirectory() as place,
+            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+            Client(cluster) as client,
+        ):
+            how = {"spec": spec, "shape": 64, "seed": 1}
+            mc.dataset(8, drawn, sink=f"{place}/warm.zarr", executor=client, **how)
+            begun = time.monotonic()
+            mc.dataset(count, drawn, sink=f"{place}/one.zarr", jobs=1, **how)
+            middle = time.monotonic()
+            mc.dataset(count, drawn, sink=f"{place}/two.zarr", executor=client, **how)
+            one, two = middle - begun, time.monotonic() - middle
+            equal = contents(Path(place) / "one.zarr") == contents(Path(place) / "two.zarr")
+        figures = {"volumes": count, "one_job_s": round(one, 1), "two_workers_s": round(two, 1), "bytes_equal": equal}
+        save(f"dataset of {name}", **figures)
+
+
 QUICK = "--quick" in sys.argv
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", default=["array", "plan", "overhead"], help="array, plan, overhead, dask")
+    parser.add_argument("what", nargs="*", default=["array", "plan", "overhead"], help="array, plan, overhead, dask, dataset")
     parser.add_argument("--command", default="mesocrete")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
     command = str(Path(asked.command).absolute()) if "/" in asked.command else asked.command
-    runs = {"array": lambda: array(command, asked.seed), "plan": plan, "overhead": overhead, "dask": dask}
+    runs = {"array": lambda: array(command, asked.seed), "plan": plan, "overhead": overhead, "dask": dask, "dataset": dataset}
     for what in asked.what:
         runs[what]()
