@@ -41,6 +41,17 @@ pub struct PhaseScaling {
 const BISECTIONS: usize = 10;
 
 impl MassScaling {
+    /// Mass over the mesh's own that is little.
+    pub const LITTLE: f64 = 1.2;
+    /// Mass that is refused: nothing of the specimen's own inertia is left.
+    pub const MOST: f64 = 100.0;
+
+    /// Mass that is worth a warning: less for a step that was given than for that of tests by rule, of which lattices of a packing
+    /// of 0.5 need 4 times theirs.
+    pub const fn much(is_given: bool) -> f64 {
+        if is_given { 2.0 } else { 5.0 }
+    }
+
     /// Adds up the elements of `mesh` in steps of `time_step_s` seconds.
     pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
         let materials = materials.in_mesh(mesh);

@@ -19,6 +19,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from numbers import Real
 from operator import index
 from pathlib import Path
 from typing import Any
@@ -833,7 +834,7 @@ def _checked_shape(shape: Any) -> int | tuple[int, ...]:
 
 
 def _checked_count(n: int) -> int:
-    if isinstance(n, (bool, str, bytes)) or not hasattr(n, "__index__" if not isinstance(n, float) else "__int__"):
+    if isinstance(n, bool) or not isinstance(n, Real):
         message = f"n is {n!r}; it must be an int"
         raise TypeError(message)
     if not (1 <= n <= _MOST and int(n) == n):

@@ -454,6 +454,10 @@ impl PyStudyCase {
     /// Refuses a machine that has not the device of the case's test.
     fn find_device(&self) -> PyResult<()> {
         let case = self.whole()?;
+        // Most tests name none, and steps read files.
+        if case.task.pointer("/solve/device").is_none() {
+            return Ok(());
+        }
         // A fault of the steps is that of their work.
         self.of.how.steps(&case.task).map_or(Ok(()), |steps| steps.find_device(&device).map_err(|fault| raised(&fault)))
     }

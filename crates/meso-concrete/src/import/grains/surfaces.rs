@@ -187,8 +187,9 @@ impl<'a> GrainSurfaces<'a> {
         let given = self.of_volume(&field, self.parts.grains[grain].voxels)?;
         let solids = (first..TRIES.len()).map(|number| (self.tried(grain, &given, TRIES[number]), number));
         let mut solids = solids.map(|(mesh, number)| (Solid::new(mesh), number));
-        let limit = |number: usize| TRIES[number] * self.options.tolerance * self.spacing_mm.min();
-        let is_right = |solid: &Solid, number| solid.is_near(&given, FAR * limit(number)) && !solid.crosses_itself();
+        let is_right = |solid: &Solid, number: usize| {
+            solid.is_near(&given, FAR * self.limit_mm(TRIES[number])) && !solid.crosses_itself()
+        };
         solids.find(|(solid, number)| *number + 1 == TRIES.len() || is_right(solid, *number))
     }
 
@@ -225,6 +226,11 @@ impl<'a> GrainSurfaces<'a> {
         let parts = best?.1.components().into_iter();
         let outer = parts.max_by(|a, b| a.volume().total_cmp(&b.volume()))?;
         (outer.volume() > 0.0).then_some(outer)
+    }
+
+    /// Root mean square error of a reduced surface, for a share of the tolerance.
+    fn limit_mm(&self, share: f64) -> f64 {
+        share * self.options.tolerance * self.spacing_mm.min()
     }
 
     /// Half of the gap of grains that touch, in widths of the blur.
@@ -306,7 +312,7 @@ impl<'a> GrainSurfaces<'a> {
 
     /// A surface with fewer triangles; vertices near a wall that the grain touches lie in it.
     fn tried(&self, grain: usize, given: &TriangleMesh, share: f64) -> TriangleMesh {
-        let limit = share * self.options.tolerance * self.spacing_mm.min();
+        let limit = self.limit_mm(share);
         let mut mesh = given.clone();
         if limit > 0.0 {
             mesh = given.simplified(limit, &self.walls());

@@ -29,6 +29,7 @@ use meso_element::block::matter::{self, Matter};
 use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
 use meso_element::face::CohesionValues;
 use meso_element::lanes::InstructionSet;
+use meso_mesh::figures::MassScaling;
 use meso_mesh::materials::{MATERIALS, Materials, Scatter, StrengthField};
 use meso_mesh::{CellKind, Phase};
 use meso_trial::Sample;
@@ -136,12 +137,6 @@ thread_local! {
     pub(crate) static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::default());
 }
 
-/// Mass over the specimen's own that is much for a step that was given, that is much for the step by rule, and that is
-/// refused; decks have the same.
-const MUCH_MASS: f64 = 2.0;
-const MUCH_BY_RULE: f64 = 5.0;
-const MOST_MASS: f64 = 100.0;
-
 /// A step of two digits that adds at most a fifth of the mass, where `dt` needs `factor` times of it: masses that are
 /// added fall with the square of the step.
 fn lighter_step(dt: f64, factor: f64) -> String {
@@ -199,7 +194,7 @@ impl<'a> Run<'a> {
                 "it needs {factor:.0} times the mass: inertia would carry this test; take {fits}, which adds at most 20 %, or check the units of the materials"
             )
         };
-        TEST.require("time_step_s", dt, !exceeds(factor, MOST_MASS), why())?;
+        TEST.require("time_step_s", dt, !exceeds(factor, MassScaling::MOST), why())?;
         let places = || order.iter().map(|&node| mesh.points[node as usize].into()).collect();
         common.free = test.expansion().map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
@@ -270,20 +265,25 @@ impl<'a> Run<'a> {
 
     /// Faults of mesh and step that a strength must not be cited without, in a few words each.
     pub fn flags(&self) -> Vec<String> {
-        let factor = self.outline.masses[1] / self.outline.masses[0];
+        let factor = self.mass_factor();
         let heavy = exceeds(factor, self.much_mass()).then(|| format!("{factor:.1} times the mass"));
         self.sample.flags().into_iter().chain(heavy).collect()
     }
 
+    /// Mass of the test over the specimen's own.
+    fn mass_factor(&self) -> f64 {
+        self.outline.masses[1] / self.outline.masses[0]
+    }
+
     /// Mass over the specimen's own that is worth a warning.
     fn much_mass(&self) -> f64 {
-        if self.test.time_step_s.is_some() { MUCH_MASS } else { MUCH_BY_RULE }
+        MassScaling::much(self.test.time_step_s.is_some())
     }
 
     /// Warnings about the mesh, the step and the scatter, in sentences, known before the first step.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.sample.doubts();
-        let factor = self.outline.masses[1] / self.outline.masses[0];
+        let factor = self.mass_factor();
         if exceeds(factor, self.much_mass()) {
             let fits = lighter_step(self.outline.dt, factor);
             let step = self.outline.dt;
@@ -299,7 +299,7 @@ impl<'a> Run<'a> {
 
     /// Mass added over the specimen's own, percent.
     pub fn added_mass_percent(&self) -> f64 {
-        100.0 * (self.outline.masses[1] / self.outline.masses[0] - 1.0)
+        100.0 * (self.mass_factor() - 1.0)
     }
 
     /// Scatter of the strengths of its mortar and ITZ, unless there is none.

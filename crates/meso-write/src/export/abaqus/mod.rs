@@ -200,12 +200,6 @@ const IMPACT_MM_PER_S: f64 = 5000.0;
 const FRAMES: u32 = 50;
 /// Time increment whose mass scaling a report gives where no test has one, s.
 const REPORTED_S: f64 = 5e-7;
-/// Mass over the mesh's own that is little, that is much for an increment that was given, and that is refused.
-const LITTLE_MASS: f64 = 1.2;
-const MUCH_MASS: f64 = 2.0;
-/// Mass that the tests' own increment may need without a warning: lattices of a packing of 0.5 need 4 times theirs.
-const MUCH_BY_RULE: f64 = 5.0;
-const MOST_MASS: f64 = 100.0;
 
 impl DeckOptions {
     /// The test of the deck, with the values that are laid over its own; none of an analysis.
@@ -360,21 +354,25 @@ impl DeckOptions {
         let Some(scaling) = self.mass_scaling(mesh) else { return Ok(()) };
         let (step, times) = (scaling.time_step_s, scaling.factor);
         let accepted = || {
-            let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+            let fits = scaling.step_for(mesh, &self.materials, MassScaling::LITTLE);
             format!(
                 "such steps need {times:.0} times the mass: inertia would carry this test; take {fits:e} s, which adds at most \
                  20 %, or check the units of the materials"
             )
         };
-        if times <= MOST_MASS { Ok(()) } else { Err(DECK.error("time_increment_s", format!("{step:e}"), accepted())) }
+        if times <= MassScaling::MOST {
+            Ok(())
+        } else {
+            Err(DECK.error("time_increment_s", format!("{step:e}"), accepted()))
+        }
     }
 
     fn mass_doubt(&self, mesh: &Mesh) -> Option<String> {
         let is_given = self.test().is_some_and(|test| test.time_step_s.is_some());
-        let much = if is_given { MUCH_MASS } else { MUCH_BY_RULE };
+        let much = MassScaling::much(is_given);
         let scaling = self.mass_scaling(mesh).filter(|scaling| scaling.factor > much)?;
         let (step, times) = (scaling.time_step_s, scaling.factor);
-        let fits = scaling.step_for(mesh, &self.materials, LITTLE_MASS);
+        let fits = scaling.step_for(mesh, &self.materials, MassScaling::LITTLE);
         Some(format!(
             "steps of {step:e} s need {times:.1} times the mass, so look at the kinetic energy; a time increment of {fits:e} s adds \
              at most 20 %"
