@@ -5,7 +5,7 @@
     python3 benches/cluster.py plan                                       # 100,000 cases: memory, time to the first record
     python3 benches/cluster.py overhead                                   # time a case beside the same loop by hand
     python3 benches/cluster.py dask                                       # two workers, each killed twice
-    python3 benches/cluster.py dataset                                    # volumes by one job and by two workers of dask
+    python3 benches/cluster.py dataset                                    # volumes by one job, by two processes and by two workers of dask
     python3 benches/cluster.py --quick                                    # few cases, and no rows
 
 The tasks of the array are started as Slurm starts them, by a stand-in of SLURM_ARRAY_TASK_ID, some at a time.
@@ -194,28 +194,28 @@ def dask() -> None:
 
 
 def dataset() -> None:
-    """Volumes of 64^3 by one job, then by two workers of dask: wall time on quiet cores, and whether the bytes are equal."""
+    """Volumes of 64^3 by one job, by a pool of two processes, by two workers of dask: wall time on quiet cores, equal bytes."""
     from distributed import Client, LocalCluster
 
     import mesocrete as mc
 
     drawn = {"fraction": (0.2, 0.4)}
-    for name, count, spec in [("usual", 4 if QUICK else 150, {}), ("tiny", 4 if QUICK else 1000, TINY)]:
+    for name, count, spec in [("usual", 4 if QUICK else 100, {}), ("tiny", 4 if QUICK else 1000, TINY)]:
         with (
             tempfile.TemporaryDirectory() as place,
+            concurrent.futures.ProcessPoolExecutor(2) as pool,
             LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
             Client(cluster) as client,
         ):
-            how = {"spec": spec, "shape": 64, "seed": 1}
-            mc.dataset(8, drawn, sink=f"{place}/warm.zarr", executor=client, **how)
-            begun = time.monotonic()
-            mc.dataset(count, drawn, sink=f"{place}/one.zarr", jobs=1, **how)
-            middle = time.monotonic()
-            mc.dataset(count, drawn, sink=f"{place}/two.zarr", executor=client, **how)
-            one, two = middle - begun, time.monotonic() - middle
-            equal = contents(Path(place) / "one.zarr") == contents(Path(place) / "two.zarr")
-        figures = {"volumes": count, "one_job_s": round(one, 1), "two_workers_s": round(two, 1), "bytes_equal": equal}
-        save(f"dataset of {name}", **figures)
+            seconds = {}
+            for way, how in {"one_job": {"jobs": 1}, "pool": {"executor": pool}, "dask": {"executor": client}}.items():
+                asked = {**how, "spec": spec, "shape": 64, "seed": 1}
+                mc.dataset(8, drawn, sink=f"{place}/warm-{way}.zarr", **asked)
+                begun = time.monotonic()
+                mc.dataset(count, drawn, sink=f"{place}/{way}.zarr", **asked)
+                seconds[f"{way}_s"] = round(time.monotonic() - begun, 1)
+            equal = len({str(contents(Path(place) / f"{way}.zarr")) for way in ("one_job", "pool", "dask")}) == 1
+        save(f"dataset of {name}", volumes=count, **seconds, bytes_equal=equal)
 
 
 QUICK = "--quick" in sys.argv

@@ -81,7 +81,13 @@ def test_another_request_destroys_no_data_set(tmp_path, sink):
             small(**{"n": 3, "sink": path, **change})
     with pytest.raises(ValueError, match=r"n is 2.5; it must be a whole number from 1"):
         small(2.5, path)
-    for wrong, message in [({"n": True}, "n is True; it must be an int"), ({"n": "2"}, "n is '2'"), ({"shape": 1.5}, "shape is 1.5; it must be an int or three")]:
+    for wrong, message in [({"n": True}, "n is True; it must be an int"), ({"n": "2"}, "n is '2'"), ({"shape": 1.5}, "shape is 1.5; it must be a positive int or three")]:
+        with pytest.raises(TypeError, match=message):
+            small(**{"n": 3, "sink": path, **wrong})
+    for wrong, message in [({"jobs": "2"}, "jobs is '2'; it must be a whole number from 1"), ({"jobs": 0}, "jobs is 0"), ({"shard": (1,)}, r"shard is \(1,\); it must be"), ({"shape": 0}, "shape is 0"), ({"shape": (4, 4)}, "shape is")]:
+        with pytest.raises(ValueError, match=message):
+            small(**{"n": 3, "sink": path, **wrong})
+    for wrong, message in [({"targets": [1]}, r"targets is \[1\]; it must be a dict"), ({"scan": 5}, "scan is 5"), ({"overwrite": "no"}, "overwrite is 'no'; it must be True")]:
         with pytest.raises(TypeError, match=message):
             small(**{"n": 3, "sink": path, **wrong})
     assert small(np.int64(3), path, shape=np.int64(8))[1] == []

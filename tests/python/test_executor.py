@@ -5,6 +5,7 @@ import importlib.util
 import multiprocessing
 import os
 import queue
+import re
 import signal
 import subprocess
 import threading
@@ -224,20 +225,21 @@ def test_a_case_that_no_worker_has_the_memory_for_gets_a_whole_worker():
     assert _executor._declared(concurrent.futures.ThreadPoolExecutor(1)) == 0
 
 
-def of_volume(name: Path):
-    """Compute a property of a label volume in a file."""
-    return mc.effective(np.load(name), "conductivity", voxel_size=2.0)
-
-
 def test_many_properties_are_those_of_one_call_each(tmp_path):
     packings = [mc.pack(TINY, seed=seed) for seed in range(3)]
-    names = [tmp_path / f"{seed}.npy" for seed in range(3)]
+    names, seen = [tmp_path / f"{seed}.npy" for seed in range(3)], []
     for name, packing in zip(names, packings):
         np.save(name, packing.voxelize(2.0))
     with spawned(2) as executor:
-        found = list(executor.map(of_volume, names))
+        found = mc.effective(names, "conductivity", voxel_size=2.0, executor=executor, progress=lambda *told: seen.append(told))
+        with pytest.raises(ValueError, match="volume 1: "):
+            mc.effective([np.zeros((4, 4, 4), int), np.full((4, 4, 4), 9)], executor=executor)
+        with pytest.raises(TypeError, match=re.escape("as in [labels]")):
+            mc.effective(np.load(names[0]), executor=executor)
         study = mc.study(TINY, {"seed": range(3)}, effective={"voxel_size": 2}, model="none", out=tmp_path / "s", executor=executor)
-    assert found == [of_volume(name) for name in names] and found[0].tensor == found[0]["tensor"]
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    assert found == [mc.effective(np.load(name), "conductivity", voxel_size=2.0) for name in names]
+    assert found[0].tensor == found[0]["tensor"]
     table = study.table()["effective.diffusivity.tensor.xx"]
     assert np.array_equal(table, [packing.effective(voxel_size=2).tensor[0][0] for packing in packings])
 

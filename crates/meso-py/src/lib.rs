@@ -42,6 +42,8 @@ mod _mesocrete {
     #[pymodule_export]
     use super::response::{PyFrame, PyResponse, checked_test, restore_frame, restore_response};
     #[pymodule_export]
+    use super::run::usual_threads;
+    #[pymodule_export]
     use super::spec::{PySpec, all_recipes, concrete_materials, restore_spec};
     #[pymodule_export]
     use super::study::{PyFit, PyLock, PyStudyCase, PyStudyPlan, PyStudyRun, study_case, study_results};

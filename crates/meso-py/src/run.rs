@@ -5,6 +5,7 @@ use meso_concrete::stop;
 use meso_core::watch::{self, Measure, Stage};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -20,6 +21,17 @@ const GRACE: u64 = 80;
 const SOON_GRACE: u64 = 400;
 /// Wait for a worker that writes files, ms. It removes them itself, and the caller may be about to end the process.
 const FILES_GRACE: u64 = 3000;
+
+thread_local! {
+    /// Threads of the calls of this thread that name no number.
+    static USUAL: Cell<Option<usize>> = const { Cell::new(None) };
+}
+
+/// Sets the threads of calls from this thread that name no number, `None` for all cores; returns what was set before.
+#[pyfunction(name = "_usual_threads")]
+pub(crate) fn usual_threads(threads: Option<usize>) -> Option<usize> {
+    USUAL.replace(threads)
+}
 
 /// State that the worker and the waiting thread share.
 pub(crate) struct Watch {
@@ -171,7 +183,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
 /// How work runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Terms {
-    /// Threads; `None` takes all cores.
+    /// Threads; `None` takes the usual number.
     threads: Option<usize>,
     /// Whether work that is told to stop has nothing to give.
     is_whole_or_nothing: bool,
@@ -208,7 +220,7 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
     let heard = Arc::clone(&watch);
     // For rayon 0 means all cores.
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(terms.threads.unwrap_or(0))
+        .num_threads(terms.threads.or(USUAL.get()).unwrap_or(0))
         .start_handler(move |_| stop::listen(&*heard))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._effective import Target
-from ._executor import _BUILD, Submitter, Workers, require
+from ._executor import _BUILD, Submitter, Workers, on_threads, require
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _Lock, _study_results, _StudyPlan, pack
 from ._mesocrete import __version__ as _VERSION
@@ -46,6 +46,7 @@ _TOLD = {"mesocrete", "shape", "what", "over", "seed", "hash"}
 _LABELS = {"0": "mortar", "1": "itz", "2": "aggregate", "3": "void", "4": "fibre", "255": "outside"}
 _HDF5 = (".h5", ".hdf5", ".hdf")
 _MOST = 1_000_000
+_MOST_JOBS = 1024
 
 # What is done in a case: its number, spec, seed and sampled values.
 _Job = tuple[int, Spec, "int | None", dict[str, Any]]
@@ -172,13 +173,20 @@ def dataset(
     ValueError, TypeError
         For an invalid option or spec, before any work, and for volumes of unequal shape in a `.zarr` or `.h5`.
     """
+    for name, flag in (("model", model), ("overwrite", overwrite)):
+        if not isinstance(flag, bool):
+            message = f"{name} is {flag!r}; it must be True or False"
+            raise TypeError(message)
+    if jobs is not None and not (_is_whole(jobs) and 1 <= jobs <= _MOST_JOBS):
+        message = f"jobs is {jobs!r}; it must be a whole number from 1 to {_MOST_JOBS}"
+        raise ValueError(message)
     if jobs is not None and executor is not None:
         message = f"jobs is {jobs}, and the executor has its own workers; leave one of the two out"
         raise ValueError(message)
     pool = ThreadPoolExecutor(jobs or os.cpu_count() or 1)
     workers = Workers(pool if executor is None else executor)
-    asked_targets = [Target(name, given) for name, given in (targets or {}).items()]
-    request = _Request(shape, _checked_what(what), checked_options(scan), asked_targets, model=model)
+    asked_targets = [Target(name, given) for name, given in _checked_dict("targets", targets).items()]
+    request = _Request(shape, _checked_what(what), checked_options(_checked_dict("scan", scan)), asked_targets, model=model)
     n = _checked_count(n)
     cases = _sampled(n, sampler, spec, seed)
     identity = [request.identity(job) for job in cases]
@@ -269,11 +277,22 @@ def _briefly(store: _Store, of: int) -> Iterator[None]:
 
 
 def _checked_shard(shard: Any) -> tuple[int, int]:
-    part, of = (1, 1) if shard is None else shard
-    if not 1 <= part <= of:
-        message = f"shard is {shard}; it must be (K, N), whole numbers with K from 1 to N"
+    given = (1, 1) if shard is None else shard
+    if not isinstance(given, Sequence) or len(given) != 2 or not all(map(_is_whole, given)) or not 1 <= given[0] <= given[1]:
+        message = f"shard is {shard!r}; it must be (K, N), whole numbers with K from 1 to N"
         raise ValueError(message)
-    return part, of
+    return int(given[0]), int(given[1])
+
+
+def _is_whole(number: Any) -> bool:
+    return not isinstance(number, bool) and hasattr(number, "__index__")
+
+
+def _checked_dict(name: str, given: Any) -> Mapping[str, Any]:
+    if given is None or isinstance(given, Mapping):
+        return given or {}
+    message = f"{name} is {given!r}; it must be a dict"
+    raise TypeError(message)
 
 
 class _Request:
@@ -318,7 +337,7 @@ class _Request:
     def make(self, job: _Job) -> tuple[Packing, dict[str, NDArray[Any]], dict[str, Any]]:
         """Return a packing, its arrays and its metadata."""
         number, spec, seed, values = job
-        packing = pack(spec, seed=seed, threads=1)
+        packing = pack(spec, seed=seed)
         arrays = {name: self._array(packing, name) for name in self.what}
         low, high = packing.bounds
         shape = next(iter(arrays.values())).shape
@@ -369,7 +388,8 @@ def _make(
     """Make a volume, on whatever machine, and write its files; return its metadata."""
     require(driver)
     try:
-        packing, arrays, record = request.make(job)
+        with on_threads(1):
+            packing, arrays, record = request.make(job)
         record["files"] = store.write(job[0], arrays)
         if request.model:
             record["files"] |= store.write_model(job[0], packing)
@@ -815,7 +835,7 @@ def _range(key: str, value: Any) -> Any:
 
 
 def _checked_what(what: Sequence[str]) -> list[str]:
-    names = [what] if isinstance(what, str) else list(what)
+    names = [what] if isinstance(what, str) or not isinstance(what, Iterable) else list(what)
     wrong = [name for name in names if name not in _QUANTITIES]
     if wrong or not names:
         message = f"what is {what!r}; it must list some of {', '.join(_QUANTITIES)}"
@@ -824,13 +844,12 @@ def _checked_what(what: Sequence[str]) -> list[str]:
 
 
 def _checked_shape(shape: Any) -> int | tuple[int, ...]:
-    try:
-        if not isinstance(shape, (bool, str)):
-            return index(shape) if hasattr(shape, "__index__") else tuple(map(index, shape))
-    except TypeError:
-        pass
-    message = f"shape is {shape!r}; it must be an int or three"
-    raise TypeError(message)
+    sides: list[Any] = [shape] if isinstance(shape, str) or not isinstance(shape, Iterable) else list(shape)
+    if not all(map(_is_whole, sides)) or len(sides) not in (1, 3) or min(sides) < 1:
+        message = f"shape is {shape!r}; it must be a positive int or three"
+        raise (ValueError if all(map(_is_whole, sides)) else TypeError)(message)
+    whole = tuple(map(index, sides))
+    return whole if isinstance(shape, Iterable) else whole[0]
 
 
 def _checked_count(n: int) -> int:

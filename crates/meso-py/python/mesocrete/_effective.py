@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._executor import _BUILD, Submitter, Workers, on_threads, require
 from ._fingerprint import fingerprint
+from ._progress import listener
 
 
 class Effective(dict[str, Any]):
@@ -33,6 +37,47 @@ class Effective(dict[str, Any]):
     def __dir__(self) -> list[str]:
         """List the keys with a dict's attributes."""
         return [*super().__dir__(), *self]
+
+
+def of_many(
+    labels: Iterable[Any], executor: Submitter, keywords: Mapping[str, Any], progress: bool | Callable[..., object] | None
+) -> list[Any]:
+    """Find the property of each label volume on the workers of an executor."""
+    if isinstance(labels, (str, Path)) or (isinstance(labels, np.ndarray) and labels.ndim < 4):
+        message = "labels is one volume; an executor does a sequence of them, as in [labels]"
+        raise TypeError(message)
+    volumes = list(labels)
+    workers, tell = Workers(executor), listener(progress)
+    found: list[Any] = [None] * len(volumes)
+    try:
+        calls = workers.done(deque(range(len(volumes))), lambda at: (_of_one, at, volumes[at], keywords, _BUILD))
+        for done, (number, result) in enumerate(calls, 1):
+            found[number] = result
+            if tell is not None and tell(done, len(volumes), "effective") is False:
+                message = "stopped: progress returned False"
+                raise RuntimeError(message)
+    finally:
+        workers.close()
+        if tell is not None:
+            tell.close()
+    lost = [number for number, result in enumerate(found) if result is None]
+    if lost:
+        message = f"every process that worked on volume {', '.join(map(str, lost))} was killed; take a machine with more memory"
+        raise RuntimeError(message)
+    return found
+
+
+def _of_one(number: int, volume: Any, keywords: Mapping[str, Any], driver: tuple[str, str, str]) -> Any:
+    """Find the property of a volume, on whatever machine."""
+    from ._mesocrete import effective
+
+    require(driver)
+    try:
+        with on_threads(1):
+            return effective(np.load(volume) if isinstance(volume, (str, Path)) else volume, **keywords)
+    except (ValueError, TypeError, RuntimeError) as error:
+        message = f"volume {number}: {error}"
+        raise type(error)(message) from error
 
 
 _PROPERTIES = ("diffusivity", "conductivity", "modulus")

@@ -14,11 +14,12 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, files
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
-from ._mesocrete import __version__ as _VERSION
+from ._mesocrete import __version__ as _VERSION, _usual_threads
 
 # Calls in flight for each worker: the next ones are there when a call ends.
 _AHEAD = 4
@@ -140,7 +141,8 @@ class Workers:
         """Return the error and the result of a future that is done. A result that dask loses with its worker comes again."""
         while True:
             try:
-                error = future.exception(timeout=_COUNT)
+                # Each question to a future of dask waits for its loop.
+                error = None if getattr(future, "status", "") == "finished" else future.exception(timeout=_COUNT)
                 return error, None if error is not None else future.result(timeout=_COUNT)
             # Python 3.10 has three of this name.
             except Exception as error:
@@ -203,6 +205,16 @@ def _declared(executor: Any) -> float:
 def _needs(memory: float, most: float) -> dict[str, Any]:
     """Return the keywords of a call that takes so much memory; one that takes more than any worker has gets a whole worker."""
     return {"resources": {"MEMORY": min(memory, most)}} if memory else {}
+
+
+@contextmanager
+def on_threads(number: int | None) -> Iterator[None]:
+    """Do work on so many threads, unless its calls name a number; None takes all cores."""
+    before = _usual_threads(number)
+    try:
+        yield
+    finally:
+        _usual_threads(before)
 
 
 def build() -> tuple[str, str, str]:

@@ -16,6 +16,7 @@ from typing_extensions import Unpack
 
 from . import _results, _types
 from ._effective import Effective
+from ._executor import Submitter
 from ._types import DeckOptions, MeshOptions, SolveOptions, SpecOptions, StatisticsOptions
 
 __version__: str
@@ -48,6 +49,7 @@ __all__ = [
     "_run_command",
     "_study_case",
     "_study_results",
+    "_usual_threads",
     "closest_points",
     "convex_hull",
     "distance",
@@ -1185,6 +1187,7 @@ def effective(
     axes: str = "xyz",
     tolerance: float | None = None,
     periodic: str = "",
+    executor: None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Effective:
     """Effective diffusivity, conductivity or stiffness of a label volume, with its error.
@@ -1195,7 +1198,7 @@ def effective(
     Parameters
     ----------
     labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
-        One integer a phase, at most 256.
+        One integer a phase, at most 256. With an `executor`: a sequence of such volumes, or of paths of `.npy` files.
     what : {"diffusivity", "conductivity", "stiffness", "all"}
         The property. For all, `phases` has a mapping for each, and a list of three is returned.
     voxel_size : float or sequence of three float
@@ -1211,21 +1214,23 @@ def effective(
         Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
     periodic : str
         Axes along which the volume repeats itself; along others both faces have given values.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Does many volumes, one a call, each on one thread; see `study`. Paths are read by its workers.
     progress : bool or callable, optional
-        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
-        the work ends with a `RuntimeError`.
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1, or in volumes. When it returns
+        False, the work ends with a `RuntimeError`.
 
     Returns
     -------
     Effective
-        See `Packing.effective`; names of phases are their labels.
+        See `Packing.effective`; names of phases are their labels. With an `executor`, a list in the order of the volumes.
 
     Raises
     ------
     ValueError, TypeError
         Names the option, its value and the accepted range; a label without a value.
     RuntimeError
-        Where the equations do not converge.
+        Where the equations do not converge, or an executor has lost its workers.
     """
 
 @overload
@@ -1239,6 +1244,7 @@ def effective(
     axes: Literal["xyz"] = "xyz",
     tolerance: float | None = None,
     periodic: str = "",
+    executor: None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Effective: ...
 
@@ -1254,6 +1260,23 @@ def effective(
     axes: str = "xyz",
     tolerance: float | None = None,
     periodic: str = "",
+    executor: None = None,
+    progress: bool | Callable[..., object] | None = None,
+) -> list[Effective]: ...
+
+
+@overload
+def effective(
+    labels: Iterable[ArrayLike | _Path],
+    what: Literal["diffusivity", "conductivity", "stiffness"] = "diffusivity",
+    *,
+    voxel_size: float | Sequence[float] | None = None,
+    phases: Mapping[int, float | Mapping[str, float]] | Mapping[str, float | Mapping[str, float]] | None = None,
+    eigenstrain: Mapping[int, float] | Mapping[str, float] | None = None,
+    axes: str = "xyz",
+    tolerance: float | None = None,
+    periodic: str = "",
+    executor: Submitter,
     progress: bool | Callable[..., object] | None = None,
 ) -> list[Effective]: ...
 
@@ -1639,6 +1662,7 @@ class _StudyCase:
 
 def _study_case(of: str) -> _StudyCase: ...
 def _study_results(packing: Packing) -> dict[str, Any]: ...
+def _usual_threads(threads: int | None) -> int | None: ...
 def _colours() -> tuple[list[str], list[str]]: ...
 def _run_command(args: list[str]) -> int: ...
 def _restore_spec(options: dict[str, Any]) -> Spec: ...

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from ._executor import _BUILD, Submitter, Workers, require, require_device
+from ._executor import _BUILD, Submitter, Workers, on_threads, require, require_device
 from ._fingerprint import fingerprint
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _Lock, _StudyCase, _StudyPlan, _StudyRun, load, pack
@@ -239,7 +239,8 @@ def study(
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the cases; all workers must see the folder `out`. Absent: one case after the other, here.
     threads : int, optional
-        For each case; default all cores without an executor, 1 with one. It changes the time, never the result.
+        For each case, and for calls in `then` that name no number; default all cores without an executor, 1 with one. It
+        changes the time, never the result.
     retry_failed : bool
         Run failed cases again; finished cases are never repeated.
     progress : bool or callable, optional
@@ -386,7 +387,8 @@ def _run(case: _StudyCase, then: Callable[..., Any] | None, threads: int | None,
         try:
             packing, results, failure, warned = case.work(threads)
             if failure is None and then is not None:
-                found = _results(then(packing, case.folder) if _takes_folder(then) else then(packing))
+                with on_threads(threads):
+                    found = _results(then(packing, case.folder) if _takes_folder(then) else then(packing))
                 results = json.dumps({**(json.loads(results) if case.has_steps else {}), **json.loads(found)})
         except Exception as error:
             # No case is to blame for a full disk, and each that is left would fail there.

@@ -64,7 +64,7 @@ pub(super) fn compute<'py>(
 /// Parameters
 /// ----------
 /// labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
-///     One integer a phase, at most 256.
+///     One integer a phase, at most 256. With an `executor`: a sequence of such volumes, or of paths of `.npy` files.
 /// what : {"diffusivity", "conductivity", "stiffness", "all"}
 ///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
 /// voxel_size : float or sequence of three float
@@ -80,23 +80,25 @@ pub(super) fn compute<'py>(
 ///     Error of the equations, over the result; 1e-9, and 1e-12 for stiffness, if omitted.
 /// periodic : str
 ///     Axes along which the volume repeats itself; along others both faces have given values.
+/// executor : concurrent.futures.Executor or dask.distributed.Client, optional
+///     Does many volumes, one a call, each on one thread; see `study`. Paths are read by its workers.
 /// progress : bool or callable, optional
-///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
-///     the work ends with a `RuntimeError`.
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1, or in volumes. When it returns
+///     False, the work ends with a `RuntimeError`.
 ///
 /// Returns
 /// -------
 /// Effective
-///     See `Packing.effective`; names of phases are their labels.
+///     See `Packing.effective`; names of phases are their labels. With an `executor`, a list in the order of the volumes.
 ///
 /// Raises
 /// ------
 /// ValueError, TypeError
 ///     Names the option, its value and the accepted range; a label without a value.
 /// RuntimeError
-///     Where the equations do not converge.
+///     Where the equations do not converge, or an executor has lost its workers.
 #[pyfunction(name = "effective")]
-#[pyo3(signature = (labels, what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", tolerance=None, periodic="", progress=None))]
+#[pyo3(signature = (labels, what="diffusivity", *, voxel_size=None, phases=None, eigenstrain=None, axes="xyz", tolerance=None, periodic="", executor=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn of_labels<'py>(
     py: Python<'py>,
@@ -108,8 +110,19 @@ pub(crate) fn of_labels<'py>(
     axes: &str,
     tolerance: Option<&Bound<'py, PyAny>>,
     periodic: &str,
+    executor: Option<&Bound<'py, PyAny>>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    if let Some(executor) = executor {
+        let keywords = PyDict::new(py);
+        let values =
+            [("voxel_size", voxel_size), ("phases", phases), ("eigenstrain", eigenstrain), ("tolerance", tolerance)];
+        values.iter().try_for_each(|(key, value)| keywords.set_item(key, value))?;
+        [("what", what), ("axes", axes), ("periodic", periodic)]
+            .iter()
+            .try_for_each(|(key, name)| keywords.set_item(key, name))?;
+        return py.import("mesocrete._effective")?.call_method1("of_many", (labels, executor, keywords, progress));
+    }
     guard(|| {
         let periods: &[_] = if periodic.is_empty() { &[] } else { &[("periodic", periodic)] };
         let names = [&[("what", what), ("axes", axes)], periods].concat();
