@@ -166,6 +166,8 @@ fn a_label_volume_that_cannot_be_solved_is_refused() {
             &["small.json", "--periodic", "x"],
             "--periodic is x; a model's specimen has its own periods; only label volumes take it",
         ),
+        (1, &["scan.vti", "--array", "b"], "scan.vti: it has no array `b` of one value a voxel; take one of `a`"),
+        (2, &["small.json", "--array", "a"], "--array is a; a model has no arrays: leave it out, or take a .vti"),
         (1, &["bad.npy"], "bad.npy: this is not a file of numpy.save"),
         (1, &["missing.tif"], "missing.tif"),
     ] {
@@ -182,6 +184,7 @@ fn refusals_name_the_flag_and_the_range() {
     folder.write("unknown.toml", "[diffusivity]\nstone = 0\n");
     for (flags, said) in [
         (&["--voxel-size-mm", "0"][..], "--voxel-size-mm is 0; it must be a positive number"),
+        (&["--voxel-size-mm", "1e300"], "--voxel-size-mm is 1e300; it must be at most 10 mm"),
         (&["--voxel-size-mm", "30"], "--voxel-size-mm is 30; it must be at most 10 mm"),
         (&["--method", "conforming"], "--method is conforming; it must be voxel or lattice"),
         (&["--method", "lattice", "--voxel-size-mm", "2"], "--voxel-size-mm is 2; only the method voxel takes it"),

@@ -22,7 +22,7 @@ pub mod stop;
 mod thousands;
 pub mod watch;
 
-pub use out_of_range::{OutOfRange, Ranges, exceeds};
+pub use out_of_range::{OutOfRange, Ranges, exceeds, written};
 pub use parts::{Parts, mark_caps};
 pub use phase::Phase;
 pub use physical_range::PhysicalRange;

@@ -38,7 +38,7 @@ pub struct Ranges(pub &'static str);
 impl Ranges {
     /// The error of a value whose range is known to be missed.
     pub fn error(self, key: impl Into<String>, value: impl Display, accepted: impl Into<String>) -> OutOfRange {
-        OutOfRange { table: self.0, key: key.into(), value: value.to_string(), accepted: accepted.into() }
+        OutOfRange { table: self.0, key: key.into(), value: written(value), accepted: accepted.into() }
     }
 
     /// Accepts a value whose condition is `met`. A condition compares the value with its bounds, so that NaN fails it.
@@ -64,6 +64,15 @@ impl Ranges {
     }
 }
 
+/// A value as a person would write it: one of many digits has a power of ten.
+pub fn written(value: impl Display) -> String {
+    let text = value.to_string();
+    match text.parse::<f64>() {
+        Ok(number) if text.len() > 24 => format!("{number:e}"),
+        _ => text,
+    }
+}
+
 /// Whether `value` is beyond a limit that it must keep; NaN keeps none.
 pub fn exceeds(value: f64, limit: f64) -> bool {
     let is_kept = value <= limit;
@@ -78,6 +87,8 @@ mod tests {
     fn an_error_in_an_inner_table_has_the_path_from_the_outer_one() {
         let error = Ranges("materials").positive("mortar.youngs_modulus_mpa", f64::NAN).unwrap_err();
         assert_eq!(error.to_string(), "materials.mortar.youngs_modulus_mpa is NaN; it must be a positive number");
+        let huge = Ranges("mesh").positive("element_size_mm", -1e300).unwrap_err();
+        assert_eq!(huge.to_string(), "mesh.element_size_mm is -1e300; it must be a positive number");
         let error = error.within("deck");
         assert_eq!(error.to_string(), "deck.materials.mortar.youngs_modulus_mpa is NaN; it must be a positive number");
         assert_eq!(error.fault(), "is NaN; it must be a positive number");

@@ -6,9 +6,9 @@ mod table;
 pub use table::{Auto, ElementSize, MeshTable, Purpose};
 
 use super::error::MeshError;
-use meso_concrete::Room;
 use meso_concrete::aggregate::{Aggregate, Itz, Kind, Shape, ShapeKind};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{Room, short};
 use serde::{Deserialize, Serialize};
 
 /// Everything that decides a mesh of a given packing; it serializes as a [`MeshTable`].
@@ -225,7 +225,7 @@ impl MeshOptions {
         let most = if self.method.order() == Order::Quadratic { MAX_COUNT_QUADRATIC } else { MAX_COUNT };
         let (low, high) = (size.max() / most, size.min());
         if !(self.element_size_mm >= low && self.element_size_mm <= high) {
-            let accepted = format!("it must lie within {low} and {high} mm for this specimen");
+            let accepted = format!("it must lie within {} and {high} mm for this specimen", short(low));
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
         }
         match self.method {

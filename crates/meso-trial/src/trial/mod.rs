@@ -19,7 +19,7 @@ pub use setup::word;
 
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, written};
 use meso_mesh::CellKind;
 use meso_mesh::materials::LawName;
 use serde::{Deserialize, Serialize};
@@ -313,7 +313,8 @@ impl Test {
             Some(duration) if self.time_step_s.is_none() => ("duration_s", duration),
             _ => ("time_step_s", step),
         };
-        let accepted = format!("{duration:.3e} s in steps of {step:.3e} s are {steps} steps; they must be 10 to 1e9");
+        let many = written(steps);
+        let accepted = format!("{duration:.3e} s in steps of {step:.3e} s are {many} steps; they must be 10 to 1e9");
         Err(TEST.error(key, value, accepted).into())
     }
 

@@ -2,6 +2,7 @@
 
 use meso_collision::math::Vec3;
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{short, written};
 use meso_mesh::location::PointGrid;
 use meso_pack::spec::SpecError;
 use serde::{Deserialize, Serialize};
@@ -94,7 +95,7 @@ impl Default for ImageOptions {
 
 /// The error of an option that cannot be met: its name, its value, and the accepted range.
 fn wrong(key: &str, value: impl std::fmt::Display, accepted: impl std::fmt::Display) -> SpecError {
-    SpecError::value(key, format!("is {value}; {accepted}"))
+    SpecError::value(key, format!("is {}; {accepted}", written(value)))
 }
 
 /// Most voxels along an axis.
@@ -109,7 +110,7 @@ impl ImageOptions {
         let h = self.voxel_size_mm;
         let (low, high) = (aabb.size().max() / MOST, aabb.size().max());
         if !(h >= low && h <= high) {
-            let accepted = format!("it must lie within {low} and {high} mm for this specimen");
+            let accepted = format!("it must lie within {} and {high} mm for this specimen", short(low));
             return Err(wrong("voxel_size_mm", h, accepted));
         }
         let (min, max) = match self.region {

@@ -12,6 +12,9 @@ pub(crate) struct Args {
     /// .vtu of tetrahedra
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub(super) output: PathBuf,
+    /// Array of a .vti that has the labels [default: its scalars, of the cells or else of the points]
+    #[arg(long, value_name = "NAME")]
+    pub(super) array: Option<String>,
     #[command(flatten)]
     pub(super) ask: EffectiveAsk,
     #[command(flatten)]

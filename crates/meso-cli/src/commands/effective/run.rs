@@ -19,6 +19,9 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let giver = Giver::Flags;
+    if let (Some(array), Input::Model) = (&args.array, args.input()) {
+        return Err(Failure::Usage(format!("--array is {array}; a model has no arrays: leave it out, or take a .vti")));
+    }
     let values = args.ask.values(args.input(), giver, &inputs::text)?;
     let force = args.writing.force;
     let names = args.ask.files();
@@ -58,7 +61,7 @@ impl Specimen {
         if args.input() == Input::Model {
             return Ok(Self::Packing(Box::new(inputs::model(&args.model, watch)?)));
         }
-        let volume = inputs::volume(&args.model, None)?;
+        let volume = inputs::volume(&args.model, args.array.as_deref())?;
         inputs::warn_of_choices(&volume, args.ask.voxel_size_mm.is_some());
         let given = args.ask.voxel_size_mm.map(|h| [h; 3]);
         let spacing_mm = given.or(volume.spacing_mm).unwrap_or([1.0; 3]);
