@@ -42,6 +42,7 @@ def main() -> None:
     slender = [f"slenderness-{mu}-h{n}" for mu in ("0.005", "0.6") for n in (1, 2)]
     curves(done, images / "validation-slenderness.png", slender)
     beyond(done, images / "validation-height.png", side)
+    bent(done, images / "validation-beams.png")
 
 
 def published(name: str) -> tuple[list[float], list[float]]:
@@ -86,6 +87,22 @@ def beyond(done: dict[str, run.Curve], path: Path, side: float) -> None:
         way = [(e - strain[top]) * height for e in strain[top:]]
         axes.plot(way, [s / stress[top] for s in stress[top:]], f"k{marker}", ms=3, mfc="none", label=label)
     save(figure, axes, path, "displacement beyond the peak, mm", "stress over peak", drawn=drawn)
+
+
+def bent(done: dict[str, run.Curve], path: Path) -> None:
+    """Load over the opening of the mouth of three beams, one line a seed, in the envelopes of the tests."""
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.6))
+    drawn = False
+    for one, (name, (_, beam)) in zip(axes, run.BEAMS.items()):
+        tests = run.envelope(beam.published)
+        one.fill_between(tests["cmod_mm"], tests["load_min_n"], tests["load_max_n"], color="0.8", label="tests")
+        for seed in (1, 2, 3):
+            if curve := done.get(f"beam-{name}-{seed}"):
+                one.plot(curve.mouth, curve.load, f"C{seed - 1}", lw=1, label=f"seed {seed}")
+                drawn = True
+        one.set(title=name, xlim=(0, 0.12), ylim=0, xlabel="opening of the mouth, mm", ylabel="load, N")
+        one.grid(alpha=0.3)
+    save(figure, axes[0], path, "opening of the mouth, mm", "load, N", drawn=drawn)
 
 
 def save(figure: plt.Figure, axes: plt.Axes, path: Path, x: str, y: str, *, drawn: bool) -> None:

@@ -31,6 +31,33 @@ MINI_MM, SMALL_MM, LARGE_MM = 36.0, 100.0, 150.0
 
 
 @dataclass(frozen=True)
+class Beam:
+    """A beam in bending, its grains, and its mortar: modulus and f_t of the test's concrete, as cubes of 36 mm in tension have them."""
+
+    published: str
+    span_mm: float
+    notch_mm: float
+    notch_at_mm: float
+    grains_mm: tuple[float, float]
+    modulus_mpa: float
+    tensile_mpa: float
+    fracture_energy_n_per_mm: float
+
+    def materials(self) -> dict:
+        """Content of its MATERIALS.toml."""
+        strength = {"tensile_mpa": self.tensile_mpa, "fracture_energy_n_per_mm": self.fracture_energy_n_per_mm}
+        return {"materials.mortar": {"youngs_modulus_mpa": self.modulus_mpa}, "materials.mortar_strength": strength}
+
+
+GREGOIRE, GARCIA = (5.0, 10.0), (6.0, 12.0)
+BEAMS = {
+    "no-notch": ((175.0, 50.0, 50.0), Beam("gregoire_2013_unnotched_d50", 125, 0, 0, GREGOIRE, 29500, 4.03, 0.06)),
+    "half-notch": ((175.0, 50.0, 50.0), Beam("gregoire_2013_half_notched_d50", 125, 25, 0, GREGOIRE, 29500, 4.03, 0.06)),
+    "mixed-mode": ((250.0, 50.0, 80.0), Beam("garcia_alvarez_2012_mixed_mode_d80", 200, 20, 50, GARCIA, 26000, 3.6, 0.053)),
+}
+
+
+@dataclass(frozen=True)
 class Case:
     """One specimen, tested once."""
 
@@ -43,6 +70,7 @@ class Case:
     element_mm: float = 3.0
     cylinder: bool = False
     kind: str = "compression"
+    beam: "Beam | None" = None
 
     @property
     def name(self) -> str:
@@ -62,19 +90,28 @@ class Case:
     @property
     def cost(self) -> float:
         """Cost over that of a cube of 100 mm in elements of 3 mm that is pressed by 1 %."""
+        if self.beam:
+            return 0.5 * self.size[0] * self.size[1] * self.height / 4.4e5
         area = self.size[0] ** 2 * 0.785 if self.cylinder else self.size[0] * self.size[1]
         tension = 160 / 24 if self.kind == "tension" else 1.0
         return area * self.height**2 / 1e8 * (3 / self.element_mm) ** 4 * self.strain / 0.01 * tension
 
     def test(self) -> str:
         """Content of its TEST.toml; specimens that are pressed have a gauge of lateral strain."""
+        if self.beam:
+            over = "" if self.beam.notch_mm else ", over_mm = 50"
+            return f'kind = "bending"\nspan_mm = {self.beam.span_mm}\ngauges = [{{ kind = "crack-mouth", name = "mouth"{over} }}]\n'
         gauge = "" if self.kind == "tension" else '[[gauges]]\nkind = "lateral-strain"\nname = "lateral_strain"\n'
         ratio = f"stress_ratio = {self.label}\n" if self.kind == "biaxial" else ""
         return f'kind = "{self.kind}"\n{ratio}{gauge}'
 
     def spec(self) -> dict:
-        """Fuller from 5 to 16 mm, with gaps between bodies."""
-        if self.cylinder:
+        """Fuller from 5 to 16 mm, or a beam's grains, with gaps between bodies."""
+        if self.beam and self.beam.notch_mm:
+            names = ("length_mm", "width_mm", "depth_mm")
+            specimen = {"kind": "notched-prism", **dict(zip(names, self.size)), "notch_width_mm": 2 * self.element_mm}
+            specimen |= {"notch_depth_mm": self.beam.notch_mm, "notch_at_mm": self.beam.notch_at_mm}
+        elif self.cylinder:
             specimen = {"kind": "cylinder", "diameter_mm": self.size[0], "height_mm": self.height}
         else:
             specimen = {"kind": "box", "size_mm": list(self.size)}
@@ -82,7 +119,7 @@ class Case:
             "seed": self.seed,
             "fraction": self.fraction,
             "specimen": specimen,
-            "grading": {"d_min_mm": 5.0, "d_max_mm": 16.0},
+            "grading": dict(zip(("d_min_mm", "d_max_mm"), self.beam.grains_mm if self.beam else (5.0, 16.0))),
             # Bodies of 60 % have no gaps of 1 mm.
             "placement": {"min_gap_mm": 1.0 if self.fraction < 0.5 else 0.2},
         }
@@ -111,6 +148,9 @@ def of_seed(seed: int, side: float) -> list[Case]:
         strain = f"{0.003 + 0.8 / height:.4g}"
         found.append(Case("height", f"{percent}", seed, (side, side, height), {"friction": "0.005", "strain": strain}))
     found.append(Case("tension", "72", seed, (min(side, 72.0),) * 3, {"strain": "0.001"}, kind="tension"))
+    for name, (size, beam) in BEAMS.items():
+        bent = {"strain": "0.002" if name == "no-notch" else "0.0015"}
+        found.append(Case("beam", name, seed, size, bent, fraction=0.35, element_mm=4.0, kind="bending", beam=beam))
     for stress_ratio in ("1", "0.52"):
         pressed = {"friction": "0.005", "strain": "0.006"}
         found.append(Case("biaxial", stress_ratio, seed, cube, pressed, kind="biaxial"))
@@ -192,7 +232,11 @@ def run(case: Case, args: argparse.Namespace, end: float) -> str:
     command += ["--element-size-mm", f"{element}"]
     command += ["--threads", str(threads), "--frames", "0", "--quiet", "--force", "--accept-phase-error"]
     command += [word for key, value in case.flags.items() for word in (f"--{key}", value)]
-    for flag, value in (("--device", args.device), ("--law", args.law), ("--materials", args.materials)):
+    materials = args.materials
+    if case.beam:
+        materials = folder / "materials.toml"
+        materials.write_text(toml(case.beam.materials()))
+    for flag, value in (("--device", args.device), ("--law", args.law), ("--materials", materials)):
         command += [flag, str(value)] if value else []
     began = time.monotonic()
     try:
@@ -224,6 +268,9 @@ class Curve:
     stress: list[float]
     height: float
     result: dict
+    # Load over the opening of the mouth, N and mm, of a beam.
+    load: list[float]
+    mouth: list[float]
 
     @property
     def top(self) -> int:
@@ -259,6 +306,32 @@ class Curve:
         pieces = zip(itertools.pairwise(self.stress), itertools.pairwise(self.strain))
         return sum((a + b) / 2 * (f - e) for (a, b), (e, f) in pieces) * self.height
 
+    @property
+    def mouth_at_peak(self) -> float:
+        """Opening of the mouth at the largest load, mm."""
+        return max(zip(self.load, self.mouth))[1]
+
+    def load_at(self, mouth: float) -> float | None:
+        """Load where the mouth first has an opening."""
+        return next((load for load, at in zip(self.load, self.mouth) if at >= mouth), None)
+
+    def opened(self) -> float | None:
+        """Work of the load over the opening of the mouth until 0.1 mm, N mm."""
+        return under(self.mouth, self.load, 0.1) if self.mouth and max(self.mouth) >= 0.1 else None
+
+
+def under(at: list[float], load: list[float], end: float) -> float:
+    """Area under a load from 0 to an abscissa."""
+    points = [(0.0, 0.0), *zip(at, load)]
+    return sum((f + g) / 2 * (b - a) for (a, f), (b, g) in itertools.pairwise(points) if b <= end)
+
+
+def envelope(name: str) -> dict[str, list[float]]:
+    """Columns of a published beam; rows without a lower bound end it."""
+    with (HERE / f"{name}.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return {key: [float(row[key]) for row in rows if row["load_min_n"]] for key in ("cmod_mm", "load_min_n", "load_max_n")}
+
 
 def read(case: Case, out: Path) -> Curve | None:
     """Curve of a case that is done."""
@@ -267,8 +340,9 @@ def read(case: Case, out: Path) -> Curve | None:
         return None
     with (folder / "curve.csv").open() as file:
         rows = list(csv.DictReader(file))
-    strain, stress = ([float(row[key]) for row in rows] for key in ("strain", "stress_mpa"))
-    return Curve(strain, stress, case.height, json.loads((folder / "result.json").read_text()))
+    column = lambda key: [float(row[key]) for row in rows if key in row]
+    result = json.loads((folder / "result.json").read_text())
+    return Curve(column("strain"), column("stress_mpa"), case.height, result, column("load_n"), column("mouth"))
 
 
 def judge(chosen: list[Case], out: Path) -> None:
@@ -343,6 +417,21 @@ def heights_apart(curves: Curves) -> float:
     return worst
 
 
+def beam_rows(number: str, name: str) -> list[Row]:
+    """Peak, opening at it, and work of a published beam: within its envelope, or a share beyond it."""
+    beam, case = envelope(BEAMS[name][1].published), f"beam-{name}"
+    low, high = beam["load_min_n"], beam["load_max_n"]
+    wider = 0.15 if name == "mixed-mode" else 0.0
+    opening = beam["cmod_mm"][high.index(max(high))]
+    work = [under(beam["cmod_mm"], side, 0.1) for side in (low, high)]
+    rows = [
+        Row(number, f"{name}: peak, N", (1 - wider) * max(low), (1 + wider) * max(high), lambda c: max(c[case].load)),
+        Row(number, f"{name}: opening at the peak, mm", 0.75 * opening, 1.25 * opening, lambda c: c[case].mouth_at_peak),
+        Row(number, f"{name}: work until 0.1 mm, N mm", 0.9 * work[0], 1.1 * work[1], lambda c: c[case].opened()),
+    ]
+    return rows if name != "no-notch" else [rows[0], rows[2]]
+
+
 ROWS = [
     Row("1", "modulus, GPa", 29, 35, lambda c: c["cube-0.1"].result["modulus_mpa"] / 1000),
     Row("2", "strain at the peak, friction 0.1, per mille", 1.8, 2.4, lambda c: 1000 * c["cube-0.1"].strain[c["cube-0.1"].top]),
@@ -361,6 +450,7 @@ ROWS = [
     Row("8", "steel over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.6-h1", "slenderness-0.005-h1")),
     Row("8", "plates of 0.13, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.13-h2", "slenderness-0.13-h1")),
     Row("8", "plates of 0.13 over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.13-h1", "slenderness-0.005-h1")),
+    Row("8", "cylinder, h = 2 d, over cube, steel", 0.808, 0.915, ratio("slenderness-0.6-h2", "cube-0.6")),
     Row("9", "f_t / f_c", 0.06, 0.10, ratio("tension-72", "cube-0.1")),
     Row("9", "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
     Row("10", "stress of least volume over the peak", 0.75, 0.95, figure("cube-0.1", "least_volume_over_peak")),
@@ -377,6 +467,7 @@ ROWS = [
     Row("7 of Kupfer", "left at 0.3 % of 200 x 200 x 50 mm", 0.79, 1.0, lambda c: c["kupfer-200"].left_at(0.003)),
     Row("7 of Kupfer", "left at 0.4 %", 0.61, 0.91, lambda c: c["kupfer-200"].left_at(0.004)),
     Row("7 of Kupfer", "left at 0.5 %", 0.44, 0.74, lambda c: c["kupfer-200"].left_at(0.005)),
+    *beam_rows("15", "no-notch"), *beam_rows("16", "half-notch"), *beam_rows("17", "mixed-mode"),
 ]  # fmt: skip
 
 

@@ -35,6 +35,11 @@ impl Recipe {
         Self { name: "rve-60", text: include_str!("recipes/rve-60.toml") },
         Self { name: "fibres-voids-100", text: include_str!("recipes/fibres-voids-100.toml") },
         Self { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
+        Self { name: "gb-dam-three", text: include_str!("recipes/gb-dam-three.toml") },
+        Self { name: "gb-dam-four", text: include_str!("recipes/gb-dam-four.toml") },
+        Self { name: "asphalt-101", text: include_str!("recipes/asphalt-101.toml") },
+        Self { name: "rock-soil-300", text: include_str!("recipes/rock-soil-300.toml") },
+        Self { name: "en-mortar-40", text: include_str!("recipes/en-mortar-40.toml") },
     ];
 
     /// The recipe of this name, if there is one.
