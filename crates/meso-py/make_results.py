@@ -16,7 +16,8 @@ TARGET = Path(__file__).parent / "python" / "mesocrete" / "_results.py"
 SOURCES = {
     "meso-concrete/src/aggregate/library.rs": ["Reduction"],
     "meso-place/src/report.rs": [
-        *["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "ReducedGrain", "CoreReport", "LabelReport", "Report"],
+        *["SpecimenReport", "ClassReport", "PhaseReport", "OwnPhaseReport", "Work", "Seconds", "ReducedGrain"],
+        *["CoreReport", "LabelReport", "Report"],
     ],
     "meso-pack/src/statistics/distribution.rs": ["Distribution"],
     "meso-pack/src/statistics/shape.rs": ["Zingg", "Shapes", "Orientation"],

@@ -69,8 +69,11 @@ fn cube_stl() -> Vec<u8> {
     let corners: Vec<Vec3> = (0..8).map(|k| Vec3::new(k as f64 % 2.0, (k / 2) as f64 % 2.0, (k / 4) as f64)).collect();
     let body = convex_hull(&corners).unwrap();
     let mut bytes = Vec::new();
-    stl::write(&[Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body }], &mut bytes)
-        .unwrap();
+    stl::write(
+        &[Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body }],
+        &mut bytes,
+    )
+    .unwrap();
     bytes
 }
 

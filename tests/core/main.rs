@@ -19,6 +19,7 @@ mod matrix;
 mod mesh;
 #[path = "../pack/mod.rs"]
 mod pack;
+mod phases;
 #[path = "../property.rs"]
 mod property;
 mod stop;

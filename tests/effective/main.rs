@@ -6,6 +6,7 @@ mod bodies;
 mod dents;
 mod labels;
 mod laminates;
+mod own_phases;
 mod packings;
 mod spheres;
 mod stiffness;

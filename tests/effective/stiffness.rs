@@ -5,6 +5,7 @@ use meso_core::Silent;
 use meso_core::aggregate::Aggregate;
 use meso_core::geometry::convex_hull;
 use meso_core::math::Vec3;
+use meso_core::mesh::PhaseNames;
 use meso_core::specimen::{Periodic, Specimen};
 use meso_effective::{GivenModuli, Moduli, PhaseModuli, Stiffness, StiffnessOptions, stiffness};
 use std::f64::consts::PI;
@@ -194,7 +195,7 @@ fn moduli_out_of_range_are_refused_by_name() {
     let refused = |change: &dyn Fn(&mut PhaseModuli)| {
         let mut phases = PhaseModuli::default();
         change(&mut phases);
-        phases.validate().unwrap_err().to_string()
+        phases.validate(PhaseNames::COMMON).unwrap_err().to_string()
     };
     let said = refused(&|phases| phases.mortar.youngs_modulus_mpa = Some(0.0));
     assert!(said.starts_with("stiffness.mortar.youngs_modulus_mpa is 0;"), "{said}");

@@ -47,8 +47,9 @@ fn the_report_of_a_mesh_has_the_worst_of_its_cells() {
     assert_eq!(report.bad_cells, CellQuality::below(&cells, QualityReport::BAD_DEG));
     assert_eq!((report.inverted, report.cohesive_time_step_s), (0, None));
 
-    let step =
-        |(cell, phase): (&CellQuality, &Phase)| cell.stable_length_mm / materials.elastic(*phase).wave_speed_mm_per_s();
+    let step = |(cell, phase): (&CellQuality, &Phase)| {
+        cell.stable_length_mm / materials.elastic(*phase, &mesh.phases).wave_speed_mm_per_s()
+    };
     assert_eq!(report.stable_time_step_s, cells.iter().zip(&mesh.phase).map(step).fold(f64::INFINITY, f64::min));
     let exact = report.exact_volumes_mm3.unwrap();
     let bodies: f64 = grains.iter().map(|grain| grain.body.volume()).sum();
@@ -102,7 +103,7 @@ fn a_mesh_that_has_far_from_a_phase_is_refused_unless_that_is_accepted() {
 /// The case `hooked_fibre.toml`: an ITZ of NaN passed the rule of 10 %.
 #[test]
 fn a_volume_that_is_no_number_is_off_by_more_than_any_share() {
-    let volumes = |aggregate: f64, itz: f64| PhaseVolumes { aggregate, itz, mortar: 500.0, fibre: 0.0 };
+    let volumes = |aggregate: f64, itz: f64| PhaseVolumes { aggregate, itz, mortar: 500.0, ..PhaseVolumes::default() };
     for (meshed, exact) in [
         (volumes(300.0, 200.0), volumes(300.0, f64::NAN)),
         (volumes(300.0, f64::NAN), volumes(300.0, 200.0)),

@@ -22,8 +22,14 @@ pub(crate) fn box_body(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
 pub(crate) fn model_of(bodies: Vec<Polyhedron>) -> Model {
     let spec = Spec::default();
     let report = report_of(&spec, bodies.len());
-    let aggregate =
-        |(i, body)| Aggregate { id: i as u32, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 1.0 / 3.0, body };
+    let aggregate = |(i, body)| Aggregate {
+        id: i as u32,
+        kind: Kind::Aggregate,
+        own: None,
+        class: 0,
+        itz_thickness_mm: 1.0 / 3.0,
+        body,
+    };
     Model { spec, aggregates: bodies.into_iter().enumerate().map(aggregate).collect(), inclusions: Vec::new(), report }
 }
 
@@ -62,6 +68,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         strategy: "by hand".into(),
         classes: classes.collect(),
         phases: Vec::new(),
+        own_phases: Vec::new(),
         itz_limited: Vec::new(),
         itz_thin: Vec::new(),
         reduced: Vec::new(),

@@ -184,6 +184,7 @@ fn spec() -> impl Strategy<Value = Spec> {
             placement,
             voids,
             fibres,
+            phases: Vec::new(),
         },
     )
 }

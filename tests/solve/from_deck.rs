@@ -340,7 +340,9 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
         let volumes = volumes(&mesh);
         let sets: BTreeMap<String, f64> = Phase::SOLID
             .into_iter()
-            .filter_map(|phase| Some((phase.name().to_owned(), deck.element_sets.get(phase.set_name())?)))
+            .filter_map(|phase| {
+                Some((mesh.phases.name(phase).to_owned(), deck.element_sets.get(&*mesh.phases.set_name(phase))?))
+            })
             .map(|(name, cells)| (name, cells.iter().map(|&number| volumes[number as usize - 1]).sum()))
             .collect();
         let sample = sample_of(&mesh, &model, &options);

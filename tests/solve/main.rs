@@ -18,6 +18,7 @@ mod hostile;
 mod hostile_solver;
 mod loads;
 mod named;
+mod own_phases;
 mod refusals;
 mod samples;
 mod scatter;

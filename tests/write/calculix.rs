@@ -5,7 +5,9 @@ use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::mesh::{
+    self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseNames, PhaseVolumes, Tools,
+};
 use meso_core::specimen::Specimen;
 use meso_core::trial::TestKind;
 use meso_core::{Model, Silent, Spec};
@@ -76,7 +78,7 @@ pub(crate) fn modulus_of(deck: &str, files: &[(&str, &str)], area: f64) -> Optio
 pub(crate) fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
     let fractions = Phase::SOLID.map(|phase| volumes.of(phase) / volumes.total());
     let moduli = Phase::SOLID.map(|phase| {
-        let elastic = materials.elastic(phase);
+        let elastic = materials.elastic(phase, PhaseNames::COMMON);
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))
     });

@@ -6,7 +6,9 @@ use crate::write::deck_reader::{Deck, NODES};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::MortarStrength;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase, Tools};
+use meso_core::mesh::{
+    self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase, PhaseNames, Tools,
+};
 use meso_core::specimen::{Periodic, Specimen};
 use meso_core::trial::{Sample, TestKind};
 use std::collections::BTreeSet;
@@ -30,6 +32,7 @@ fn two_tetrahedra(cohesive: bool) -> Mesh {
         cohesive: if cohesive { vec![5, 6, 7, 1, 2, 3] } else { Vec::new() },
         cohesive_owner: if cohesive { vec![0] } else { Vec::new() },
         periodic: [false; 3],
+        phases: PhaseNames::default(),
         notes: Notes::default(),
     }
 }

@@ -8,8 +8,8 @@ use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::cells::Sides;
 use meso_core::mesh::{
-    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
-    Purpose, Tools,
+    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseNames,
+    PhaseVolumes, Purpose, Tools,
 };
 use meso_core::trial::TestKind;
 
@@ -26,6 +26,7 @@ fn two_tetrahedra() -> Mesh {
         cohesive: Vec::new(),
         cohesive_owner: Vec::new(),
         periodic: [false; 3],
+        phases: PhaseNames::default(),
         notes: Notes::default(),
     }
 }

@@ -77,6 +77,7 @@ impl DeckAsk {
     /// The option.
     pub fn accept_for(&self, spec: &Spec, formats: &[MeshFormat]) -> Result<(), AskError> {
         let options = self.mesh.options(self.purpose(), &spec.itz)?;
+        self.suits_phases(spec, formats)?;
         if self.mesh.materials.is_some() {
             self.accept_deck(&self.deck(spec, &options)?, &options, formats)?;
         }
@@ -99,6 +100,7 @@ impl DeckAsk {
         let options = &footing.options;
         let size = self.mesh.given.giver().option("element_size_mm");
         machine.accept_in_memory("the mesh", options.bytes(&spec.specimen), (&size, options.element_size_mm))?;
+        self.suits_phases(spec, formats)?;
         let deck = self.deck(spec, options)?;
         self.accept_deck(&deck, options, formats)?;
         self.accept_formats(&deck, formats)?;
@@ -156,6 +158,15 @@ impl DeckAsk {
             }
             None => Ok(()),
         }
+    }
+
+    /// Refuses a deck without values of the phases that `spec` adds, or with values of others.
+    fn suits_phases(&self, spec: &Spec, formats: &[MeshFormat]) -> Result<(), AskError> {
+        let has_own = self.mesh.materials.as_ref().is_some_and(|materials| !materials.own.is_empty());
+        if !has_own && (!has_deck(formats) || self.given.options.geometry_only) {
+            return Ok(());
+        }
+        self.mesh.suits_phases(spec)
     }
 
     fn accept_formats(&self, deck: &DeckOptions, formats: &[MeshFormat]) -> Result<(), AskError> {

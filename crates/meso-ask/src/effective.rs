@@ -253,7 +253,8 @@ impl EffectiveAsk {
                 let is_there = specimen.volume.labels.contains(&label);
                 ASK.require("eigenstrain", name, is_there, "the volume has no such label; leave it out")?;
             }
-            let accepted = "its phases must be mortar, itz, aggregate, void or fibre";
+            let accepted =
+                "its phases must be mortar, itz, aggregate, void, fibre, or one of the packing's own with values";
             let unknown = || ASK.error("eigenstrain", format!("{name}={strain:e}"), accepted);
             let moduli = match &mut values {
                 PhaseTables::Packing(phases) => phases.stiffness.phase_mut(name).ok_or_else(unknown)?,
@@ -410,15 +411,17 @@ impl Work {
     /// Refuses what `of` cannot have; the memory that it takes at most, bytes.
     fn accept(&self, of: Facts<'_>, values: &PhaseTables, division: Division) -> Result<f64, EffectiveError> {
         match (self, of, values) {
-            (Self::Flux(options), Facts::Packing(Spec { specimen, .. }), PhaseTables::Packing(phases)) => {
-                phases.values(options.what).validate(options.what)?;
+            (Self::Flux(options), Facts::Packing(spec), PhaseTables::Packing(phases)) => {
+                let specimen = &spec.specimen;
+                phases.values(options.what).validate(options.what, &spec.phases())?;
                 match division.in_tetrahedra {
                     true => options.bytes_in_tetrahedra(specimen, division.size_mm),
                     false => options.bytes(specimen),
                 }
             }
-            (Self::Stiffness(options), Facts::Packing(Spec { specimen, .. }), PhaseTables::Packing(phases)) => {
-                phases.stiffness.validate()?;
+            (Self::Stiffness(options), Facts::Packing(spec), PhaseTables::Packing(phases)) => {
+                let specimen = &spec.specimen;
+                phases.stiffness.validate(&spec.phases())?;
                 match division.in_tetrahedra {
                     true => options.bytes_in_tetrahedra(specimen, division.size_mm),
                     false => options.bytes(specimen),

@@ -106,6 +106,17 @@ impl MeshAsk {
         }))
     }
 
+    /// Refuses phases of `spec` without values, and values of others.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub(crate) fn suits_phases(&self, spec: &Spec) -> Result<(), AskError> {
+        let usual = Materials::default();
+        let suits = self.materials.as_ref().unwrap_or(&usual).suits(&spec.phases());
+        let option = self.given.giver().option("materials");
+        suits.map_err(|error| AskError::Usage(format!("{error} ({option})")))
+    }
+
     /// An error of meshing in the giver's spelling; wrong options are wrong usage.
     pub(crate) fn wrong(&self, error: &MeshError) -> AskError {
         let giver = self.given.giver();

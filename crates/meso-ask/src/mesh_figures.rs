@@ -1,6 +1,7 @@
 //! Figures of a mesh: its size, its phases against the exact ones, its worst elements, and doubts about its deck.
 
 use crate::{DeckSettled, Giver};
+use meso_concrete::PhaseNames;
 use meso_core::Model;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, PhaseOff};
@@ -34,6 +35,12 @@ pub struct MeshFigures {
     pub notes: Notes,
     /// The options of the mesh.
     pub options: MeshOptions,
+    /// Volumes of the packing's own phases, which count among the aggregates above.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub own_phases: Vec<OwnVolumes>,
+    /// The phases of the mesh.
+    #[serde(skip)]
+    pub phases: PhaseNames,
     /// Whether the elements are voxels.
     #[serde(skip)]
     pub voxels: bool,
@@ -46,6 +53,28 @@ pub struct MeshFigures {
     /// Volume of the voids in the mesh and their own.
     #[serde(skip)]
     pub voids_mm3: Option<[f64; 2]>,
+}
+
+/// Volumes of a phase of the packing's own.
+#[derive(Serialize)]
+pub struct OwnVolumes {
+    /// Its name.
+    pub name: String,
+    /// Volume of its elements, mm3.
+    pub volume_mm3: f64,
+    /// Volume of its bodies within their ITZ, as far as the mesh has one, mm3.
+    pub exact_volume_mm3: Option<f64>,
+}
+
+impl OwnVolumes {
+    fn all(phases: &PhaseNames, quality: &QualityReport) -> Vec<Self> {
+        let of = |phase| Self {
+            name: phases.name(phase).to_owned(),
+            volume_mm3: quality.volumes_mm3.of(phase),
+            exact_volume_mm3: quality.exact_volumes_mm3.map(|exact| exact.of(phase)),
+        };
+        phases.own().map(of).collect()
+    }
 }
 
 impl MeshFigures {
@@ -66,6 +95,8 @@ impl MeshFigures {
             warnings: deck.doubts(mesh, quality.exact_volumes_mm3.as_ref()),
             notes: mesh.notes,
             options: footing.options.for_bodies(&model.aggregates),
+            own_phases: OwnVolumes::all(&mesh.phases, &quality),
+            phases: mesh.phases.clone(),
             voxels: mesh.kind == CellKind::Hexahedron,
             is_scan: model.report.labels.is_some(),
             smeared: mesh.has_smeared_itz(),
@@ -79,9 +110,9 @@ impl MeshFigures {
 const STRICT_PHASE_ERROR: f64 = 0.01;
 
 /// The doubt about a phase that a strict run does not accept.
-pub fn strict_doubt(off: Option<PhaseOff>, giver: Giver<'_>) -> Option<String> {
+pub fn strict_doubt(off: Option<PhaseOff>, mesh: &Mesh, giver: Giver<'_>) -> Option<String> {
     off.filter(|off| off.is_beyond(STRICT_PHASE_ERROR)).map(|off| {
-        let (phase, error) = (off.phase.set_name(), 100.0 * off.error());
+        let (phase, error) = (mesh.phases.set_name(off.phase), 100.0 * off.error());
         let strict = giver.option("strict");
         format!("{phase} has {error:+.1} % of its exact volume, where {strict} allows 1 %")
     })

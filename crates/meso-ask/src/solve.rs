@@ -107,6 +107,7 @@ impl SolveAsk {
     /// # Errors
     /// Options that the specimen cannot have.
     pub fn settle(&self, spec: &Spec, machine: &Machine<'_>) -> Result<Footing, AskError> {
+        self.mesh.suits_phases(spec)?;
         let footing = self.mesh.settle(self.purpose(), spec, machine)?;
         let (test, options) = (self.test(), &footing.options);
         test.suits(&spec.specimen).map_err(|error| self.wrong(&error.into()))?;

@@ -10,6 +10,7 @@ pub mod aggregate;
 pub mod images;
 pub mod import;
 mod out_of_range;
+pub mod own_tables;
 pub mod parallel;
 mod parts;
 mod phase;
@@ -24,7 +25,7 @@ pub mod watch;
 
 pub use out_of_range::{OutOfRange, Ranges, exceeds, written};
 pub use parts::{Parts, mark_caps};
-pub use phase::Phase;
+pub use phase::{Phase, PhaseNames};
 pub use physical_range::PhysicalRange;
 pub use printable::printable;
 pub use room::Room;

@@ -2,6 +2,7 @@
 
 use crate::aggregate::Aggregate;
 use crate::parallel;
+use crate::phase::PhaseNames;
 use crate::specimen::Specimen;
 use meso_collision::math::Aabb;
 use std::borrow::Cow;
@@ -13,11 +14,13 @@ pub struct Parts<'a> {
     pub bodies: Cow<'a, [Aggregate]>,
     /// The specimen around them.
     pub specimen: &'a Specimen,
+    /// The phases, with the names of the specimen's own.
+    pub phases: PhaseNames,
 }
 
 impl<'a, B: AsRef<[Aggregate]> + ?Sized> From<(&'a B, &'a Specimen)> for Parts<'a> {
     fn from((bodies, specimen): (&'a B, &'a Specimen)) -> Self {
-        Self { bodies: Cow::Borrowed(bodies.as_ref()), specimen }
+        Self { bodies: Cow::Borrowed(bodies.as_ref()), specimen, phases: PhaseNames::default() }
     }
 }
 

@@ -12,11 +12,11 @@ use crate::resolution::Resolution;
 use crate::shares;
 use crate::solver::{self, Energy};
 use meso_collision::simd::widest;
-use meso_concrete::Phase;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, images, parallel};
+use meso_concrete::{Phase, PhaseNames};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -124,12 +124,12 @@ pub fn effective<'a>(
     options: &EffectiveOptions,
     watch: &dyn Watch,
 ) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
-    let Parts { bodies, specimen } = parts.into();
+    let Parts { bodies, specimen, phases: names } = parts.into();
     let values = phases.values(options.what);
-    values.validate(options.what)?;
+    values.validate(options.what, &names)?;
     let bodies = error::accepted(bodies)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
-    of_medium(&Packing { bodies: &bodies, specimen, values: &values }, counts, options, watch)
+    of_medium(&Packing { bodies: &bodies, specimen, names: &names, values: &values }, counts, options, watch)
 }
 
 /// The effective property of `medium` on a grid of `counts` voxels, and on coarser ones unless solutions have bounds.
@@ -181,6 +181,7 @@ pub(crate) trait Medium: Sync {
 struct Packing<'a> {
     bodies: &'a [Aggregate],
     specimen: &'a Specimen,
+    names: &'a PhaseNames,
     values: &'a PhaseValues,
 }
 
@@ -191,27 +192,29 @@ impl Medium for Packing<'_> {
 
     fn links(&self, grid: &Grid, last: usize) -> Links {
         let near = images::near(self.bodies, self.specimen, grid.spacing.max());
-        let layers = Layer::all(&near, self.values, last);
+        let layers = Layer::all(&near, self.values, self.names, last);
         Links::new(grid, &layers, self.values.mortar)
     }
 
     fn phases(&self) -> Vec<PhaseShare> {
-        self.values.shares(self.bodies, self.specimen)
+        self.values.shares(self.bodies, self.specimen, self.names)
     }
 
     /// Shells that are thinner than a voxel join the grains that share it. A shell of thickness t and value D makes an insulating grain
     /// of radius a one of value 2 t D / a. A grain that conducts is joined to its neighbours by itself, which the changes show, as
     /// long as its shell adds little to it.
     fn shows_errors(&self, voxel_size_mm: f64) -> bool {
-        let PhaseValues { mortar, aggregate, itz, .. } = *self.values;
+        let PhaseValues { mortar, itz, .. } = *self.values;
         let joins = |body: &Aggregate| {
+            let aggregate = self.values.of(body.phase(), self.names);
             let (radius, thickness) = (libm::cbrt(0.75 / PI * body.body.volume()), body.itz_thickness_mm);
             body.kind == Kind::Aggregate
                 && thickness < voxel_size_mm
                 && 2.0 * thickness * itz > CONDUCTOR * radius * mortar
                 && 2.0 * thickness * (itz - aggregate) > SHELL * radius * aggregate
         };
-        itz <= mortar || itz <= aggregate || !self.bodies.iter().any(joins)
+        let least = self.values.of_aggregates(self.names).into_iter().fold(f64::INFINITY, f64::min);
+        itz <= mortar || itz <= least || !self.bodies.iter().any(joins)
     }
 }
 
@@ -224,13 +227,13 @@ const JOINED: &str = "the ITZ is thinner than a voxel and joins grains; take the
 
 impl PhaseValues {
     /// The phases with their exact volumes.
-    pub(crate) fn shares(&self, bodies: &[Aggregate], specimen: &Specimen) -> Vec<PhaseShare> {
-        let fractions = shares::volume_fractions(bodies, specimen);
+    pub(crate) fn shares(&self, bodies: &[Aggregate], specimen: &Specimen, names: &PhaseNames) -> Vec<PhaseShare> {
+        let fractions = shares::volume_fractions(bodies, specimen, names);
         let share = |phase: Phase| {
-            let (value, volume_fraction) = (self.of(phase), fractions[phase as usize]);
-            PhaseShare { name: phase.name().to_owned(), value, volume_fraction }
+            let (value, volume_fraction) = (self.of(phase, names), fractions[phase.index()]);
+            PhaseShare { name: names.name(phase).to_owned(), value, volume_fraction }
         };
-        Phase::ALL.map(share).to_vec()
+        names.all().map(share).collect()
     }
 }
 

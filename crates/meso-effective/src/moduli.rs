@@ -2,7 +2,7 @@
 
 use crate::surfaces::ByPhase;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::{OutOfRange, Phase, PhysicalRange, Ranges};
+use meso_concrete::{OutOfRange, Phase, PhaseNames, PhysicalRange, Ranges};
 use serde::{Deserialize, Serialize};
 
 /// Constants of an isotropic phase.
@@ -36,39 +36,46 @@ const CONTRAST: f64 = 1e4;
 /// Largest ratio of Poisson: trilinear voxels lock near 0.5.
 const INCOMPRESSIBLE: f64 = 0.49;
 
-/// Constants by [`Phase`].
-pub(crate) type Table = [Moduli; Phase::ALL.len()];
+/// Constants by [`Phase::index`].
+pub(crate) type Table = Vec<Moduli>;
 
 /// Refuses the strain of a phase that no body has. An ITZ without thickness has the mortar's place.
-pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate]) -> Result<(), OutOfRange> {
-    for (phase, Moduli { eigenstrain, .. }) in Phase::ALL.into_iter().zip(table) {
-        let has = |body: &Aggregate| Phase::of(body.kind) == phase;
+pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate], names: &PhaseNames) -> Result<(), OutOfRange> {
+    for (phase, Moduli { eigenstrain, .. }) in names.all().zip(table) {
+        let has = |body: &Aggregate| body.phase() == phase;
         let is_there = *eigenstrain == 0.0 || matches!(phase, Phase::Mortar | Phase::Itz) || bodies.iter().any(has);
-        let key = format!("{}.eigenstrain", phase.name());
+        let key = format!("{}.eigenstrain", names.name(phase));
         Ranges("stiffness").require(key, eigenstrain, is_there, "the specimen has no such phase; leave it out")?;
     }
     Ok(())
 }
 
 impl PhaseModuli {
-    /// Constants of all phases.
+    /// Constants of all phases of a packing.
     ///
     /// # Errors
-    /// The first constant out of its range.
-    pub(crate) fn table(&self) -> Result<Table, OutOfRange> {
-        let table = Phase::ALL.map(|phase| self.of(phase).or(Moduli::usual(phase)));
+    /// The first constant out of its range, and other phases than the packing's own.
+    pub(crate) fn table(&self, names: &PhaseNames) -> Result<Table, OutOfRange> {
+        let ranges = Ranges("stiffness");
+        names.suit(&self.own, ranges, "{ youngs_modulus_mpa = 60000, poisson_ratio = 0.2 }")?;
+        for (name, given) in &self.own {
+            let is_met = given.youngs_modulus_mpa.is_some() && given.poisson_ratio.is_some();
+            let why = "give youngs_modulus_mpa and poisson_ratio: a phase of one's own has no usual values";
+            ranges.require(name, "incomplete", is_met, why)?;
+        }
+        let table: Table = names.all().map(|phase| self.of(phase, names).or(Moduli::usual(phase))).collect();
         let mortar = table[0].youngs_modulus_mpa;
-        Ranges("stiffness").positive("mortar.youngs_modulus_mpa", mortar)?;
-        Phase::ALL.into_iter().try_for_each(|phase| table[phase as usize].validate(phase.name(), mortar))?;
+        ranges.positive("mortar.youngs_modulus_mpa", mortar)?;
+        names.all().try_for_each(|phase| table[phase.index()].validate(names.name(phase), mortar))?;
         Ok(table)
     }
 
-    /// Refuses constants out of their ranges.
+    /// Refuses constants out of their ranges, and other phases than a packing's own.
     ///
     /// # Errors
     /// The first constant out of its range.
-    pub fn validate(&self) -> Result<(), OutOfRange> {
-        self.table().map(drop)
+    pub fn validate(&self, names: &PhaseNames) -> Result<(), OutOfRange> {
+        self.table(names).map(drop)
     }
 }
 
@@ -93,7 +100,7 @@ impl Moduli {
         let (youngs_modulus_mpa, poisson_ratio) = match phase {
             Phase::Mortar => (20_000.0, 0.2),
             Phase::Itz => (16_000.0, 0.2),
-            Phase::Aggregate => (60_000.0, 0.2),
+            Phase::Aggregate | Phase::Own(_) => (60_000.0, 0.2),
             Phase::Void => (0.0, 0.0),
             Phase::Fibre => (200_000.0, 0.3),
         };

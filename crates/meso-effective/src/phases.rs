@@ -2,8 +2,9 @@
 
 use crate::moduli::PhaseModuli;
 use crate::surfaces::ByPhase;
-use meso_concrete::{OutOfRange, Ranges};
+use meso_concrete::{OutOfRange, PhaseNames, Ranges};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A property that relates a flux to a gradient.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,7 +21,7 @@ pub enum Property {
 pub type PhaseValues = ByPhase<f64>;
 
 /// Values of a phases file: one table for each property, in which omitted phases keep the defaults of [`PhaseValues::of_property`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Phases {
     /// Diffusivities, relative to any of them.
@@ -37,9 +38,9 @@ pub type GivenValues = ByPhase<Option<f64>>;
 impl Phases {
     /// The values for `property`.
     pub fn values(&self, property: Property) -> PhaseValues {
-        let GivenValues { mortar, aggregate, itz, void, fibre } = match property {
-            Property::Diffusivity => self.diffusivity,
-            Property::Conductivity => self.conductivity,
+        let GivenValues { mortar, aggregate, itz, void, fibre, own } = match property {
+            Property::Diffusivity => &self.diffusivity,
+            Property::Conductivity => &self.conductivity,
         };
         let usual = PhaseValues::of_property(property);
         let mortar = mortar.unwrap_or(usual.mortar);
@@ -49,6 +50,7 @@ impl Phases {
             itz: itz.unwrap_or(mortar),
             void: void.unwrap_or(usual.void),
             fibre: fibre.unwrap_or(usual.fibre),
+            own: own.iter().filter_map(|(name, value)| Some((name.clone(), (*value)?))).collect(),
         }
     }
 }
@@ -62,20 +64,25 @@ impl PhaseValues {
     /// Illustrative values: impermeable aggregates and an ITZ like mortar; quartzite in dry mortar, air, steel.
     pub fn of_property(property: Property) -> Self {
         match property {
-            Property::Diffusivity => Self { mortar: 1.0, aggregate: 0.0, itz: 1.0, void: 0.0, fibre: 0.0 },
-            Property::Conductivity => Self { mortar: 1.5, aggregate: 3.0, itz: 1.5, void: 0.025, fibre: 50.0 },
+            Property::Diffusivity => Self { mortar: 1.0, itz: 1.0, ..Self::default() },
+            Property::Conductivity => {
+                Self { mortar: 1.5, aggregate: 3.0, itz: 1.5, void: 0.025, fibre: 50.0, own: BTreeMap::new() }
+            }
         }
     }
 
-    /// Refuses values that are negative or too far from the mortar's.
+    /// Values of all phases of the aggregates.
+    pub(crate) fn of_aggregates(&self, names: &PhaseNames) -> Vec<f64> {
+        names.all().filter(|phase| phase.is_aggregate()).map(|phase| self.of(phase, names)).collect()
+    }
+
+    /// Refuses values that are negative or too far from the mortar's, and other phases than a packing's own.
     ///
     /// # Errors
     /// The first value out of its range.
-    pub fn validate(&self, property: Property) -> Result<(), OutOfRange> {
-        let ranges = Ranges(match property {
-            Property::Diffusivity => "diffusivity",
-            Property::Conductivity => "conductivity",
-        });
+    pub fn validate(&self, property: Property, names: &PhaseNames) -> Result<(), OutOfRange> {
+        let ranges = Ranges(property.name());
+        names.suit(&self.own, ranges, &self.aggregate.to_string())?;
         let is_met = SIZES.contains(&self.mortar);
         ranges.require(
             "mortar",
@@ -83,8 +90,10 @@ impl PhaseValues {
             is_met,
             format!("it must be {:e} to {:e}", SIZES.start(), SIZES.end()),
         )?;
-        let Self { mortar, aggregate, itz, void, fibre } = *self;
-        for (name, value) in [("aggregate", aggregate), ("itz", itz), ("void", void), ("fibre", fibre)] {
+        let Self { mortar, aggregate, itz, void, fibre, ref own } = *self;
+        let common = [("aggregate", aggregate), ("itz", itz), ("void", void), ("fibre", fibre)];
+        let own = own.iter().map(|(name, value)| (name.as_str(), *value));
+        for (name, value) in common.into_iter().chain(own) {
             let met = value >= 0.0 && value <= CONTRAST * mortar;
             ranges.require(
                 name,

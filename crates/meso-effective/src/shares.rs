@@ -1,12 +1,12 @@
 //! Exact volumes of the phases.
 
-use meso_concrete::Phase;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{Phase, PhaseNames};
 
-/// Volume of every phase over the specimen's.
-pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen) -> [f64; Phase::ALL.len()] {
+/// Volume of every phase over the specimen's, by [`Phase::index`].
+pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen, names: &PhaseNames) -> Vec<f64> {
     let volume = specimen.volume();
     let of = |kind: Kind| {
         let bodies = bodies.iter().filter(move |body| body.kind == kind);
@@ -20,7 +20,14 @@ pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen) -> [f6
         }
         body.core_volume(body.itz_thickness_mm).unwrap_or_else(|_| body.body.volume())
     };
-    let aggregate = parallel::map(bodies.len(), core).iter().sum::<f64>() / volume;
+    let cores = parallel::map(bodies.len(), core);
+    let inside = cores.iter().sum::<f64>() / volume;
     let [outer, void, fibre] = [Kind::Aggregate, Kind::Void, Kind::Fibre].map(of);
-    [1.0 - outer - void - fibre, outer - aggregate, aggregate, void, fibre]
+    let own = |phase: Phase| {
+        let own = bodies.iter().zip(&cores).filter(|(body, _)| body.phase() == phase);
+        0.0 + own.map(|(_, core)| core).sum::<f64>() / volume
+    };
+    let aggregate = if names.own().len() == 0 { inside } else { own(Phase::Aggregate) };
+    let own = names.own().map(own);
+    [1.0 - outer - void - fibre, outer - inside, aggregate, void, fibre].into_iter().chain(own).collect()
 }

@@ -3,12 +3,14 @@
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::{Phase, parallel};
-use serde::{Deserialize, Serialize};
+use meso_concrete::aggregate::Kind;
+use meso_concrete::{Phase, PhaseNames, own_tables, parallel};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
 
 /// A value for each phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields, remote = "Self", bound(deserialize = "T: Default + Deserialize<'de>"))]
 pub struct ByPhase<T> {
     /// Mortar.
     pub mortar: T,
@@ -20,19 +22,40 @@ pub struct ByPhase<T> {
     pub void: T,
     /// Fibres.
     pub fibre: T,
+    /// The specimen's own phases, by their names.
+    #[serde(skip)]
+    pub own: BTreeMap<String, T>,
 }
 
-impl<T: Copy> ByPhase<T> {
-    /// Value of a phase.
-    pub(crate) fn of(&self, phase: Phase) -> T {
-        [self.mortar, self.itz, self.aggregate, self.void, self.fibre][phase as usize]
+impl<'de, T: Default + Deserialize<'de>> Deserialize<'de> for ByPhase<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        own_tables::read(deserializer, |common| Self::deserialize(common)).map(|(common, own)| Self { own, ..common })
+    }
+}
+
+impl<T: Copy + Default> ByPhase<T> {
+    /// Value of one of the `phases`, all of which have one.
+    pub(crate) fn of(&self, phase: Phase, phases: &PhaseNames) -> T {
+        match phase {
+            Phase::Mortar => self.mortar,
+            Phase::Itz => self.itz,
+            Phase::Aggregate => self.aggregate,
+            Phase::Void => self.void,
+            Phase::Fibre => self.fibre,
+            Phase::Own(_) => self.own.get(phases.name(phase)).copied().unwrap_or_default(),
+        }
     }
 
     /// Value of a phase, by its name.
     pub fn phase_mut(&mut self, name: &str) -> Option<&mut T> {
-        let Self { mortar, itz, aggregate, void, fibre } = self;
-        let all = [mortar, itz, aggregate, void, fibre];
-        all.into_iter().zip(Phase::ALL).find(|(_, phase)| phase.name() == name).map(|(value, _)| value)
+        match name {
+            "mortar" => Some(&mut self.mortar),
+            "itz" => Some(&mut self.itz),
+            "aggregate" => Some(&mut self.aggregate),
+            "void" => Some(&mut self.void),
+            "fibre" => Some(&mut self.fibre),
+            own => self.own.get_mut(own),
+        }
     }
 }
 
@@ -53,10 +76,10 @@ impl Surface {
     }
 
     fn of(body: &Aggregate, has_itz: bool, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
-        let kind = Phase::of(body.kind);
+        let kind = body.phase();
         let new = |body: Polyhedron, outside, within| Self { body, outside, within, kind };
         let outer = body.body.mapped(turn);
-        if kind != Phase::Aggregate || body.itz_thickness_mm <= 0.0 || !has_itz {
+        if body.kind != Kind::Aggregate || body.itz_thickness_mm <= 0.0 || !has_itz {
             return vec![new(outer, Phase::Mortar, kind)];
         }
         match body.inner_surface() {

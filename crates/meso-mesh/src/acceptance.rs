@@ -6,7 +6,7 @@ use super::error::{MeshError, Ways};
 use super::options::{ItzForm, MeshOptions, MethodName, is_faceted};
 use crate::cells::{Cells, Mesh, Phase, cell_volume};
 use crate::figures::PhaseVolumes;
-use meso_concrete::{Parts, exceeds, parallel};
+use meso_concrete::{Parts, PhaseNames, exceeds, parallel};
 
 /// Refuses cells of which one has no positive volume: no solver takes them.
 pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
@@ -52,7 +52,7 @@ impl PhaseOff {
         let parts = parts.into();
         let off = Self::of(mesh, &parts, options);
         match off.filter(|off| off.is_beyond(accepted)) {
-            Some(off) => Err(off.refused(options, parts.bodies.iter().all(is_faceted), None)),
+            Some(off) => Err(off.refused(&mesh.phases, options, parts.bodies.iter().all(is_faceted), None)),
             None => Ok(off),
         }
     }
@@ -61,12 +61,13 @@ impl PhaseOff {
     /// that is no number is the farthest of all.
     pub fn between(meshed: &PhaseVolumes, exact: &PhaseVolumes, whole: f64) -> Option<Self> {
         let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
-        let wanted = Phase::SOLID.into_iter().map(off).filter(|off| exceeds(off.exact, 0.0));
+        let own = (0..PhaseNames::MOST as u8).map(Phase::Own);
+        let wanted = Phase::SOLID.into_iter().chain(own).map(off).filter(|off| exceeds(off.exact, 0.0));
         wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
     }
 
     fn of(mesh: &Mesh, parts: &Parts, options: &MeshOptions) -> Option<Self> {
-        let Parts { bodies, specimen } = parts;
+        let Parts { bodies, specimen, .. } = parts;
         let exact = PhaseVolumes::beside(mesh, bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
         Self::between(&PhaseVolumes::of_bodies(mesh), &exact, specimen.volume())
     }
@@ -88,10 +89,16 @@ impl PhaseOff {
 
     /// The error that says so, with remedies. `are_faceted` says that all bodies are convex polyhedra, which a conforming mesh
     /// takes; `tried_mm` is the edge of the cube that was meshed instead of the specimen.
-    pub fn refused(&self, options: &MeshOptions, are_faceted: bool, tried_mm: Option<f64>) -> MeshError {
+    pub fn refused(
+        &self,
+        phases: &PhaseNames,
+        options: &MeshOptions,
+        are_faceted: bool,
+        tried_mm: Option<f64>,
+    ) -> MeshError {
         let Self { phase, meshed, exact } = *self;
         let ways = ways_out(phase, options, are_faceted);
-        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, tried_mm, ways }
+        MeshError::PhaseError { phase: phases.in_words(phase), meshed, exact, tried_mm, ways }
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct BodyImages {
 
 impl BodyImages {
     pub(crate) fn of(parts: &Parts) -> Self {
-        let Parts { bodies, specimen } = parts;
+        let Parts { bodies, specimen, .. } = parts;
         let mut all = numbered(bodies, specimen, 0.0);
         all.sort_by(before);
         let (body, all) = all.into_iter().unzip();

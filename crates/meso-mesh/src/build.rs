@@ -67,6 +67,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     }
     report(watch, 0.95)?;
     all_positive(mesh.by_owner())?;
+    mark_own(&mut mesh, &parts);
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -124,7 +125,7 @@ fn cells_of(
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
 ) -> Result<Mesh, MeshError> {
-    let Parts { bodies: placed, specimen } = parts;
+    let Parts { bodies: placed, specimen, .. } = parts;
     let all = bodies.all.as_slice();
     let (size, periodic) = (options.element_size_mm, specimen.periodic().0);
     let mut mesh = match options.method {
@@ -199,6 +200,16 @@ fn clip(mesh: &mut Mesh, container: &dyn Container) {
     if !container.is_box() {
         let inside = clip::kept(mesh, container);
         retain(mesh, &inside);
+    }
+}
+
+/// Gives the cells of aggregates with a phase of their own this phase; all of meshing is the same for them.
+fn mark_own(mesh: &mut Mesh, parts: &Parts) {
+    mesh.phases = parts.phases.clone();
+    if parts.bodies.iter().any(|body| body.own.is_some()) {
+        for (phase, owner) in mesh.phase.iter_mut().zip(&mesh.owner).filter(|(phase, _)| phase.is_aggregate()) {
+            *phase = parts.bodies[*owner as usize].phase();
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::triangulation::Untriangulated;
 use meso_concrete::{OutOfRange, Ranges, thousands};
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io;
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ pub enum MeshError {
     #[error("{}", phase_error(phase, [*meshed, *exact], *tried_mm, &ways.with(SIZE)))]
     PhaseError {
         /// The phase that is farthest off, in words.
-        phase: &'static str,
+        phase: Cow<'static, str>,
         /// Its volume in the mesh over the specimen's.
         meshed: f64,
         /// The exact volume of its bodies over the specimen's.

@@ -49,7 +49,7 @@ mod voxel;
 
 pub use acceptance::PhaseOff;
 pub use build::{Tools, accepts, build};
-pub use cells::{CellKind, Mesh, Notes, Phase};
+pub use cells::{CellKind, Mesh, Notes, Phase, PhaseNames};
 pub use conforming::VolumeMesher;
 pub use error::{MeshError, Ways};
 pub use figures::{InterfaceDistance, PhaseVolumes};

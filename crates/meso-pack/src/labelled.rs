@@ -411,6 +411,7 @@ pub(crate) fn assembled(
     let aggregate = |(id, body): (usize, Polyhedron)| Aggregate {
         id: id as u32,
         kind: Kind::Aggregate,
+        own: None,
         class: class(sizes[id]),
         itz_thickness_mm: 0.0,
         body,

@@ -56,7 +56,7 @@ pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
 
 impl<'a> From<&'a Model> for Parts<'a> {
     fn from(model: &'a Model) -> Self {
-        Self { bodies: model.bodies(), specimen: &model.spec.specimen }
+        Self { bodies: model.bodies(), specimen: &model.spec.specimen, phases: model.spec.phases() }
     }
 }
 
@@ -96,8 +96,8 @@ pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
 
 /// Target of a packing of `spec`.
 pub(crate) fn target(spec: &Spec) -> PackingTarget<'_> {
-    let Spec { specimen, fraction, grading, shape, seed, .. } = spec;
-    PackingTarget { specimen, fraction: *fraction, grading, shape, inclusions: spec.inclusions(), seed: *seed }
+    let Spec { specimen, fraction, grading, shape, phases, seed, .. } = spec;
+    PackingTarget { specimen, fraction: *fraction, grading, shape, inclusions: spec.inclusions(), phases, seed: *seed }
 }
 
 /// Upper bounds on a body in the specimen, its distance to the walls kept.
@@ -131,8 +131,8 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
         stopped.fetch_or(!go_on, Ordering::Relaxed);
         go_on
     };
-    let Spec { grading, shape, itz, seed, .. } = spec;
-    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
+    let Spec { grading, shape, itz, seed, phases, .. } = spec;
+    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), phases, seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
     let grains = take(&mixture, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
     Ok((grains, !stopped.into_inner()))
@@ -159,8 +159,8 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     let settle = |grain: &Grain, pose: &Option<Pose>, id: u32| -> Result<Aggregate, SpecError> {
         let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-        let &Grain { kind, class, itz_thickness_mm, .. } = grain;
-        Ok(Aggregate { id, kind, class, itz_thickness_mm, body })
+        let &Grain { kind, own, class, itz_thickness_mm, .. } = grain;
+        Ok(Aggregate { id, kind, own, class, itz_thickness_mm, body })
     };
     // From the last on, so that these lists shrink as the list of aggregates grows.
     let mut aggregates = Vec::with_capacity(poses.len());

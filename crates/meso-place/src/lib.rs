@@ -19,14 +19,15 @@ pub use face_shift::keep_off_faces;
 use meso_collision::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhedron};
 use meso_collision::math::{Rotation, Vec3};
 use meso_concrete::aggregate::grain::{self, Grain};
-use meso_concrete::aggregate::{Grading, Inclusions, Kind, Shape};
+use meso_concrete::aggregate::{Grading, Inclusions, Kind, OwnPhase, Shape};
 use meso_concrete::specimen::{Largest, Specimen};
 use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
 pub use place::place;
 pub use report::report;
 pub use report::{
-    ClassReport, CoreReport, LabelReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport, StopReason, Work,
+    ClassReport, CoreReport, LabelReport, OwnPhaseReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport,
+    StopReason, Work,
 };
 use serde::{Deserialize, Serialize};
 
@@ -92,6 +93,8 @@ pub struct PackingTarget<'a> {
     pub shape: &'a Shape,
     /// Voids and fibres asked for.
     pub inclusions: Inclusions,
+    /// Phases of the aggregates' own.
+    pub phases: &'a [OwnPhase],
     /// Seed of the positions.
     pub seed: u64,
 }

@@ -2,7 +2,7 @@
 
 use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
-use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, Reduction, Shape, Template};
+use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, OwnPhase, Reduction, Shape, Template};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::{exceeds, short, thousands};
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,9 @@ pub struct Report {
     /// Voids and fibres, where the spec asks for some.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<PhaseReport>,
+    /// Aggregates of a phase of their own, where the spec asks for some; they count among all aggregates above, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub own_phases: Vec<OwnPhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
     /// Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ.
@@ -194,6 +197,22 @@ pub struct PhaseReport {
     pub bodies: usize,
 }
 
+/// Asked and reached volume of a phase of the aggregates' own, ITZ shells included, over the specimen's volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnPhaseReport {
+    /// Name in the spec.
+    pub phase: String,
+    /// Fraction of the specimen asked for.
+    pub target_fraction: f64,
+    /// Fraction of the specimen reached.
+    pub fraction: f64,
+    /// Volume of the bodies, mm3.
+    pub volume_mm3: f64,
+    /// Number of aggregates.
+    pub aggregates: usize,
+}
+
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -286,6 +305,7 @@ pub fn report(
         specimen,
         grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
+        own_phases: OwnPhaseReport::all(target, aggregates),
         itz_limited: tally.itz_limited.clone(),
         itz_thin: tally.itz_thin.clone(),
         reduced: ReducedGrain::all(target.shape),
@@ -389,6 +409,7 @@ impl Report {
             strategy: NOT_RECORDED.to_owned(),
             classes,
             phases: PhaseReport::all(&target.inclusions, inclusions, volume),
+            own_phases: OwnPhaseReport::all(target, aggregates),
             itz_limited: Vec::new(),
             itz_thin: Vec::new(),
             reduced: ReducedGrain::all(target.shape),
@@ -454,6 +475,26 @@ impl PhaseReport {
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{} are {percent} short", self.phase.plural()))
+    }
+}
+
+impl OwnPhaseReport {
+    /// Every phase of the aggregates' own.
+    fn all(target: &PackingTarget, aggregates: &[Aggregate]) -> Vec<Self> {
+        let (room, classes) = (target.specimen.volume(), target.grading.classes());
+        let of = |(own, phase): (usize, &OwnPhase)| {
+            let asked = classes.iter().map(|class| target.fraction * class.share * phase.share_of(class));
+            let bodies = || aggregates.iter().filter(|body| body.own == Some(own as u8));
+            let volume = bodies().map(|body| body.body.volume()).fold(0.0, |sum, volume| sum + volume);
+            Self {
+                phase: phase.name.clone(),
+                target_fraction: asked.sum(),
+                fraction: volume / room,
+                volume_mm3: volume,
+                aggregates: bodies().count(),
+            }
+        };
+        target.phases.iter().enumerate().map(of).collect()
     }
 }
 

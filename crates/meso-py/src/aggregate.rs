@@ -3,6 +3,7 @@
 use crate::arrays;
 use crate::boundary::{guard, wrong_value};
 use crate::polyhedron::{PyPolyhedron, offset_error};
+use meso_concrete::PhaseNames;
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::Face;
@@ -14,7 +15,15 @@ use pyo3::types::PyTuple;
 /// One aggregate, or one void or fibre, at its position in the specimen.
 #[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyAggregate(pub(crate) Aggregate);
+pub(crate) struct PyAggregate(pub(crate) Aggregate, String);
+
+impl PyAggregate {
+    /// A body with the name of its phase.
+    pub(crate) fn new(body: Aggregate, phases: &PhaseNames) -> Self {
+        let name = phases.name(body.phase()).to_owned();
+        Self(body, name)
+    }
+}
 
 #[pymethods]
 impl PyAggregate {
@@ -24,10 +33,10 @@ impl PyAggregate {
         self.0.id
     }
 
-    /// Its kind: "aggregate", "void" or "fibre".
+    /// Its phase: "aggregate", "void", "fibre", or the name of one of the packing's own.
     #[getter]
-    fn phase(&self) -> &'static str {
-        self.0.kind.name()
+    fn phase(&self) -> &str {
+        &self.1
     }
 
     /// Index of the size class, from the finest; those of voids and of fibres follow the grading's.
@@ -105,7 +114,7 @@ impl PyAggregate {
     }
 
     fn __repr__(&self) -> String {
-        let Aggregate { id, class, itz_thickness_mm, body, kind } = &self.0;
+        let Aggregate { id, class, itz_thickness_mm, body, kind, .. } = &self.0;
         let volume = body.volume();
         if *kind != Kind::Aggregate {
             return format!("Aggregate(id={id}, phase={:?}, volume={volume:.4} mm3)", kind.name());
@@ -125,27 +134,30 @@ impl PyAggregate {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_aggregate")?;
-        let Aggregate { id, class, itz_thickness_mm, .. } = self.0;
-        (restore, (self.body(), id, class, itz_thickness_mm, self.phase())).into_pyobject(py)
+        let Aggregate { id, own, class, itz_thickness_mm, .. } = self.0;
+        (restore, (self.body(), id, class, itz_thickness_mm, self.phase(), own)).into_pyobject(py)
     }
 }
 
 /// Unpickles an `Aggregate`.
-#[pyfunction(name = "_restore_aggregate", signature = (body, id, size_class, itz_thickness, phase="aggregate"))]
+#[pyfunction(name = "_restore_aggregate", signature = (body, id, size_class, itz_thickness, phase="aggregate", own=None))]
 pub(crate) fn restore_aggregate(
     body: &PyPolyhedron,
     id: u32,
     size_class: u16,
     itz_thickness: f64,
     phase: &str,
+    own: Option<u8>,
 ) -> PyResult<PyAggregate> {
     let kind = [Kind::Aggregate, Kind::Void, Kind::Fibre].into_iter().find(|kind| kind.name() == phase);
+    let kind = own.map_or(kind, |_| Some(Kind::Aggregate));
     let kind = kind.ok_or_else(|| wrong_value(format!("the pickle is damaged: there is no phase {phase:?}")))?;
     let body = body.0.as_ref().clone();
-    Ok(PyAggregate(Aggregate { id, kind, class: size_class, itz_thickness_mm: itz_thickness, body }))
+    let body = Aggregate { id, kind, own, class: size_class, itz_thickness_mm: itz_thickness, body };
+    Ok(PyAggregate(body, phase.to_owned()))
 }
 
 /// The voids and fibres of a packing, as copies.
 pub(crate) fn inclusions(model: &Model) -> Vec<PyAggregate> {
-    model.inclusions.iter().cloned().map(PyAggregate).collect()
+    model.inclusions.iter().cloned().map(|body| PyAggregate::new(body, PhaseNames::COMMON)).collect()
 }

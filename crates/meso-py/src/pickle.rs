@@ -2,6 +2,7 @@
 
 use crate::boundary::{mesh_error, wrong_value};
 use crate::views::cell_type;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Itz;
 use meso_core::math::Vec3;
 use meso_core::mesh::{CellKind, Mesh, MeshTable, Notes, Phase, Purpose};
@@ -34,17 +35,18 @@ pub(crate) fn vector<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> PyRe
 /// Everything of a mesh: kind, periodic axes, notes, points, cells, phases, owners, ids, cohesive elements and owners.
 pub(crate) fn of_mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyTuple>> {
     let points: Vec<f64> = mesh.points.iter().flat_map(|point| [point.x, point.y, point.z]).collect();
-    let phases = mesh.phase.iter().map(|&phase| phase as u8).collect();
+    let phases = mesh.phase.iter().map(|phase| phase.number()).collect();
     let indices = [&mesh.cells, &mesh.owner, &mesh.id_of, &mesh.cohesive, &mesh.cohesive_owner];
     let [cells, owner, id_of, cohesive, below] = indices.map(|numbers| PyArray1::from_slice(py, numbers));
     let (points, phases) = (PyArray1::from_vec(py, points), PyArray1::from_vec(py, phases));
-    let head = (cell_type(mesh.kind), mesh.periodic, json(&mesh.notes)?);
+    let names: Vec<&str> = mesh.phases.own().map(|phase| mesh.phases.name(phase)).collect();
+    let head = (cell_type(mesh.kind), mesh.periodic, json(&mesh.notes)?, names);
     (head, points, cells, phases, owner, id_of, cohesive, below).into_pyobject(py)
 }
 
 type Numbers<'py> = PyReadonlyArray1<'py, u32>;
 type State<'py> = (
-    (String, [bool; 3], String),
+    (String, [bool; 3], String, Vec<String>),
     PyReadonlyArray1<'py, f64>,
     Numbers<'py>,
     PyReadonlyArray1<'py, u8>,
@@ -55,21 +57,25 @@ type State<'py> = (
 );
 
 pub(crate) fn to_mesh(state: &Bound<'_, PyTuple>) -> PyResult<Mesh> {
-    let ((kind, periodic, notes), points, cells, phases, owner, id_of, cohesive, below): State<'_> = state.extract()?;
+    let ((kind, periodic, notes, names), points, cells, phases, owner, id_of, cohesive, below): State<'_> =
+        state.extract()?;
     let kind = KINDS.into_iter().find(|known| cell_type(*known) == kind).ok_or_else(|| damaged("kind of cell"))?;
-    let phase = |label: &u8| Phase::SOLID.into_iter().find(|phase| *phase as u8 == *label);
+    let names: PhaseNames = names.into_iter().collect();
+    let phase = |label: &u8| names.solid().find(|phase| phase.number() == *label);
     let phase: Option<Vec<Phase>> = phases.as_slice()?.iter().map(phase).collect();
     let notes: Notes = from_json(&notes)?;
+    let phase = phase.ok_or_else(|| damaged("phase"))?;
     let mesh = Mesh {
         points: points.as_slice()?.chunks_exact(3).map(Vec3::from_column_slice).collect(),
         kind,
         cells: vector(&cells)?,
-        phase: phase.ok_or_else(|| damaged("phase"))?,
+        phase,
         owner: vector(&owner)?,
         id_of: vector(&id_of)?,
         cohesive: vector(&cohesive)?,
         cohesive_owner: vector(&below)?,
         periodic,
+        phases: names,
         notes,
     };
     if is_whole(&mesh) { Ok(mesh) } else { Err(damaged("its arrays do not fit each other")) }

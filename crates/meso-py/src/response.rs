@@ -477,10 +477,10 @@ impl PyFrame {
         if own.is_empty() { PyArray1::from_vec(py, vec![1.0; cells]) } else { PyArray1::from_slice(py, own) }
     }
 
-    /// Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
+    /// Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre, 5 on the packing's own; a copy.
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_vec(py, self.0.phase.iter().map(|&phase| phase as u8).collect())
+        PyArray1::from_vec(py, self.0.phase.iter().map(|phase| phase.number()).collect())
     }
 
     /// Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.

@@ -31,7 +31,8 @@ pub use limits::MAX_LENGTH_MM;
 pub use messages::nearest;
 pub use mix_design::MixDesign;
 
-use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
+use meso_concrete::PhaseNames;
+use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, OwnPhase, Shape, Voids};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Watch};
@@ -73,6 +74,9 @@ pub struct Spec {
     /// Straight fibres, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fibres: Option<Fibres>,
+    /// Phases that some of the aggregates have instead of the phase `aggregate`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<OwnPhase>,
 }
 
 impl Default for Spec {
@@ -87,6 +91,7 @@ impl Default for Spec {
             placement: Placement::default(),
             voids: None,
             fibres: None,
+            phases: Vec::new(),
         }
     }
 }
@@ -183,6 +188,11 @@ impl Spec {
     /// Voids and fibres of the spec.
     pub fn inclusions(&self) -> Inclusions {
         Inclusions { voids: self.voids, fibres: self.fibres }
+    }
+
+    /// Phases of the specimen, with the names of its own.
+    pub fn phases(&self) -> PhaseNames {
+        self.phases.iter().map(|own| own.name.clone()).collect()
     }
 
     fn from_tree(mut tree: tree::Node, mut reading: Reading<'_>) -> Result<Self, SpecError> {

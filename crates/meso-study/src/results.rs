@@ -18,6 +18,9 @@ pub fn of_packing(report: &Report) -> Map<String, Value> {
     for phase in &report.phases {
         results.insert(phase.phase.plural().to_owned(), json!({ "bodies": phase.bodies, "fraction": phase.fraction }));
     }
+    for own in &report.own_phases {
+        results.insert(own.phase.clone(), json!({ "bodies": own.aggregates, "fraction": own.fraction }));
+    }
     results
 }
 

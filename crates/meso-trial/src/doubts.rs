@@ -24,7 +24,7 @@ impl Sample<'_> {
     pub fn flags(&self) -> Vec<String> {
         let coarse = self.phase_off().filter(|off| off.is_beyond(PhaseOff::ACCEPTED));
         let coarse = coarse.map(|off| {
-            let (phase, percent) = (off.phase.name(), 100.0 * off.error());
+            let (phase, percent) = (self.mesh.phases.name(off.phase), 100.0 * off.error());
             format!("mesh too coarse: {phase} {percent:+.0} %")
         });
         let joined = (self.joined_pairs() > 0).then(|| "aggregates joined".to_owned());
@@ -47,7 +47,7 @@ impl Sample<'_> {
                 "{left} pairs of aggregates share nodes and form a skeleton that cannot break; mesh with joined = \"mortar\""
             ));
         }
-        let kept = mesh.phase.iter().filter(|phase| **phase == Phase::Aggregate).count();
+        let kept = mesh.phase.iter().filter(|phase| phase.is_aggregate()).count();
         let share = 100.0 * notes.parted_cells as f64 / (kept + notes.parted_cells).max(1) as f64;
         (share >= FEW_PARTED).then(|| {
             let grains = notes.parted_aggregates;
@@ -84,7 +84,7 @@ impl Sample<'_> {
         let of = |phase| Some([meshed.of(phase), exact.of(phase)]);
         let voids = exact.voids(self.mesh, self.volume_mm3);
         let bodies = [
-            ("aggregates", of(Phase::Aggregate), "refine the mesh, or pack with a larger gap"),
+            ("aggregates", Some([meshed.aggregate, exact.aggregate]), "refine the mesh, or pack with a larger gap"),
             (
                 "fibres",
                 of(Phase::Fibre),

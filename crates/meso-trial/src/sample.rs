@@ -125,7 +125,7 @@ impl<'a> Sample<'a> {
 
     /// Volume of all cells and of the voids, mm3.
     fn meshed_mm3(&self) -> f64 {
-        let PhaseVolumes { mortar, itz, aggregate, fibre } = PhaseVolumes::of_mesh(self.mesh);
+        let PhaseVolumes { mortar, itz, aggregate, fibre, .. } = PhaseVolumes::of_mesh(self.mesh);
         mortar + itz + aggregate + fibre + self.mesh.notes.voids_mm3
     }
 }

@@ -128,21 +128,22 @@ impl Format {
             Images::None => model.bodies(),
             images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
         };
+        let phases = &model.spec.phases();
         match self {
             Self::Json => saved::write(model, out),
             Self::JsonGz => saved::write_compressed(model, out),
             Self::Vtu => vtu::write(&shown(), Encoding::compressed(surfaces.compress), out),
             Self::Vtp => vtu::write_polygons(&shown(), Encoding::compressed(surfaces.compress), out),
-            Self::Stl if surfaces.named_solids => stl::write_solids(&shown(), out),
+            Self::Stl if surfaces.named_solids => stl::write_solids(&shown(), phases, out),
             Self::Stl => stl::write(&shown(), out),
             Self::Step => {
                 let mortar = surfaces.mortar.then(|| block(&model.spec.specimen)).transpose()?;
-                step::write(&shown(), mortar.as_ref(), out)
+                step::write(&shown(), phases, mortar.as_ref(), out)
             }
-            Self::Glb => glb::write(&shown(), out),
+            Self::Glb => glb::write(&shown(), phases, out),
             Self::Ply => ply::write(&shown(), out),
-            Self::Obj => obj::write(&shown(), out),
-            Self::Csv => csv::write(model.aggregates.iter().chain(&model.inclusions), out),
+            Self::Obj => obj::write(&shown(), phases, out),
+            Self::Csv => csv::write(model.aggregates.iter().chain(&model.inclusions), phases, out),
         }
     }
 }

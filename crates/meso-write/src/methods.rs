@@ -7,7 +7,7 @@ use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Fit, Mesh, MeshOptions, Method, PhaseOff, PhaseVolumes};
 use meso_pack::Spec;
 use meso_pack::model::Model;
-use meso_pack::packing::{LabelReport, PhaseReport, Report, StopReason};
+use meso_pack::packing::{LabelReport, OwnPhaseReport, PhaseReport, Report, StopReason};
 
 /// The software and the paper behind its method, as a list of references.
 const SOURCES: &str = "\
@@ -68,7 +68,7 @@ pub fn of_mesh(mesh: &Mesh, options: &MeshOptions, model: &Model) -> String {
         exact.and_then(|exact| PhaseOff::between(&PhaseVolumes::of_bodies(mesh), &exact, model.spec.specimen.volume()));
     let off = off.map_or(String::new(), |off| {
         let percent = 100.0 * (off.meshed / off.exact - 1.0);
-        format!("; of all phases the {} is farthest off its exact volume, {percent:+.2} %", off.phase.name())
+        format!("; of all phases the {} is farthest off its exact volume, {percent:+.2} %", mesh.phases.name(off.phase))
     });
     format!(
         "The mesh has {count} {cells} of {} mm ({}) with {nodes} nodes{cohesive}{off}.",
@@ -169,7 +169,11 @@ fn classes(model: &Model) -> String {
 fn inclusions(model: &Model) -> String {
     let phase = |phase: &PhaseReport| format!("{} ({:.4})", phase.phase.plural(), phase.fraction);
     let phases: Vec<String> = model.report.phases.iter().map(phase).collect();
-    if phases.is_empty() { String::new() } else { format!("It also has {}.", phases.join(" and ")) }
+    let own = |own: &OwnPhaseReport| format!("{} ({:.4})", own.phase, own.fraction);
+    let own: Vec<String> = model.report.own_phases.iter().map(own).collect();
+    let of_own = if own.is_empty() { String::new() } else { format!("Of the aggregates are {}.", own.join(" and ")) };
+    let further = if phases.is_empty() { String::new() } else { format!("It also has {}.", phases.join(" and ")) };
+    [of_own, further].into_iter().filter(|sentence| !sentence.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 fn gaps(spec: &Spec) -> String {

@@ -47,6 +47,8 @@ impl Kind {
 pub struct Grain {
     /// Kind of the grain.
     pub kind: Kind,
+    /// Position of its phase among the specimen's own; `None` for the phase of its kind.
+    pub own: Option<u8>,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,
     /// Number within its class; with the class it names the grain's random streams.
@@ -184,6 +186,7 @@ impl Grain {
         let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
         Self {
             kind,
+            own: None,
             class,
             index,
             template: 0,

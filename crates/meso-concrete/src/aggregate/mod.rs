@@ -5,6 +5,7 @@ pub(crate) mod grading;
 pub mod grain;
 mod inclusions;
 mod itz;
+mod kinds;
 mod library;
 pub mod random;
 mod shape;
@@ -17,6 +18,7 @@ pub use grain::Kind;
 pub use inclusions::Inclusions;
 pub use inclusions::{Cone, Fibres, Voids};
 pub use itz::Itz;
+pub use kinds::{OwnPhase, SHARE_ROUNDING};
 pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
 
@@ -29,6 +31,8 @@ pub struct Aggregate {
     pub id: u32,
     /// Kind of the body.
     pub kind: Kind,
+    /// Position of its phase among the specimen's own; `None` for the phase of its kind.
+    pub own: Option<u8>,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,
     /// Thickness of its ITZ shell, measured inwards, mm; 0 where the model has none.

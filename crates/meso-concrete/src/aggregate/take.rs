@@ -3,7 +3,7 @@
 use super::grain::{Grain, Kind};
 use super::inclusions::{self, Inclusions};
 use super::random::{Draw, Stream};
-use super::{Grading, Itz, Outline, Shape, SizeClass, SizeDefinition};
+use super::{Grading, Itz, Outline, OwnPhase, Shape, SizeClass, SizeDefinition, kinds};
 use crate::parallel;
 use crate::stop;
 use meso_collision::geometry::{HullError, Round, convex_hull};
@@ -23,6 +23,8 @@ pub struct Mixture<'a> {
     pub itz: &'a Itz,
     /// Voids and fibres.
     pub inclusions: &'a Inclusions,
+    /// Phases of the specimen's own.
+    pub phases: &'a [OwnPhase],
     /// Seed of all streams.
     pub seed: u64,
     /// Called now and then with the volume generated so far, mm3; `false` ends the take with the grains it has.
@@ -52,6 +54,7 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
         let by_volume = q.volume().total_cmp(&p.volume());
         last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
     });
+    kinds::divide(&mut grains, mixture.phases, &classes);
     Ok(grains)
 }
 

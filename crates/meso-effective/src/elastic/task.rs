@@ -14,11 +14,11 @@ use crate::shares::volume_fractions;
 use crate::solver::{Energy, Equations, solve_equations};
 use crate::surfaces::Surface;
 use meso_collision::simd::widest;
-use meso_concrete::Phase;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Stage, Watch};
 use meso_concrete::{Parts, images, parallel};
+use meso_concrete::{Phase, PhaseNames};
 use serde::Serialize;
 
 /// Stiffness, MPa: stresses xx, yy, zz, yz, zx, xy by row for unit strains by column. Shear strains are engineering strains.
@@ -141,12 +141,12 @@ pub fn stiffness<'a>(
     options: &StiffnessOptions,
     watch: &dyn Watch,
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
-    let Parts { bodies, specimen } = parts.into();
-    let table = moduli.table()?;
+    let Parts { bodies, specimen, phases: names } = parts.into();
+    let table = moduli.table(&names)?;
     let bodies = error::accepted(bodies)?;
-    accept_strains(&table, &bodies)?;
+    accept_strains(&table, &bodies, &names)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
-    of_medium(&Packing { bodies: &bodies, specimen, table }, counts, options, watch)
+    of_medium(&Packing { bodies: &bodies, specimen, names, table }, counts, options, watch)
 }
 
 /// The stiffness of `medium` on a grid of `counts` voxels, and on coarser ones unless every voxel has one phase.
@@ -196,6 +196,7 @@ pub(crate) trait ElasticMedium {
 struct Packing<'a> {
     bodies: &'a [Aggregate],
     specimen: &'a Specimen,
+    names: PhaseNames,
     table: Table,
 }
 
@@ -206,24 +207,30 @@ impl ElasticMedium for Packing<'_> {
 
     fn voxels(&self, grid: &Grid) -> Voxels {
         let near = images::near(self.bodies, self.specimen, grid.spacing.max());
-        let has_itz = self.table[Phase::Itz as usize] != self.table[Phase::Aggregate as usize];
+        let stones = || self.names.all().filter(|phase| phase.is_aggregate());
+        let has_itz = stones().any(|phase| self.table[Phase::Itz.index()] != self.table[phase.index()]);
         let surfaces = Surface::all(&near, has_itz, &|v| *v);
         Voxels::new(grid, &surfaces, &self.table)
     }
 
     fn phases(&self) -> Vec<(Moduli, ElasticShare)> {
-        shares(&self.table, self.bodies, self.specimen)
+        shares(&self.table, self.bodies, self.specimen, &self.names)
     }
 }
 
 /// The phases with their exact volumes.
-pub(crate) fn shares(table: &Table, bodies: &[Aggregate], specimen: &Specimen) -> Vec<(Moduli, ElasticShare)> {
-    let fractions = volume_fractions(bodies, specimen);
+pub(crate) fn shares(
+    table: &Table,
+    bodies: &[Aggregate],
+    specimen: &Specimen,
+    names: &PhaseNames,
+) -> Vec<(Moduli, ElasticShare)> {
+    let fractions = volume_fractions(bodies, specimen, names);
     let share = |phase: Phase| {
-        let moduli = table[phase as usize];
-        (moduli, ElasticShare::new(phase.name().to_owned(), &moduli, fractions[phase as usize]))
+        let moduli = table[phase.index()];
+        (moduli, ElasticShare::new(names.name(phase).to_owned(), &moduli, fractions[phase.index()]))
     };
-    Phase::ALL.map(share).to_vec()
+    names.all().map(share).collect()
 }
 
 impl ElasticShare {

@@ -10,8 +10,8 @@ use crate::moduli::{Moduli, Table};
 use crate::sections::{Section, Squares, WITHIN};
 use crate::surfaces::Surface;
 use meso_collision::math::Vec3;
-use meso_concrete::Phase;
 use meso_concrete::parallel;
+use meso_concrete::{Phase, PhaseNames};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -46,12 +46,12 @@ impl Voxels {
         let found = parallel::map(runs.len(), |number| of(runs[number], &table));
         let mut voxels = Self {
             materials: table.iter().map(Material::pure).collect(),
-            of: vec![Phase::Mortar as u32; grid.counts.iter().product()],
+            of: vec![Phase::Mortar.number().into(); grid.counts.iter().product()],
             blocks: Vec::new(),
         };
         for (run, found) in runs.iter().zip(found) {
             let number = match found {
-                Found::Phase(phase) => phase as u32,
+                Found::Phase(phase) => phase.number().into(),
                 Found::Laminate(material) => {
                     voxels.materials.push(material);
                     voxels.materials.len() as u32 - 1
@@ -122,20 +122,21 @@ enum Found {
 
 /// The material of a voxel that surfaces reach into.
 fn of(run: &[Cell], table: &[Moduli]) -> Found {
-    let mut shares = [0.0; Phase::ALL.len()];
-    shares[Phase::Mortar as usize] = 1.0;
+    let mut shares = [0.0; PhaseNames::ROOM];
+    shares[Phase::Mortar.index()] = 1.0;
     for cell in run {
-        shares[cell.outside as usize] -= f64::from(cell.share);
-        shares[cell.within as usize] += f64::from(cell.share);
+        shares[cell.outside.index()] -= f64::from(cell.share);
+        shares[cell.within.index()] += f64::from(cell.share);
     }
-    let there: Vec<Phase> = Phase::ALL.into_iter().filter(|phase| shares[*phase as usize] > NOTHING).collect();
+    let all = (0..table.len() as u8).map(Phase::numbered);
+    let there: Vec<Phase> = all.filter(|phase| shares[phase.index()] > NOTHING).collect();
     let size = |cell: &Cell| cell.normal.iter().map(|n| n * n).sum::<f32>();
     let Some(largest) = run.iter().max_by(|a, b| size(a).total_cmp(&size(b))) else { return Found::Phase(there[0]) };
     if there.len() == 1 {
         return Found::Phase(there[0]);
     }
-    let whole: f64 = there.iter().map(|phase| shares[*phase as usize]).sum();
-    let phases: Vec<_> = there.iter().map(|&phase| (table[phase as usize], shares[phase as usize] / whole)).collect();
+    let whole: f64 = there.iter().map(|phase| shares[phase.index()]).sum();
+    let phases: Vec<_> = there.iter().map(|&phase| (table[phase.index()], shares[phase.index()] / whole)).collect();
     let normal = Vec3::from(largest.normal.map(f64::from));
     let normal = normal.try_normalize(0.0).unwrap_or_else(Vec3::x);
     Found::Laminate(Material::laminate(&phases, &normal))

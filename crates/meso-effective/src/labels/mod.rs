@@ -14,9 +14,9 @@ use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli};
 use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
-use meso_concrete::Phase;
 use meso_concrete::import::volume::Volume;
 use meso_concrete::watch::Watch;
+use meso_concrete::{Phase, PhaseNames};
 use meso_concrete::{Ranges, parallel};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -90,10 +90,10 @@ impl LabelPhases {
             for (name, value) in given {
                 *values.phase_mut(name).ok_or_else(|| unknown(property.name(), name))? = Some(*value);
             }
-            let phases = Phases { diffusivity: values, conductivity: values, ..Phases::default() };
+            let phases = Phases { diffusivity: values.clone(), conductivity: values, ..Phases::default() };
             let values = phases.values(property);
-            values.validate(property)?;
-            Ok(Phase::ALL.map(|phase| values.of(phase)))
+            values.validate(property, PhaseNames::COMMON)?;
+            Ok(Phase::ALL.map(|phase| values.of(phase, PhaseNames::COMMON)).to_vec())
         };
         let numbered = |label: i64, value: &f64| {
             let met = *value == 0.0 || SIZES.contains(value);
@@ -117,7 +117,7 @@ impl LabelPhases {
             for (name, given) in &self.stiffness {
                 *moduli.phase_mut(name).ok_or_else(|| unknown("stiffness", name))? = *given;
             }
-            Ok(moduli.table()?)
+            Ok(moduli.table(PhaseNames::COMMON)?)
         };
         let numbered = |label: i64, given: &GivenModuli| {
             let missing = EffectiveError::Unlabelled { table: "stiffness", label };
@@ -139,7 +139,7 @@ fn by_label<T, U: Copy>(
     given: &BTreeMap<String, T>,
     volume: &Volume,
     numbered: impl Fn(i64, &T) -> Result<U, EffectiveError>,
-    named: impl FnOnce() -> Result<[U; Phase::ALL.len()], EffectiveError>,
+    named: impl FnOnce() -> Result<Vec<U>, EffectiveError>,
 ) -> Result<Vec<U>, EffectiveError> {
     let mut numbers: BTreeMap<i64, (&str, &T)> = BTreeMap::new();
     for (name, entry) in given {

@@ -4,8 +4,8 @@ use crate::phases::PhaseValues;
 use crate::surfaces::Surface;
 use meso_collision::geometry::{Plane, Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::Phase;
 use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{Phase, PhaseNames};
 
 /// A region whose surface separates two phases.
 pub(crate) struct Layer {
@@ -28,17 +28,17 @@ pub(crate) struct Layer {
 
 impl Layer {
     /// All layers of `bodies`, the axes turned so that `last` becomes the third.
-    pub(crate) fn all(bodies: &[Aggregate], values: &PhaseValues, last: usize) -> Vec<Self> {
+    pub(crate) fn all(bodies: &[Aggregate], values: &PhaseValues, names: &PhaseNames, last: usize) -> Vec<Self> {
         let turn = |v: &Vec3| Vec3::new(v[(last + 1) % 3], v[(last + 2) % 3], v[last]);
-        let has_itz = values.itz != values.of(Phase::Aggregate);
+        let has_itz = values.of_aggregates(names).iter().any(|aggregate| *aggregate != values.itz);
         // A core within an insulating shell carries nothing, whatever its value.
         let counts = |surface: &Surface| values.itz > 0.0 || surface.outside != Phase::Itz;
         let surfaces = Surface::all(bodies, has_itz, &turn).into_iter().filter(counts);
-        surfaces.map(|surface| Self::new(surface, values)).collect()
+        surfaces.map(|surface| Self::new(surface, values, names)).collect()
     }
 
-    fn new(surface: Surface, values: &PhaseValues) -> Self {
-        let (outside, within) = (values.of(surface.outside), values.of(surface.within));
+    fn new(surface: Surface, values: &PhaseValues, names: &PhaseNames) -> Self {
+        let (outside, within) = (values.of(surface.outside, names), values.of(surface.within, names));
         let resistance = |value: f64| 1.0 / if value > 0.0 { value } else { values.mortar };
         let blocked = |value: f64| f64::from(u8::from(value <= 0.0));
         Self {
@@ -48,7 +48,7 @@ impl Layer {
             change: within - outside,
             resistance: resistance(within) - resistance(outside),
             blocks: blocked(within) - blocked(outside),
-            body: values.of(surface.kind),
+            body: values.of(surface.kind, names),
             contrast: if within == outside { 1.0 } else { within.max(outside) / within.min(outside) },
             surface: surface.body,
         }

@@ -12,7 +12,7 @@ use crate::phases::{PhaseValues, Phases};
 use crate::resolution::Resolution;
 use crate::solver::{self, Energy, Graph, Rows, Solution};
 use meso_collision::math::{Mat3, Vec3};
-use meso_concrete::Phase;
+use meso_concrete::PhaseNames;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::Watch;
 use meso_concrete::{Parts, parallel};
@@ -30,18 +30,19 @@ pub fn effective_in_tetrahedra<'a>(
     element_size_mm: f64,
     watch: &dyn Watch,
 ) -> Result<(Effective, Vec<MeshField>), EffectiveError> {
-    let Parts { bodies, specimen } = parts.into();
+    let Parts { bodies, specimen, phases: names } = parts.into();
     let values = phases.values(options.what);
-    values.validate(options.what)?;
+    values.validate(options.what, &names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
     let bodies = error::accepted(bodies)?;
-    let itz = Itz::of([values.mortar, values.aggregate, values.itz], values.aggregate == 0.0);
+    let aggregates = values.of_aggregates(&names);
+    let itz = Itz::of(&values.mortar, &aggregates, &values.itz, aggregates.iter().all(|value| *value == 0.0));
     let meshed = Bodies::new(&bodies, specimen, itz, values.void > 0.0);
     let is_flux = options.boundary == Boundary::UniformFlux;
     let stages = options.axes.iter().filter(|axis| is_flux || **axis).count();
     let solve = |domain: &Domain, is_fine: bool| {
         let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
-        Task { conduction: Conduction::new(domain, &meshed, &values), options, fields, watch, stages }.columns()
+        Task { conduction: Conduction::new(domain, &meshed, &values, &names), options, fields, watch, stages }.columns()
     };
     let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
@@ -49,7 +50,7 @@ pub fn effective_in_tetrahedra<'a>(
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
     let fields = MeshField::all(domain.mesh, fields);
     let coarser = (&coarser[..], Sizes::DOUBLED);
-    Ok((Effective::new(options.what, &fine, coarser, values.shares(&bodies, specimen), resolution), fields))
+    Ok((Effective::new(options.what, &fine, coarser, values.shares(&bodies, specimen, &names), resolution), fields))
 }
 
 /// Bytes a cube of the element size, without fields: 1,930 were measured, mesh included.
@@ -87,10 +88,10 @@ pub(super) struct Conduction<'a> {
 }
 
 impl<'a> Conduction<'a> {
-    fn new(domain: &'a Domain, bodies: &Bodies<'_>, values: &PhaseValues) -> Self {
+    fn new(domain: &'a Domain, bodies: &Bodies<'_>, values: &PhaseValues, names: &PhaseNames) -> Self {
         let mesh = &domain.mesh;
-        let of = parallel::map_short(mesh.cell_count(), |cell| bodies.phase(mesh, cell) as u32);
-        let tensors = Phase::ALL.map(|phase| Mat3::identity() * values.of(phase)).to_vec();
+        let of = parallel::map_short(mesh.cell_count(), |cell| u32::from(bodies.phase(mesh, cell).number()));
+        let tensors = names.all().map(|phase| Mat3::identity() * values.of(phase, names)).collect();
         let mut all = Self { domain, of, tensors };
         let phases = all.tensors.len() as u32;
         for (cell, volume, normal) in bodies.films(mesh) {

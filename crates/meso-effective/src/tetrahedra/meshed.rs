@@ -10,11 +10,11 @@
 use super::domain::Domain;
 use crate::error::EffectiveError;
 use meso_collision::math::Vec3;
-use meso_concrete::Phase;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::Watch;
 use meso_concrete::{Parts, Ranges};
+use meso_concrete::{Phase, PhaseNames};
 use meso_mesh::cells::faces;
 use meso_mesh::{ItzForm, Mesh, MeshOptions, Method, PhaseOff, Tools, Volumes, build};
 use std::borrow::Cow;
@@ -54,11 +54,11 @@ pub(super) enum Itz {
 }
 
 impl Itz {
-    /// By the values of mortar, aggregate and ITZ.
-    pub(super) fn of<T: PartialEq>([mortar, aggregate, itz]: [T; 3], is_impermeable: bool) -> Self {
+    /// By the values of mortar, of the aggregates' phases and of the ITZ.
+    pub(super) fn of<T: PartialEq>(mortar: &T, aggregates: &[T], itz: &T, is_impermeable: bool) -> Self {
         match itz {
             itz if itz == mortar => Self::Mortar,
-            itz if itz == aggregate => Self::Aggregate,
+            itz if aggregates.iter().all(|aggregate| itz == aggregate) => Self::Aggregate,
             _ if is_impermeable => Self::Film,
             _ => Self::Layer,
         }
@@ -93,8 +93,9 @@ impl<'a> Bodies<'a> {
     }
 
     fn add(&mut self, body: &Aggregate, fills_voids: bool) {
-        let (mut body, phase, mut film) = (body.clone(), Phase::of(body.kind), 0.0);
-        if phase == Phase::Aggregate && body.itz_thickness_mm > 0.0 {
+        let (mut body, phase, mut film) = (body.clone(), body.phase(), 0.0);
+        body.own = None;
+        if body.kind == Kind::Aggregate && body.itz_thickness_mm > 0.0 {
             match body.inner_surface() {
                 Err(_) => body.itz_thickness_mm = 0.0,
                 Ok(None) if self.itz == Itz::Mortar => return,
@@ -146,11 +147,12 @@ impl<'a> Bodies<'a> {
             volumes: (!is_layer).then_some(Volumes::Exact),
             ..MeshOptions::default()
         };
-        let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen };
+        let parts =
+            Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen, phases: PhaseNames::default() };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
         let found = if is_fine { PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)? } else { None };
         if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.is_beyond(PhaseOff::ACCEPTED)) {
-            return Err(EffectiveError::Coarse { phase: phase.name(), meshed, exact });
+            return Err(EffectiveError::Coarse { phase: PhaseNames::COMMON.name(phase), meshed, exact });
         }
         Ok(Domain::new(mesh))
     }

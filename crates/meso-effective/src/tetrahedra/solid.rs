@@ -29,13 +29,14 @@ pub fn stiffness_in_tetrahedra<'a>(
     element_size_mm: f64,
     watch: &dyn Watch,
 ) -> Result<(Stiffness, Vec<MeshField>), EffectiveError> {
-    let Parts { bodies, specimen } = parts.into();
-    let table = moduli.table()?;
+    let Parts { bodies, specimen, phases: names } = parts.into();
+    let table = moduli.table(&names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
     let bodies = error::accepted(bodies)?;
-    accept_strains(&table, &bodies)?;
-    let of = |phase: Phase| table[phase as usize];
-    let itz = Itz::of([Phase::Mortar, Phase::Aggregate, Phase::Itz].map(of), false);
+    accept_strains(&table, &bodies, &names)?;
+    let of = |phase: Phase| table[phase.index()];
+    let aggregates: Vec<Moduli> = names.all().filter(|phase| phase.is_aggregate()).map(of).collect();
+    let itz = Itz::of(&of(Phase::Mortar), &aggregates, &of(Phase::Itz), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
     let solve = |domain: &Domain, is_fine: bool| {
         let report = |share| {
@@ -50,7 +51,8 @@ pub fn stiffness_in_tetrahedra<'a>(
     let fields = std::mem::take(&mut fine.fields);
     let boundary = Space::of(specimen).boundary("uniform-strain");
     let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
-    let result = Stiffness::new(&fine, (&coarser, Sizes::DOUBLED), shares(&table, &bodies, specimen), resolution);
+    let result =
+        Stiffness::new(&fine, (&coarser, Sizes::DOUBLED), shares(&table, &bodies, specimen, &names), resolution);
     Ok((result, MeshField::all(domain.mesh, fields)))
 }
 
@@ -82,7 +84,7 @@ struct Solid<'a> {
     unknowns: Unknowns,
     /// Constants of every cell.
     of: Vec<u8>,
-    phases: [Elasticity; Phase::ALL.len()],
+    phases: Vec<Elasticity>,
     rows: Rows<Block>,
     /// Links to nodes without displacement.
     ground: Vec<Block>,
@@ -123,11 +125,11 @@ impl Elasticity {
 impl<'a> Solid<'a> {
     fn new(domain: &'a Domain, bodies: &Bodies<'_>, table: &Table) -> Self {
         let mesh = &domain.mesh;
-        let of = parallel::map_short(mesh.cell_count(), |cell| bodies.phase(mesh, cell) as u8);
+        let of = parallel::map_short(mesh.cell_count(), |cell| bodies.phase(mesh, cell).number());
         let is_stiff = |cell: usize| table[usize::from(of[cell])].youngs_modulus_mpa > 0.0;
         let walls = (0..3).filter(|axis| !mesh.periodic[*axis]).fold(0, |bits, axis| bits | 3 << (2 * axis));
         let unknowns = domain.unknowns(walls, is_stiff);
-        let phases = table.map(|moduli| Elasticity::of(&moduli));
+        let phases: Vec<Elasticity> = table.iter().map(Elasticity::of).collect();
         let block = |cell: usize, at: usize, other: usize| {
             let Tetrahedron { volume, gradients } = domain.cell(cell);
             let of_cell = &phases[usize::from(of[cell])];

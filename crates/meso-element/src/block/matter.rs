@@ -4,7 +4,7 @@ use crate::hex::{BoxShape, hourglass_stiffness};
 use crate::law::LawName;
 use crate::law::{self, Law, cdp, cdpm2, meso};
 use crate::real::Real;
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhaseNames};
 use meso_mesh::Phase;
 use meso_mesh::materials::{Cdpm2Parameters, Elastic, MATERIALS, Materials, Mesoscale, Plasticity, Stone, Strength};
 use std::any::Any;
@@ -129,10 +129,11 @@ const CARRIED: [f64; 2] = [1e-12, 1e12];
 
 /// Refuses values that single precision cannot carry. Values at or below 0 have their own ranges.
 fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
-    let stiffness = |phase: Phase| {
-        let key = format!("{}.youngs_modulus_mpa", phase.name());
-        (key, materials.elastic(phase).youngs_modulus_mpa)
-    };
+    let Materials { aggregate, itz, mortar, fibre, own, .. } = materials;
+    let common = [("aggregate", aggregate), ("itz", itz), ("mortar", mortar), ("fibre", fibre)];
+    let own = own.iter().map(|(name, values)| (name.as_str(), values));
+    let stiffness =
+        |(name, values): (&str, &Elastic)| (format!("{name}.youngs_modulus_mpa"), values.youngs_modulus_mpa);
     let given = materials.mortar_strength.of(law);
     let strengths = [
         ("compressive_mpa", given.compressive_mpa),
@@ -142,7 +143,7 @@ fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
     ];
     let strengths = strengths.map(|(key, value)| (format!("mortar_strength.{key}"), value));
     let [least, most] = CARRIED;
-    for (key, value) in Phase::SOLID.into_iter().map(stiffness).chain(strengths) {
+    for (key, value) in common.into_iter().chain(own).map(stiffness).chain(strengths) {
         let met = !(value > 0.0 && value.is_finite()) || (least..=most).contains(&value);
         MATERIALS.require(key, value, met, "the solver computes in single precision and takes 1e-12 to 1e12")?;
     }
@@ -162,9 +163,9 @@ pub trait LawTask<R: Real> {
 }
 
 impl Matter {
-    /// Material of `phase`; mortar and ITZ follow the law `name`.
-    pub fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
-        Self::with(materials, *materials.elastic(phase), materials.strength(phase, name), name)
+    /// Material of one of the `phases`; mortar and ITZ follow the law `name`.
+    pub fn new(materials: &Materials, phase: Phase, phases: &PhaseNames, name: LawName) -> Self {
+        Self::with(materials, *materials.elastic(phase, phases), materials.strength(phase, name), name)
     }
 
     /// Materials of stone that breaks, in the order of [`Stone::strengths`].

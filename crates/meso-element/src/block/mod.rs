@@ -151,7 +151,7 @@ impl Scratch {
 /// Data that all elements share.
 #[derive(Clone, Debug)]
 pub struct Common {
-    /// By phase, as a number, and from [`PHASES`] on stones that break.
+    /// By phase, as a number, and then stones that break.
     pub matter: Vec<Matter>,
     /// Place of the stone of every body in `matter`; empty where no stone breaks.
     pub stones: Vec<u16>,
@@ -199,7 +199,7 @@ impl Free {
 
     /// Sets the strains of all phases, then of all phases below the layer.
     pub fn set(&mut self, strains: [f64; STRAINS]) {
-        self.ground = strains[Phase::Mortar as usize];
+        self.ground = strains[Phase::Mortar.index()];
         self.over = strains.map(|strain| strain - self.ground);
     }
 }
@@ -208,7 +208,7 @@ impl Common {
     /// Place of the material of a cell with this phase and owner.
     pub fn place(&self, phase: Phase, owner: u32) -> u16 {
         let stone = if phase == Phase::Aggregate { self.stones.get(owner as usize) } else { None };
-        stone.copied().unwrap_or(phase as u16)
+        stone.copied().unwrap_or(phase.number().into())
     }
 
     /// Strain of a [`Group::free`] without stress, less the one that [`Scratch::take_in`] subtracts.
@@ -220,7 +220,7 @@ impl Common {
     /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
     pub fn widest_mm(&self, phase: Phase) -> [f64; 2] {
         let stones = if phase == Phase::Aggregate { &self.matter[PHASES..] } else { &[] };
-        let all = std::iter::once(&self.matter[phase as usize]).chain(stones);
+        let all = std::iter::once(&self.matter[phase.index()]).chain(stones);
         all.map(Matter::widest_mm).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
     }
 }

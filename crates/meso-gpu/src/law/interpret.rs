@@ -75,7 +75,6 @@ mod tests {
     use super::super::tape::{self, Traced};
     use super::super::{Tracing, of_faces};
     use super::{Law, Point};
-    use meso_mesh::Phase;
     use meso_mesh::materials::{LawName, Materials};
     use meso_solve::device::{Cohesion, CohesionValues, LawTask, spent};
     use meso_solve::law::cdpm2::Options;
@@ -91,21 +90,21 @@ mod tests {
 
     fn cdp<R: Real>(materials: &Materials) -> Cdp<R> {
         let strength = materials.mortar_strength.of(LawName::Cdp);
-        Cdp::new(materials.elastic(Phase::Mortar), &strength, &materials.plasticity)
+        Cdp::new(&materials.mortar, &strength, &materials.plasticity)
     }
 
     fn cdpm2<R: Real>(materials: &Materials) -> Cdpm2<R> {
         let strength = materials.mortar_strength.of(LawName::Cdpm2);
-        Cdpm2::new(materials.elastic(Phase::Mortar), &strength, 1.16, &Options::default())
+        Cdpm2::new(&materials.mortar, &strength, 1.16, &Options::default())
     }
 
     fn meso<R: Real>(materials: &Materials) -> Meso<R> {
         let strength = materials.mortar_strength.of(LawName::Meso);
-        Meso::new(materials.elastic(Phase::Mortar), &strength, &materials.meso)
+        Meso::new(&materials.mortar, &strength, &materials.meso)
     }
 
     fn hooke<R: Real>(materials: &Materials) -> Hooke<R> {
-        Hooke::new(materials.elastic(Phase::Mortar))
+        Hooke::new(&materials.mortar)
     }
 
     fn traced<W: law::Law<Traced>>(make: impl FnOnce(&Materials) -> W) -> (Law, Vec<f32>) {

@@ -6,7 +6,7 @@
 //! as far, and the next round distributes the rest. Nodes on the specimen's sides, and between more than two materials, stay.
 
 use crate::body_images::BodyImages;
-use crate::cells::{Mesh, NO_BODY, Owners, Phase, Sides, faces, owned_volumes};
+use crate::cells::{Mesh, NO_BODY, Owners, Sides, faces, owned_volumes};
 use crate::tet::{ascending, cos2_of, dihedral_cosines, min_dihedral_cos2, stable_length};
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
@@ -49,7 +49,7 @@ fn exact(bodies: &BodyImages) -> Vec<f64> {
 fn missing(mesh: &Mesh, exact: &[f64]) -> Vec<f64> {
     let mut missing = exact.to_vec();
     owned_volumes(mesh.by_owner(), |cell, volume| {
-        if mesh.phase[cell] == Phase::Aggregate {
+        if mesh.phase[cell].is_aggregate() {
             missing[mesh.owner[cell] as usize] -= volume;
         }
     });
@@ -72,8 +72,7 @@ impl MovingSurface {
         let moving = |node: u32| owners.beside_mortar(node).filter(|_| sides.on(node) == 0).unwrap_or(NO_BODY);
         let owner: Vec<u32> = (0..mesh.points.len() as u32).map(moving).collect();
         let moves = |node: &u32| owner[*node as usize] != NO_BODY;
-        let cores =
-            faces(mesh.by_owner()).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
+        let cores = faces(mesh.by_owner()).into_iter().filter(|face| mesh.phase[face.cell as usize].is_aggregate());
         let faces = cores.map(|face| ([0, 1, 2].map(|i| face.nodes[i]), mesh.owner[face.cell as usize]));
         let faces = faces.filter(|(nodes, _)| nodes.iter().any(moves)).collect();
         let cells =

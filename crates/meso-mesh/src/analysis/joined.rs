@@ -33,7 +33,7 @@ impl Mesh {
         if self.cohesive.is_empty() {
             return 0.0;
         }
-        let owners = self.owners(|cell| self.phase[cell] == Phase::Aggregate);
+        let owners = self.owners(|cell| self.phase[cell].is_aggregate());
         let is_aggregate = |&node: &u32| owners.last(node) != NO_BODY;
         let touching = self.cohesive().filter(|face| face[face.len() / 2..].iter().all(is_aggregate)).count();
         touching as f64 / self.cohesive().len() as f64
@@ -62,7 +62,7 @@ impl Mesh {
 
 /// The nodes that cells of several aggregates have, with these, ascending: cores alone, an ITZ between them counts for none.
 fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
-    let owners = mesh.owners(|cell| mesh.phase[cell] == Phase::Aggregate);
+    let owners = mesh.owners(|cell| mesh.phase[cell].is_aggregate());
     owners.bodies(|node| owners.are_several(node))
 }
 
@@ -109,7 +109,7 @@ struct Shared {
 
 impl Shared {
     fn of(mesh: &Mesh) -> Self {
-        let is_stiff = |cell: usize| matches!(mesh.phase[cell], Phase::Aggregate | Phase::Fibre);
+        let is_stiff = |cell: usize| mesh.phase[cell].is_aggregate() || mesh.phase[cell] == Phase::Fibre;
         let owners = mesh.owners(is_stiff);
         let mut cells: BTreeMap<u32, Vec<(usize, u32, f64)>> = BTreeMap::new();
         let all = mesh.cells().zip(&mesh.owner).enumerate().filter(|(number, _)| is_stiff(*number));
@@ -175,7 +175,7 @@ fn cut(mesh: &mut Mesh, bodies: &BodyImages, left: &[(u32, u32)]) {
     let leaves = |node: u32, aggregate: u32| left.binary_search(&(node, aggregate)).is_ok();
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
     for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.owner) {
-        if *phase != Phase::Aggregate || !cell.iter().any(|&node| leaves(node, aggregate)) {
+        if !phase.is_aggregate() || !cell.iter().any(|&node| leaves(node, aggregate)) {
             continue;
         }
         for &from in cell.iter().filter(|&&node| leaves(node, aggregate)) {
@@ -225,6 +225,6 @@ fn cells_at(mesh: &Mesh, left: &[(u32, u32)]) -> Vec<usize> {
         cell[..corners].iter().any(|&node| left.binary_search(&(node, aggregate)).is_ok())
     };
     let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.owner).enumerate();
-    let left = cells.filter(|(_, ((cell, phase), id))| **phase == Phase::Aggregate && leaves(cell, **id));
+    let left = cells.filter(|(_, ((cell, phase), id))| phase.is_aggregate() && leaves(cell, **id));
     left.map(|(number, _)| number).collect()
 }

@@ -27,10 +27,10 @@ fn stiff_cells(mesh: &Mesh) -> Vec<usize> {
     let materials = Materials::default();
     let corners = |cell: usize| [0, 1, 2, 3].map(|i| mesh.points[mesh.by_owner().cell(cell)[i] as usize]);
     let steps = parallel::map_short(mesh.cell_count(), |cell| {
-        stable_length(corners(cell)) / materials.elastic(mesh.phase[cell]).wave_speed_mm_per_s()
+        stable_length(corners(cell)) / materials.elastic(mesh.phase[cell], &mesh.phases).wave_speed_mm_per_s()
     });
     let of_mortar = steps.iter().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar);
     let shortest = of_mortar.map(|(step, _)| *step).reduce(f64::min).unwrap_or(0.0);
-    let is_stiff = |cell: &usize| mesh.phase[*cell] == Phase::Aggregate && steps[*cell] < shortest;
+    let is_stiff = |cell: &usize| mesh.phase[*cell].is_aggregate() && steps[*cell] < shortest;
     (0..steps.len()).filter(is_stiff).collect()
 }

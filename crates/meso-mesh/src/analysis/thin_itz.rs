@@ -42,7 +42,7 @@ fn kept(mesh: &Mesh) -> Vec<bool> {
 /// Their phase is the ITZ, and they still belong to no aggregate. Fibres are bonded to the mortar and have no ITZ. Decks and
 /// the solver read these phases, so that both have the ITZ in the same cells.
 pub(crate) fn smear_itz(mesh: &mut Mesh) {
-    let owners = mesh.owners(|cell| mesh.phase[cell] == Phase::Aggregate);
+    let owners = mesh.owners(|cell| mesh.phase[cell].is_aggregate());
     for (cell, phase) in mesh.cells.chunks_exact(mesh.kind.nodes()).zip(&mut mesh.phase) {
         let lies_on_one = |face: &&[usize]| owners.have_one_in_common(face.iter().map(|&corner| cell[corner]));
         if *phase == Phase::Mortar && mesh.kind.faces().iter().any(lies_on_one) {

@@ -2,7 +2,7 @@
 
 use super::notes::Notes;
 use meso_collision::math::Vec3;
-use meso_concrete::{Phase, parallel};
+use meso_concrete::{Phase, PhaseNames, parallel};
 
 /// The shape of a mesh's cells, with the numbering of their nodes.
 ///
@@ -93,6 +93,8 @@ pub struct Mesh {
     pub cohesive_owner: Vec<u32>,
     /// The directions in which the specimen repeats itself.
     pub periodic: [bool; 3],
+    /// The phases, with the names of the specimen's own.
+    pub phases: PhaseNames,
     /// Decisions of the builder.
     pub notes: Notes,
 }
@@ -108,9 +110,9 @@ impl Mesh {
     pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, owner: Vec<u32>) -> Self {
         let bodies = owner.iter().filter(|owner| **owner != NO_BODY).max().map_or(0, |last| last + 1);
         let (cohesive, cohesive_owner) = (Vec::new(), Vec::new());
-        let (periodic, notes) = ([false; 3], Notes::default());
+        let (periodic, phases, notes) = ([false; 3], PhaseNames::default(), Notes::default());
         let id_of = (0..bodies).collect();
-        Self { points, kind, cells, phase, owner, id_of, cohesive, cohesive_owner, periodic, notes }
+        Self { points, kind, cells, phase, owner, id_of, cohesive, cohesive_owner, periodic, phases, notes }
     }
 
     /// The cells' node indices, one slice per cell.

@@ -20,7 +20,7 @@ pub(crate) use joins::complete;
 pub use joins::owners;
 pub use mesh::{CellKind, Cells, Mesh};
 pub(crate) use mesh::{DROPPED, NO_BODY, cell_volume, drop_lone_nodes, owned_volumes, volume};
-pub use meso_concrete::Phase;
+pub use meso_concrete::{Phase, PhaseNames};
 pub use notes::Notes;
 pub(crate) use owners::{Owners, pairs};
 pub(crate) use second_order::EDGES;

@@ -8,6 +8,7 @@ use crate::cells::{Mesh, Phase, cell_volume};
 use crate::materials::Materials;
 use meso_collision::math::Vec3;
 use serde::Serialize;
+use std::borrow::Cow;
 
 /// The mass that a time step costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,7 +25,7 @@ pub struct MassScaling {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseScaling {
     /// Name of the phase's element set.
-    pub phase: &'static str,
+    pub phase: String,
     /// Number of elements.
     pub elements: usize,
     /// Share of them whose own step is shorter, 0 to 1.
@@ -56,9 +57,10 @@ impl MassScaling {
     pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
         let materials = materials.in_mesh(mesh);
         let cells = Sums::of_cells(mesh, &materials, time_step_s);
-        let solid = Phase::SOLID.map(|phase| cells[phase as usize].named(phase));
-        let joints = Sums::of_cohesive(mesh, &materials, time_step_s).named(Phase::Itz);
-        let phases: Vec<PhaseScaling> = solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
+        let phases = &mesh.phases;
+        let solid = phases.solid().map(|phase| cells[phase.index()].named(phases.set_name(phase)));
+        let joints = Sums::of_cohesive(mesh, &materials, time_step_s).named(phases.set_name(Phase::Itz));
+        let phases: Vec<PhaseScaling> = solid.chain([joints]).filter(|phase| phase.elements > 0).collect();
         let mass = |with: fn(&PhaseScaling) -> f64| phases.iter().map(|phase| phase.mass_t * with(phase)).sum::<f64>();
         Self { time_step_s, factor: mass(|phase| phase.factor) / mass(|_| 1.0), phases }
     }
@@ -97,19 +99,21 @@ impl Sums {
     const NONE: Self = Self { elements: 0, scaled: 0, mass: 0.0, scaled_mass: 0.0, shortest: f64::INFINITY };
 
     /// By phase number.
-    fn of_cells(mesh: &Mesh, materials: &Materials, step: f64) -> [Self; 5] {
+    fn of_cells(mesh: &Mesh, materials: &Materials, step: f64) -> Vec<Self> {
         let nodes = mesh.kind.nodes();
         let of_run = |_: usize, cells: &[u32], phases: &[Phase]| {
-            let mut sums = [Self::NONE; 5];
+            let mut sums = vec![Self::NONE; mesh.phases.count()];
             for (cell, phase) in cells.chunks_exact(nodes).zip(phases) {
-                let (volume, elastic) = (cell_volume(mesh.kind, cell, &mesh.points), materials.elastic(*phase));
+                let (volume, elastic) =
+                    (cell_volume(mesh.kind, cell, &mesh.points), materials.elastic(*phase, &mesh.phases));
                 let own = stable_length_mm(mesh, cell) / elastic.wave_speed_mm_per_s();
-                sums[*phase as usize].add(volume * elastic.density_t_per_mm3, own, step);
+                sums[phase.index()].add(volume * elastic.density_t_per_mm3, own, step);
             }
             sums
         };
         let runs = mesh.in_runs(of_run);
-        std::array::from_fn(|i| runs.iter().fold(Self::NONE, |all, run| all.and(&run[i])))
+        let sum = |i: usize| runs.iter().fold(Self::NONE, |all, run| all.and(&run[i]));
+        (0..mesh.phases.count()).map(sum).collect()
     }
 
     fn of_cohesive(mesh: &Mesh, materials: &Materials, step: f64) -> Self {
@@ -139,9 +143,9 @@ impl Sums {
         }
     }
 
-    fn named(&self, phase: Phase) -> PhaseScaling {
+    fn named(&self, phase: Cow<'static, str>) -> PhaseScaling {
         PhaseScaling {
-            phase: phase.set_name(),
+            phase: phase.into_owned(),
             elements: self.elements,
             scaled: self.scaled as f64 / self.elements as f64,
             factor: self.scaled_mass / self.mass,

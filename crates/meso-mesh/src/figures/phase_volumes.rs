@@ -3,14 +3,14 @@
 use crate::cells::{Mesh, Phase, cell_volume};
 use meso_collision::geometry::OffsetError;
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{PhaseNames, parallel};
 use serde::Serialize;
 
 /// Volume of every phase, mm3.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhaseVolumes {
-    /// Aggregate cores.
+    /// Aggregate cores, those of a phase of their own included.
     pub aggregate: f64,
     /// Shells.
     pub itz: f64,
@@ -19,9 +19,12 @@ pub struct PhaseVolumes {
     /// Fibres.
     #[serde(skip_serializing_if = "is_zero")]
     pub fibre: f64,
+    /// The parts of the aggregate cores that are of the specimen's own phases; files name them.
+    #[serde(skip)]
+    pub own: [f64; PhaseNames::MOST],
 }
 
-/// Share of a specimen that the sum of its phases may leave without a void.
+/// Share of a whole that is rounding, where it is left by a sum.
 const ROUNDING: f64 = 1e-9;
 
 fn is_zero(volume: &f64) -> bool {
@@ -33,15 +36,17 @@ impl PhaseVolumes {
     pub fn of_mesh(mesh: &Mesh) -> Self {
         let nodes = mesh.kind.nodes();
         let of_run = |_: usize, cells: &[u32], phases: &[Phase]| {
-            let mut sums = [0.0; 5];
+            let mut sums = [0.0; PhaseNames::ROOM];
             for (cell, phase) in cells.chunks_exact(nodes).zip(phases) {
-                sums[*phase as usize] += cell_volume(mesh.kind, cell, &mesh.points);
+                sums[phase.index()] += cell_volume(mesh.kind, cell, &mesh.points);
             }
             sums
         };
         let runs = mesh.in_runs(of_run);
-        let [mortar, itz, aggregate, _, fibre] = std::array::from_fn(|i| runs.iter().map(|sums| sums[i]).sum());
-        Self { aggregate, itz, mortar, fibre }
+        let sum = |i: usize| runs.iter().map(|sums| sums[i]).sum::<f64>();
+        let [mortar, itz, aggregate, _, fibre] = std::array::from_fn(sum);
+        let own = std::array::from_fn(|i| sum(Phase::ALL.len() + i));
+        Self { aggregate: own.iter().fold(aggregate, |all, own| all + own), itz, mortar, fibre, own }
     }
 
     /// The volumes in `mesh` that compare with those of bodies: a smeared ITZ counts as mortar.
@@ -58,10 +63,18 @@ impl PhaseVolumes {
         match phase {
             Phase::Mortar => self.mortar,
             Phase::Itz => self.itz,
-            Phase::Aggregate => self.aggregate,
+            Phase::Aggregate => self.without_own(),
+            Phase::Own(own) => self.own[usize::from(own)],
             Phase::Void => 0.0,
             Phase::Fibre => self.fibre,
         }
+    }
+
+    /// Volume of the aggregates of no phase of their own, mm3: a rest that is rounding counts as nothing.
+    fn without_own(&self) -> f64 {
+        let own = self.own.iter().fold(0.0, |sum, own| sum + own);
+        let rest = self.aggregate - own;
+        if own > 0.0 && rest <= ROUNDING * self.aggregate { 0.0 } else { rest }
     }
 
     /// The exact volumes, from the polyhedra; `shell(aggregate)` is the thickness of its shell, mm.
@@ -79,8 +92,14 @@ impl PhaseVolumes {
         };
         // Summed in the aggregates' order: the same on any number of threads.
         let cores = parallel::try_map(aggregates.len(), core)?;
-        let of_aggregates = aggregates.iter().zip(cores).filter(|(body, _)| body.kind == Kind::Aggregate);
-        Ok(Self::with_cores(aggregates, specimen, of_aggregates.fold(0.0, |sum, (_, core)| sum + core)))
+        let (mut inside, mut own) = (0.0, [0.0; PhaseNames::MOST]);
+        for (body, core) in aggregates.iter().zip(cores).filter(|(body, _)| body.kind == Kind::Aggregate) {
+            inside += core;
+            if let Some(number) = body.own {
+                own[usize::from(number)] += core;
+            }
+        }
+        Ok(Self { own, ..Self::with_cores(aggregates, specimen, inside) })
     }
 
     /// The exact volumes where the cores of all aggregates have `inside` mm3 together.
@@ -95,7 +114,8 @@ impl PhaseVolumes {
                 Kind::Fibre => fibre += volume,
             }
         }
-        Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre }
+        let own = [0.0; PhaseNames::MOST];
+        Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre, own }
     }
 
     /// The exact volumes beside a mesh of these aggregates, by [`exact`](Self::exact) unless the mesh has noted those of cores.
@@ -109,8 +129,8 @@ impl PhaseVolumes {
         shell: impl Fn(&Aggregate) -> f64 + Sync,
     ) -> Result<Self, OffsetError> {
         match mesh.notes.cores_mm3 {
-            Some(inside) => Ok(Self::with_cores(aggregates, specimen, inside)),
-            None => Self::exact(aggregates, specimen, shell),
+            Some(inside) if mesh.phases.own().len() == 0 => Ok(Self::with_cores(aggregates, specimen, inside)),
+            _ => Self::exact(aggregates, specimen, shell),
         }
     }
 

@@ -205,7 +205,7 @@ impl Worst {
 
     fn of(mesh: &Mesh, materials: &Materials) -> Self {
         let materials = materials.in_mesh(mesh);
-        let speeds = |phase: Phase| materials.elastic(phase).wave_speed_mm_per_s();
+        let speeds = |phase: Phase| materials.elastic(phase, &mesh.phases).wave_speed_mm_per_s();
         let of_run = |first: usize, cells: &[u32], phases: &[Phase]| {
             let mut worst = Self::none();
             let cells = cells.chunks_exact(mesh.kind.nodes()).map(|cell| measured(mesh, cell));

@@ -7,6 +7,7 @@
 mod cdpm2;
 mod concrete;
 mod mortar;
+mod own;
 mod ranges;
 mod rock;
 mod scatter;
@@ -23,12 +24,18 @@ pub use scatter::{Covariance, Scatter, ScatteredPhase, StrengthDistribution, Str
 pub use stone::{Stone, StoneKind};
 
 use crate::cells::{CellKind, Mesh, Phase};
+use meso_concrete::PhaseNames;
 use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
 
 /// Values of the phases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", schemars(
+    rename = "Materials",
+    extend("additionalProperties" = { "$ref": "#/$defs/Elastic", "description": "Values of a phase of the packing's own." })
+))]
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct Materials {
     /// Aggregate cores.
     #[serde(deserialize_with = "aggregate")]
@@ -42,6 +49,9 @@ pub struct Materials {
     /// Fibres, which stay elastic: steel.
     #[serde(deserialize_with = "fibre")]
     pub fibre: Elastic,
+    /// Values of the specimen's own phases, which stay elastic, by their names: `[materials.NAME]`.
+    #[serde(skip)]
+    pub own: BTreeMap<String, Elastic>,
     /// Strength of the aggregates in a test; absent, they stay elastic, as they do in decks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aggregate_strength: Option<Stone>,
@@ -142,6 +152,7 @@ impl Default for Materials {
             itz: ITZ,
             mortar: MORTAR,
             fibre: FIBRE,
+            own: BTreeMap::new(),
             aggregate_strength: None,
             scatter: None,
             mortar_strength: MortarStrength::default(),
@@ -280,21 +291,22 @@ impl Materials {
         Self { itz, ..self.clone() }
     }
 
-    /// The elastic values of `phase`.
-    pub fn elastic(&self, phase: Phase) -> &Elastic {
+    /// The elastic values of one of the `phases`.
+    pub fn elastic(&self, phase: Phase, phases: &PhaseNames) -> &Elastic {
         match phase {
             Phase::Mortar => &self.mortar,
             Phase::Itz => &self.itz,
             // No cell is a void.
             Phase::Aggregate | Phase::Void => &self.aggregate,
             Phase::Fibre => &self.fibre,
+            Phase::Own(_) => self.own(phase, phases),
         }
     }
 
     /// The strength of `phase` as `law` has it; aggregates and fibres have none, those of [`Stone`] are the test's own.
     pub fn strength(&self, phase: Phase, law: LawName) -> Option<Strength> {
         match phase {
-            Phase::Aggregate | Phase::Void | Phase::Fibre => None,
+            Phase::Aggregate | Phase::Void | Phase::Fibre | Phase::Own(_) => None,
             Phase::Mortar => Some(self.mortar_strength.of(law)),
             Phase::Itz => Some(self.itz_strength(law)),
         }

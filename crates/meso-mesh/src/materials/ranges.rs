@@ -4,7 +4,7 @@
 
 use super::{Elastic, LawName, Materials, Strength};
 use crate::cells::Phase;
-use meso_concrete::{OutOfRange, PhysicalRange, Ranges};
+use meso_concrete::{OutOfRange, PhaseNames, PhysicalRange, Ranges};
 
 /// Checks values by their names in `[materials]`.
 pub const MATERIALS: Ranges = Ranges("materials");
@@ -40,7 +40,10 @@ impl Materials {
     /// # Errors
     /// Names the first value outside its range.
     pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
-        Phase::SOLID.into_iter().try_for_each(|phase| elastic(phase.name(), self.elastic(phase)))
+        let common =
+            [("aggregate", &self.aggregate), ("itz", &self.itz), ("mortar", &self.mortar), ("fibre", &self.fibre)];
+        let own = self.own.iter().map(|(name, values)| (name.as_str(), values));
+        common.into_iter().chain(own).try_for_each(|(name, values)| elastic(name, values))
     }
 
     /// Checks the strengths and energies of the mortar, and the ITZ's share of them.
@@ -69,11 +72,14 @@ impl Materials {
     /// The mortar's peak strain is too small for the phase's strength and stiffness.
     pub fn validate_peak_strain(&self, phase: Phase, law: LawName) -> Result<(), OutOfRange> {
         let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase, law) else { return Ok(()) };
-        let modulus = self.elastic(phase).youngs_modulus_mpa;
+        let modulus = self.elastic(phase, PhaseNames::COMMON).youngs_modulus_mpa;
         let least = PEAK_OVER_ELASTIC * compressive_mpa / modulus;
         let accepted = || {
             let elastic = format!("its strength of {compressive_mpa} MPa over its modulus of {modulus} MPa");
-            format!("{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}", phase.set_name())
+            format!(
+                "{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}",
+                PhaseNames::COMMON.set_name(phase)
+            )
         };
         MATERIALS.require("mortar_strength.peak_strain", peak_strain, peak_strain >= least, accepted())
     }

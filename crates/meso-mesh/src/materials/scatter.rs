@@ -15,8 +15,8 @@
 use super::{LawName, MATERIALS, Materials};
 use crate::cells::Phase;
 use meso_collision::math::Vec3;
-use meso_concrete::OutOfRange;
 use meso_concrete::aggregate::random::{Draw, Stream};
+use meso_concrete::{OutOfRange, PhaseNames};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 
@@ -192,7 +192,7 @@ impl Scatter {
         match phase {
             Phase::Mortar => self.phases.contains(&ScatteredPhase::Mortar),
             Phase::Itz => self.phases.contains(&ScatteredPhase::Itz),
-            Phase::Aggregate | Phase::Void | Phase::Fibre => false,
+            Phase::Aggregate | Phase::Void | Phase::Fibre | Phase::Own(_) => false,
         }
     }
 
@@ -202,7 +202,7 @@ impl Scatter {
 
     /// The field in a few words.
     pub fn words(&self) -> String {
-        let phases: Vec<&str> = self.scattered().map(Phase::in_words).collect();
+        let phases: Vec<_> = self.scattered().map(|phase| PhaseNames::COMMON.in_words(phase)).collect();
         let distribution = match self.distribution {
             StrengthDistribution::Weibull => format!("Weibull, modulus {:.1}", self.weibull_modulus()),
             StrengthDistribution::Lognormal => "lognormal".to_owned(),
@@ -223,7 +223,7 @@ impl Scatter {
     pub fn suits(&self, element_size_mm: f64, is_cohesive: bool) -> Result<(), OutOfRange> {
         let accepted =
             r#"strengths of a cohesive ITZ do not scatter; take phases = ["mortar"], or a solid or smeared ITZ"#;
-        let phases: Vec<&str> = self.scattered().map(Phase::name).collect();
+        let phases: Vec<&str> = self.scattered().map(|phase| PhaseNames::COMMON.name(phase)).collect();
         let met = !(is_cohesive && self.has(Phase::Itz));
         MATERIALS.require("scatter.phases", format!("{phases:?}"), met, accepted)?;
         let (length, [fine, coarse]) = (self.correlation_length_mm, COARSE);

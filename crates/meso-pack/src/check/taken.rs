@@ -85,7 +85,8 @@ fn as_reported(model: &Model, grains: &[Grain]) -> Taken {
 
 /// Properties of a grain that do not depend on its pose.
 struct Draft {
-    class: u16,
+    /// Its size class, and its phase among the specimen's own.
+    class: (u16, Option<u8>),
     itz_bits: u64,
     volume: f64,
     /// Whether its ITZ was limited, and whether it has parts that are too thin for it.
@@ -102,7 +103,7 @@ struct Drafts {
 impl Drafts {
     fn new(grains: &[Grain]) -> Self {
         let draft = |grain: &Grain| Draft {
-            class: grain.class,
+            class: (grain.class, grain.own),
             itz_bits: grain.itz_thickness_mm.to_bits(),
             volume: grain.volume(),
             itz: [grain.itz_limited, grain.itz_thin],
@@ -115,12 +116,12 @@ impl Drafts {
     /// What the report says of the ITZ of the grain that this body is; `None` where it is none that is left.
     fn claim(&mut self, body: &Aggregate) -> Option<[bool; 2]> {
         let itz_bits = if body.kind == Kind::Aggregate { body.itz_thickness_mm.to_bits() } else { 0 };
-        let volume = body.body.volume();
+        let (class, volume) = ((body.class, body.own), body.body.volume());
         let rounding = rounding(volume);
-        let first = self.sorted.partition_point(|d| d.cmp(body.class, itz_bits, volume - rounding).is_lt());
+        let first = self.sorted.partition_point(|d| d.cmp(class, itz_bits, volume - rounding).is_lt());
         let found = self.next_free(first);
         let draft = self.sorted.get(found)?;
-        if draft.cmp(body.class, itz_bits, volume + rounding).is_gt() {
+        if draft.cmp(class, itz_bits, volume + rounding).is_gt() {
             return None;
         }
         self.free[found] = found + 1;
@@ -137,7 +138,7 @@ impl Drafts {
 }
 
 impl Draft {
-    fn cmp(&self, class: u16, itz_bits: u64, volume: f64) -> Ordering {
+    fn cmp(&self, class: (u16, Option<u8>), itz_bits: u64, volume: f64) -> Ordering {
         (self.class, self.itz_bits).cmp(&(class, itz_bits)).then(self.volume.total_cmp(&volume))
     }
 }

@@ -3,7 +3,8 @@
 //! `{"mesocrete": version, "spec", "seed", "specimen", "report", "aggregates": [{"id", "class", "itz_thickness_mm",
 //! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
-//! counter-clockwise from outside. An aggregate with `"dents": true` need not be convex, and its faces are triangles. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
+//! counter-clockwise from outside. An aggregate with `"dents": true` need not be convex, and its faces are triangles. An aggregate of a phase of its own has
+//! the name of it, `"phase"`. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
 //! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
 //! that the same spec and seed give the same bytes. The last entry, `crc32`, is the checksum of all bytes before it.
 //!
@@ -21,7 +22,7 @@ use crate::model::Model;
 use meso_collision::geometry::{Face, Polyhedron};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::parallel;
+use meso_concrete::{Phase, PhaseNames, parallel};
 use meso_place::{Report, Seconds};
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
@@ -52,7 +53,8 @@ fn write_to(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     entry(&mut out, "seed", &model.spec.seed)?;
     text(&mut out, "specimen", &model.spec.specimen_to_json()?)?;
     entry(&mut out, "report", &without_seconds(&model.report)?)?;
-    list(&mut out, "aggregates", &model.aggregates, write_aggregate)?;
+    let phases = model.spec.phases();
+    list(&mut out, "aggregates", &model.aggregates, |aggregate, out| write_aggregate(aggregate, &phases, out))?;
     if !model.inclusions.is_empty() {
         out.write_all(b",\n")?;
         list(&mut out, "inclusions", &model.inclusions, write_inclusion)?;
@@ -133,9 +135,12 @@ fn without_seconds(report: &Report) -> io::Result<serde_json::Value> {
     Ok(value)
 }
 
-fn write_aggregate(aggregate: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
+fn write_aggregate(aggregate: &Aggregate, phases: &PhaseNames, out: &mut Vec<u8>) -> io::Result<()> {
     write!(out, "{{\"id\":{},\"class\":{},\"itz_thickness_mm\":", aggregate.id, aggregate.class)?;
     serde_json::to_writer(&mut *out, &aggregate.itz_thickness_mm)?;
+    if let Some(own) = aggregate.own {
+        write!(out, ",\"phase\":\"{}\"", phases.name(Phase::Own(own)))?;
+    }
     if !aggregate.body.is_convex() {
         out.extend_from_slice(b",\"dents\":true");
     }

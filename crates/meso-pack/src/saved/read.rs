@@ -9,9 +9,9 @@ use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::mark_caps;
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
+use meso_concrete::{PhaseNames, mark_caps};
 use meso_place::Report;
 use meso_spec::distinct;
 use meso_spec::{NoFiles, Spec, SpecError, options_from_value};
@@ -70,6 +70,8 @@ struct FileAggregate {
     id: u32,
     class: u16,
     itz_thickness_mm: f64,
+    #[serde(default)]
+    phase: Option<String>,
     #[serde(default)]
     dents: bool,
     #[serde(default)]
@@ -137,9 +139,9 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
         Spec::from_value_while(&file.spec, &mut NoFiles, &reading, None)?
     };
     accept_repeats(&file, &spec)?;
-    let classes = spec.grading.classes().len();
+    let (classes, phases) = (spec.grading.classes().len(), spec.phases());
     let aggregates = file.aggregates.into_iter().enumerate();
-    let mut aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    let mut aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes, &phases)).collect::<Result<Vec<_>, _>>()?;
     mark_caps(&mut aggregates, &spec.specimen);
     let inclusions = (aggregates.len()..).zip(file.inclusions);
     let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
@@ -218,10 +220,12 @@ fn accept_repeats(file: &File, spec: &Spec) -> Result<(), Fault> {
     Ok(())
 }
 
-fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggregate, Fault> {
+fn aggregate(index: usize, file: FileAggregate, classes: usize, phases: &PhaseNames) -> Result<Aggregate, Fault> {
     let wrong = |reason: String| Fault::Aggregate { index, reason };
     accept::values(index, file.id, (file.class, classes), file.itz_thickness_mm).map_err(wrong)?;
-    let FileAggregate { id, class, itz_thickness_mm, dents, round, vertices, faces } = file;
+    let FileAggregate { id, class, itz_thickness_mm, phase, dents, round, vertices, faces } = file;
+    let own = phase.map(|name| phases.find(&name).ok_or(name)).transpose();
+    let own = own.map_err(|name| wrong(format!("its phase is {name:?}; the spec has none of this name in phases")))?;
     if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
         return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
     }
@@ -232,7 +236,7 @@ fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggreg
         (false, true) => rounded(&body).map_err(wrong)?,
         (false, false) => body,
     };
-    Ok(Aggregate { id, kind: Kind::Aggregate, class, itz_thickness_mm, body })
+    Ok(Aggregate { id, kind: Kind::Aggregate, own, class, itz_thickness_mm, body })
 }
 
 /// The ball or ellipsoid over an octahedron of its ends.
@@ -258,7 +262,7 @@ fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate
     };
     let class = (spec.grading.classes().len() + index) as u16;
     let body = body(file.vertices, file.faces).map_err(wrong)?;
-    Ok(Aggregate { id: file.id, kind: file.phase, class, itz_thickness_mm: 0.0, body })
+    Ok(Aggregate { id: file.id, kind: file.phase, own: None, class, itz_thickness_mm: 0.0, body })
 }
 
 fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> {

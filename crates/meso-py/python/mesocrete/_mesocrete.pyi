@@ -207,7 +207,7 @@ class Aggregate:
 
     @property
     def phase(self) -> str:
-        """Its kind: "aggregate", "void" or "fibre"."""
+        """Its phase: "aggregate", "void", "fibre", or the name of one of the packing's own."""
 
     @property
     def size_class(self) -> int:
@@ -802,7 +802,7 @@ class Mesh:
 
     @property
     def phase(self) -> NDArray[np.uint8]:
-        """Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
+        """Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre, 5 on the packing's own; a copy."""
 
     @property
     def aggregate(self) -> NDArray[np.int64]:
@@ -1101,7 +1101,7 @@ class Frame:
 
     @property
     def phase(self) -> NDArray[np.uint8]:
-        """Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
+        """Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre, 5 on the packing's own; a copy."""
 
     @property
     def aggregate(self) -> NDArray[np.int64]:
@@ -1670,7 +1670,12 @@ def _restore_polyhedron(
     vertices: ArrayLike, faces: list[list[int]], dents: int | None = None, is_round: bool = False
 ) -> Polyhedron: ...
 def _restore_aggregate(
-    body: Polyhedron, id: int, size_class: int, itz_thickness: float, phase: str = "aggregate"
+    body: Polyhedron,
+    id: int,
+    size_class: int,
+    itz_thickness: float,
+    phase: str = "aggregate",
+    own: int | None = None,
 ) -> Aggregate: ...
 def _restore_mesh(state: tuple[Any, ...], packing: tuple[bytes, str], options: str) -> Mesh: ...
 def _restore_frame(mesh: tuple[Any, ...], fields: tuple[str, list[NDArray[np.float32]]]) -> Frame: ...

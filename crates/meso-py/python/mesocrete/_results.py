@@ -90,6 +90,21 @@ class PhaseReport(TypedDict):
     """Number of bodies."""
 
 
+class OwnPhaseReport(TypedDict):
+    """Asked and reached volume of a phase of the aggregates' own, ITZ shells included, over the specimen's volume."""
+
+    phase: str
+    """Name in the spec."""
+    target_fraction: float
+    """Fraction of the specimen asked for."""
+    fraction: float
+    """Fraction of the specimen reached."""
+    volume_mm3: float
+    """Volume of the bodies, mm3."""
+    aggregates: int
+    """Number of aggregates."""
+
+
 class Work(TypedDict):
     """Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further."""
 
@@ -198,6 +213,8 @@ class Report(TypedDict):
     """Per size class, from the finest."""
     phases: NotRequired[list[PhaseReport]]
     """Voids and fibres, where the spec asks for some."""
+    own_phases: NotRequired[list[OwnPhaseReport]]
+    """Aggregates of a phase of their own, where the spec asks for some; they count among all aggregates above, too."""
     itz_limited: list[int]
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
     itz_thin: NotRequired[list[int]]
@@ -382,7 +399,7 @@ class PhaseVolumes(TypedDict):
     """Volume of every phase, mm3."""
 
     aggregate: float
-    """Aggregate cores."""
+    """Aggregate cores, those of a phase of their own included."""
     itz: float
     """Shells."""
     mortar: float

@@ -175,6 +175,17 @@ class Itz(TypedDict, total=False):
     """Lower and upper limit of the thickness, mm. Both 0: the model has no ITZ."""
 
 
+class OwnPhase(TypedDict, total=False):
+    """A phase that some of the aggregates have instead of the phase `aggregate`: an entry of `[[phases]]` in a spec."""
+
+    name: str
+    """Name of the phase, which its values have in `[materials]`: lower-case letters, digits and `_`."""
+    share: float
+    """Volume of its aggregates over that of all aggregates in its classes, above 0 to 1."""
+    sizes_mm: _Numbers | None
+    """Smallest and largest size of its classes, mm, both of them limits in `grading.classes_mm`; absent, all classes."""
+
+
 Periodic = Sequence[Literal["x", "y", "z"]]
 
 
@@ -389,6 +400,8 @@ class SpecOptions(TypedDict, total=False):
     """Interfacial transition zone."""
     mix: dict[str, object]
     """A mix design, `[mix]` in a spec, given instead of `fraction`."""
+    phases: Sequence[OwnPhase]
+    """Phases that some of the aggregates have instead of the phase `aggregate`."""
     placement: Placement
     """Placement."""
     seed: int
@@ -618,7 +631,7 @@ class SolveBelow(TypedDict, total=False):
     """Strains that phases have without stress below the layer at the surface."""
 
     aggregate: SolveCourse
-    """Linear strain of the aggregates."""
+    """Linear strain of the aggregates, those of a phase of their own included."""
     fibre: SolveCourse
     """Linear strain of the fibres."""
     itz: SolveCourse | None
@@ -672,7 +685,7 @@ class SolveExpansion(TypedDict, total=False):
     """Strains that phases have without stress; they grow before the path begins."""
 
     aggregate: SolveCourse
-    """Linear strain of the aggregates."""
+    """Linear strain of the aggregates, those of a phase of their own included."""
     below: SolveBelow | None
     """Strains below the layer; absent, there are none."""
     fibre: SolveCourse

@@ -35,7 +35,7 @@ impl PyAggregates {
     }
 
     fn at(&self, index: usize) -> PyAggregate {
-        PyAggregate(self.0.aggregates[index].clone())
+        PyAggregate::new(self.0.aggregates[index].clone(), &self.0.spec.phases())
     }
 
     /// The position `index` means, counted from the end where it is negative.

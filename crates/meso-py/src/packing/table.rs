@@ -47,7 +47,8 @@ pub(crate) fn of<'py>(py: Python<'py>, model: &Arc<Model>) -> PyResult<Bound<'py
         let table = PyDict::new(py);
         table.set_item("id", integers(&|body| i64::from(body.id)))?;
         table.set_item("class", integers(&|body| i64::from(body.class)))?;
-        let phases: Vec<&str> = bodies.iter().map(|body| body.kind.name()).collect();
+        let names = model.spec.phases();
+        let phases: Vec<&str> = bodies.iter().map(|body| names.name(body.phase())).collect();
         table.set_item("phase", py.import("numpy")?.call_method1("array", (phases,))?)?;
         table.set_item("size_mm", reals(&|row| row.size))?;
         table.set_item("sieve_size_mm", reals(&|row| row.sieve_size))?;

@@ -19,7 +19,7 @@ type Matter = (Phase, u16, u8);
 
 /// Order of the materials within a block: phase by phase.
 fn order((phase, matter, free): Matter) -> (u8, u16, u8) {
-    (phase as u8, matter, free)
+    (phase.number(), matter, free)
 }
 
 /// Builds one block.
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
         if !faces.is_empty() {
             let is_quad = mesh.kind == CellKind::Hexahedron;
             let kind = if is_quad { Batch::Quads(self.faces(faces)) } else { Batch::Triangles(self.faces(faces)) };
-            groups.push(self.group((Phase::Itz, Phase::Itz as u16, Phase::Itz as u8), kind, faces));
+            groups.push(self.group((Phase::Itz, Phase::Itz.number().into(), Phase::Itz.number()), kind, faces));
         }
         Block { nodes: self.nodes, groups }
     }

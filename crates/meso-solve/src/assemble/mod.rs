@@ -15,6 +15,7 @@ use crate::assemble::patches::{Numbered, Patches};
 use crate::assemble::weight::Weight;
 use crate::error::SolveError;
 use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::PhaseNames;
 use meso_element::block::{BLOCK, Batch, Block};
 use meso_element::hex::BoxShape;
 use meso_element::uniform::Uniform;
@@ -36,7 +37,7 @@ pub(crate) struct Assembly {
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,
     /// Widest crack band by phase, mm.
-    pub(crate) widest_mm: [f64; 5],
+    pub(crate) widest_mm: [f64; PhaseNames::ROOM],
 }
 
 /// Assembles a mesh.
@@ -76,7 +77,7 @@ pub(crate) fn stable_s(parts: &Parts) -> Result<f64, SolveError> {
 fn patches(parts: &Parts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
     let (mesh, matter) = (parts.sample.mesh, &parts.common.matter);
     let is_smoothed = parts.smoothing == Smoothing::Edges;
-    let mixed = matter[Phase::Mortar as usize].elastic == matter[Phase::Itz as usize].elastic;
+    let mixed = matter[Phase::Mortar.index()].elastic == matter[Phase::Itz.index()].elastic;
     is_smoothed.then(|| Patches::of(Numbered { mesh, phases: &mesh.phase, number }, nodes, mixed))
 }
 
@@ -152,13 +153,13 @@ fn patches_by_block(mesh: &Mesh, patches: &Patches, chunks: &[&[u32]]) -> Vec<Ve
 }
 
 /// The widest crack band of every phase.
-fn widest(blocks: &[Block], parts: &Parts) -> [f64; 5] {
+fn widest(blocks: &[Block], parts: &Parts) -> [f64; PhaseNames::ROOM] {
     fn most<const N: usize>(cells: &[Uniform<N>]) -> f64 {
         cells.iter().flat_map(|cells| cells.width.0).fold(0.0, |most, width| most.max(f64::from(width)))
     }
-    let mut widest = [0.0_f64; 5];
+    let mut widest = [0.0_f64; PhaseNames::ROOM];
     for group in blocks.iter().flat_map(|block| &block.groups) {
-        let widest = &mut widest[group.phase as usize];
+        let widest = &mut widest[group.phase.index()];
         match &group.cells {
             Batch::Tets(cells) => *widest = widest.max(most(cells)),
             Batch::Patches8(cells) => *widest = widest.max(most(cells)),

@@ -24,6 +24,8 @@ impl Parts<'_> {
     /// Number of the strain without stress of an element made of some cells: the layer has those with half of them in it.
     pub(crate) fn free(&self, phase: Phase, cells: &[u32]) -> u8 {
         let below = cells.iter().filter(|&&cell| self.below.get(cell as usize) == Some(&true)).count();
-        if 2 * below > cells.len() { PHASES as u8 + phase as u8 } else { phase as u8 }
+        // All aggregates have one strain.
+        let phase = if phase.is_aggregate() { Phase::Aggregate } else { phase };
+        if 2 * below > cells.len() { PHASES as u8 + phase.number() } else { phase.number() }
     }
 }

@@ -202,7 +202,7 @@ impl Lists {
         edges.clear();
         for (place, &cell) in (0..).zip(around) {
             let phase = phases[cell as usize];
-            let class = if mixed && phase == Phase::Itz { Phase::Mortar } else { phase } as u64;
+            let class = if mixed && phase == Phase::Itz { Phase::Mortar } else { phase }.index() as u64;
             let others = mesh.cell(cell as usize).iter().map(|&other| number[other as usize]);
             let edge = |other: u32| u64::from(other) << 32 | class << PLACE_BITS | place;
             edges.extend(others.filter(|&other| other > own).map(edge));
@@ -351,7 +351,7 @@ mod tests {
             for number in 0..patches.len() as u32 {
                 let (phase, patch) = (patches.phase[number as usize], patches.patch(&mesh, number));
                 patches.cells(number).iter().for_each(|&cell| count[cell as usize] += 1);
-                apart[phase as usize] += patch.volume;
+                apart[phase.index()] += patch.volume;
                 largest = largest.max(patch.volume);
                 let sum: Vec3 = patch.gradients().iter().sum();
                 assert!(sum.norm() < 1e-12 && (patch.shares().iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -361,7 +361,7 @@ mod tests {
                 assert!(patches.cells(number).iter().all(fits), "{number}");
             }
             assert!(count == patches.count && count.iter().all(|&count| count >= LEAST));
-            (0..).zip(&phases).for_each(|(cell, &phase)| apart[phase as usize] -= volume(&mesh, cell));
+            (0..).zip(&phases).for_each(|(cell, &phase)| apart[phase.index()] -= volume(&mesh, cell));
             assert!(apart.iter().all(|apart| apart.abs() < if mixed { largest } else { 1e-9 }), "{apart:?}");
         }
     }

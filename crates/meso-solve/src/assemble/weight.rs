@@ -73,7 +73,7 @@ impl Weight {
         cells.find_map_first(|cell| tetrahedron(mesh, cell).err()).map_or(Ok(()), Err)?;
         let need = |number: u32| {
             let patch = patches.patch(mesh, number);
-            let matter = &parts.common.matter[patches.phase[number as usize] as usize];
+            let matter = &parts.common.matter[patches.phase[number as usize].index()];
             (Need::of_patch(matter, &patch, parts.dt), patch)
         };
         let count = patches.len() as u32;
@@ -110,7 +110,7 @@ impl Weight {
 
 fn need(parts: &Parts, cell: u32, phase: Phase) -> Result<Need, SolveError> {
     let mesh = parts.sample.mesh;
-    let matter = &parts.common.matter[phase as usize];
+    let matter = &parts.common.matter[phase.index()];
     if mesh.kind == CellKind::Hexahedron {
         let shape = &parts.common.shape;
         return Ok(Need::of(matter, &box_metric(shape), 8, shape.volume(), parts.dt));

@@ -78,7 +78,12 @@ impl Footing {
         match trial.of(&self.options).filter(|tried| tried.off.is_beyond(HOPELESS)) {
             Some(tried) => {
                 let are_faceted = MeshOptions::are_faceted(&trial.spec.shape);
-                Err(trial.advised(tried.off.refused(&self.options, are_faceted, Some(trial.cube_mm()))))
+                Err(trial.advised(tried.off.refused(
+                    &trial.spec.phases(),
+                    &self.options,
+                    are_faceted,
+                    Some(trial.cube_mm()),
+                )))
             }
             None => Ok(()),
         }

@@ -6,7 +6,7 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use meso_concrete::exceeds;
+use meso_concrete::{PhaseNames, exceeds};
 use meso_element::LawName;
 use meso_mesh::materials::Scatter;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
@@ -211,7 +211,7 @@ impl Response {
             broken_stone: broken_stone(run),
             scatter: run.scatter().cloned(),
             phase_error: off.map(|off| off.error()),
-            phase_error_of: off.map(|off| off.phase.name().to_owned()),
+            phase_error_of: off.map(|off| run.sample.mesh.phases.name(off.phase).to_owned()),
             flags: run.flags(),
             ended,
             warnings: run.doubts(),
@@ -301,7 +301,7 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
         let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
         let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
         PhaseResult {
-            name: phase.name().to_owned(),
+            name: run.sample.mesh.phases.name(phase).to_owned(),
             volume_fraction: volumes.of(phase) / run.sample.volume_mm3,
             exact_fraction: run.sample.exact.map(exact),
             dissipated_mj: groups.map(|group| group.dissipated).sum(),
@@ -313,7 +313,7 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
     let is_there = |&phase: &Phase| {
         run.sample.mesh.phase.contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces)
     };
-    Phase::SOLID.into_iter().filter(is_there).map(result).collect()
+    run.sample.mesh.phases.solid().filter(is_there).map(result).collect()
 }
 
 /// Whether the dissipated energy fell by more than the balance allows: a law gave energy back.
@@ -540,8 +540,8 @@ impl Summary {
             ));
         }
         for phase in Phase::SOLID {
-            let (width, limits) = (run.outline.widest_mm[phase as usize], run.common.widest_mm(phase));
-            let name = phase.name();
+            let (width, limits) = (run.outline.widest_mm[phase.index()], run.common.widest_mm(phase));
+            let name = PhaseNames::COMMON.name(phase);
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {
                     self.warnings.push(format!(

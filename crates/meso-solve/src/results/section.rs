@@ -32,7 +32,7 @@ pub(super) fn picture(mesh: &Mesh, damage: &[f32], axis: usize, place: f64) -> P
 
 fn colour(phase: Phase, damage: f32) -> u8 {
     match phase {
-        Phase::Aggregate | Phase::Void => AGGREGATE,
+        Phase::Aggregate | Phase::Void | Phase::Own(_) => AGGREGATE,
         Phase::Fibre => FIBRE,
         Phase::Mortar | Phase::Itz => DAMAGE + (damage.clamp(0.0, 1.0) * (STEPS - 1) as f32).round() as u8,
     }

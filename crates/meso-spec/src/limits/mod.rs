@@ -3,6 +3,7 @@
 mod crowding;
 mod grading;
 mod inclusions;
+mod phases;
 mod slender;
 
 use super::messages::{at_most, number};
@@ -45,6 +46,7 @@ impl Spec {
         leaves_a_core(&self.itz, &self.grading)?;
         largest_fits(self)?;
         count(self)?;
+        phases::check(self)?;
         inclusions::check(self)
     }
 
@@ -55,6 +57,7 @@ impl Spec {
     /// See [`SpecError`].
     pub fn validate_described(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         self.validate_values(watch, MIN_FOUND_MM)?;
+        phases::check(self)?;
         inclusions::check(self)
     }
 

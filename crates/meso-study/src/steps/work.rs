@@ -149,7 +149,7 @@ impl MeshStep {
             writeln!(out)
         })?;
         commit(unit)?;
-        if let Some(doubt) = strict_doubt(off, self.ask.mesh.given.giver()).filter(|_| self.strict) {
+        if let Some(doubt) = strict_doubt(off, &mesh, self.ask.mesh.given.giver()).filter(|_| self.strict) {
             return Err(AskError::Run(format!("{doubt}; mesh.json has all phases")));
         }
         tree(&figures).map(|figures| of_summary(&figures))

@@ -5,7 +5,7 @@ use crate::sample::Sample;
 use crate::trial::load::{Side, WIDEST_MM};
 use crate::trial::{LEAST_STRAIN, Test};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::{OutOfRange, PhysicalRange};
+use meso_concrete::{OutOfRange, PhaseNames, PhysicalRange};
 use meso_mesh::{Mesh, Phase};
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ pub struct Expansion {
     pub mortar: Course,
     /// Linear strain of the ITZ; absent, the mortar's.
     pub itz: Option<Course>,
-    /// Linear strain of the aggregates.
+    /// Linear strain of the aggregates, those of a phase of their own included.
     pub aggregate: Course,
     /// Linear strain of the fibres.
     pub fibre: Course,
@@ -48,7 +48,7 @@ pub struct Below {
     pub mortar: Course,
     /// Linear strain of the ITZ; absent, the mortar's.
     pub itz: Option<Course>,
-    /// Linear strain of the aggregates.
+    /// Linear strain of the aggregates, those of a phase of their own included.
     pub aggregate: Course,
     /// Linear strain of the fibres.
     pub fibre: Course,
@@ -277,9 +277,9 @@ impl Expansion {
     pub fn suits_phases(&self, reason: &str, has: impl Fn(Phase) -> bool) -> Result<(), OutOfRange> {
         for zone in self.zones() {
             for phase in [Phase::Itz, Phase::Fibre] {
-                let number = phase as usize;
+                let number = phase.index();
                 let strains = zone[number].and_then(Course::words).filter(|_| !has(phase));
-                let (key, why) = (Phase::ALL[number].name(), format!("{reason}; leave it out"));
+                let (key, why) = (PhaseNames::COMMON.name(phase), format!("{reason}; leave it out"));
                 strains.map_or(Ok(()), |strains| Err(TEST.error(format!("expansion.{key}"), strains, why)))?;
             }
         }
@@ -290,7 +290,13 @@ impl Expansion {
     pub fn words(&self) -> String {
         let [own, below] = self.zones().map(|zone| {
             let part = |(phase, course): (&str, Option<&Course>)| Some(format!("{phase} {}", course?.words()?));
-            Phase::ALL.into_iter().map(Phase::name).zip(zone).filter_map(part).collect::<Vec<_>>().join(", ")
+            PhaseNames::COMMON
+                .all()
+                .map(|phase| PhaseNames::COMMON.name(phase))
+                .zip(zone)
+                .filter_map(part)
+                .collect::<Vec<_>>()
+                .join(", ")
         });
         let layer = self.layer_mm.map(|depth| format!(" in a layer of {depth} mm")).unwrap_or_default();
         let own = (!own.is_empty()).then_some(own + &layer);

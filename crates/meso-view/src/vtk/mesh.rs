@@ -99,7 +99,7 @@ fn bodies(mesh: &Mesh, joints: Joints) -> impl Iterator<Item = Array<'_>> {
     let (_, below) = joints.of(mesh);
     let cells = mesh.cell_count() + below.len();
     let phase = Array::new("UInt8", "phase", cells, move || {
-        mesh.phase.iter().map(|phase| [*phase as u8]).chain(std::iter::repeat_n([Phase::Itz as u8], below.len()))
+        mesh.phase.iter().map(|phase| [phase.number()]).chain(std::iter::repeat_n([Phase::Itz.number()], below.len()))
     });
     let ids = Array::new("Int32", "aggregate", cells, move || {
         mesh.ids().chain(below.iter().map(|&owner| mesh.id(owner))).map(|id| signed(id).to_le_bytes())

@@ -1,6 +1,7 @@
 //! ANSYS archives (`.cdb`): blocks of nodes and elements, components, and elastic materials.
 //!
-//! Element type, material and component have one number: 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE. Cells are SOLID285 (4 nodes),
+//! Element type, material and component have one number: 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, from 101 on the packing's own
+//! phases, which have no values. Cells are SOLID285 (4 nodes),
 //! SOLID187 (10) or SOLID185 (8), cohesive elements INTER205. Nodes of the sides are the components XMIN to ZMAX. Numbers
 //! are the mesh's indices plus 1. Columns of integers are as wide as the largest number needs, and coordinates have 14 digits.
 
@@ -37,7 +38,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
         component(&mut lines, name, "NODE", sides.members(bit).map(|node| u64::from(node) + 1))?;
     }
     for phase in present(mesh) {
-        component(&mut lines, phase.set_name(), "ELEM", of_phase(mesh, phase))?;
+        component(&mut lines, &mesh.phases.set_name(phase), "ELEM", of_phase(mesh, phase))?;
     }
     lines.line("FINISH")?;
     lines.finish()
@@ -122,8 +123,13 @@ fn one(lines: &mut Lines<impl Write>, width: usize, element: u64, group: u64, no
 fn materials(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     let values = Materials::default().in_mesh(mesh);
     for phase in present(mesh) {
-        let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = values.elastic(phase);
         let number = part(phase);
+        if let Phase::Own(_) = phase {
+            lines
+                .line(format!("/COM,no values for material {number} of {}: give them", mesh.phases.set_name(phase)))?;
+            continue;
+        }
+        let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = values.elastic(phase, &mesh.phases);
         lines.line(format!("MP,EX,{number},{youngs_modulus_mpa:?}"))?;
         lines.line(format!("MP,PRXY,{number},{poisson_ratio:?}"))?;
         lines.line(format!("MP,DENS,{number},{density_t_per_mm3:?}"))?;

@@ -2,10 +2,10 @@
 //! pages, pictures and Python's plots read, too.
 //!
 //! A body is `aggregate_12_class_1`, `void_40` or `fibre_41`: its phase, its id, and an aggregate's size class. Its
-//! material is `class_1`, `void` or `fibre`, coloured as in the pages and pictures.
+//! material is `class_1`, `void`, `fibre`, or a phase of the packing's own, coloured as in the pages and pictures.
 
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_mesh::cells::Phase;
+use meso_concrete::{Phase, PhaseNames};
 
 /// Colour of a phase by its label, sRGB; in images the voxels outside the specimen are transparent.
 pub const PALETTE: [[u8; 3]; 5] =
@@ -19,35 +19,46 @@ pub const CLASSES: [[u8; 3]; 6] = [
     [0x8f, 0xb8, 0xb0],
     [0xb3, 0x9d, 0xdb],
 ];
+/// Colours of the specimen's own phases, in turn, sRGB.
+const OWN: [[u8; 3]; 6] = [
+    [0xb8, 0x5c, 0x38],
+    [0x5b, 0x7f, 0x4f],
+    [0x7a, 0x4b, 0x8c],
+    [0xd9, 0xb4, 0x3a],
+    [0x3f, 0x7d, 0x8c],
+    [0xa8, 0x32, 0x5a],
+];
 /// The mortar's name and colour.
 pub(super) const MORTAR: (&str, [u8; 3]) = ("mortar", PALETTE[0]);
 
-/// The number in the field `phase` and the label of voxels inside a body: 2 aggregate, 3 void, 4 fibre.
-pub(crate) fn phase(kind: Kind) -> u8 {
-    Phase::of(kind) as u8
+/// Colour of the phase of a number, sRGB; those of the specimen's own phases repeat.
+pub(crate) fn phase_colour(number: u8) -> [u8; 3] {
+    let number = usize::from(number);
+    PALETTE.get(number).copied().unwrap_or_else(|| OWN[(number - PALETTE.len()) % OWN.len()])
 }
 
 /// The name of a body. Images of an aggregate share it.
-pub(super) fn name(body: &Aggregate) -> String {
+pub(super) fn name(body: &Aggregate, phases: &PhaseNames) -> String {
+    let phase = phases.name(body.phase());
     match body.kind {
-        Kind::Aggregate => format!("aggregate_{}_class_{}", body.id, body.class),
-        kind => format!("{}_{}", kind.name(), body.id),
+        Kind::Aggregate => format!("{phase}_{}_class_{}", body.id, body.class),
+        _ => format!("{phase}_{}", body.id),
     }
 }
 
 /// The name of a body's material.
-pub(super) fn material(body: &Aggregate) -> String {
-    match body.kind {
-        Kind::Aggregate => format!("class_{}", body.class),
-        kind => kind.name().to_owned(),
+pub(super) fn material(body: &Aggregate, phases: &PhaseNames) -> String {
+    match body.phase() {
+        Phase::Aggregate => format!("class_{}", body.class),
+        phase => phases.name(phase).to_owned(),
     }
 }
 
 /// The colour of a body's material, sRGB.
 pub(super) fn colour(body: &Aggregate) -> [u8; 3] {
-    match body.kind {
-        Kind::Aggregate => CLASSES[usize::from(body.class) % CLASSES.len()],
-        kind => PALETTE[usize::from(phase(kind))],
+    match body.phase() {
+        Phase::Aggregate => CLASSES[usize::from(body.class) % CLASSES.len()],
+        phase => phase_colour(phase.number()),
     }
 }
 

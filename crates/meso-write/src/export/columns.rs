@@ -4,8 +4,14 @@ use super::lines::Lines;
 use meso_mesh::cells::{Mesh, Phase};
 use std::io::Write;
 
+/// Number of the first part of a specimen's own phases; supports and plates have lower ones.
+const OWN: u64 = 101;
+
 /// Number of a phase's part, section and material.
 pub(super) fn part(phase: Phase) -> u64 {
+    if let Phase::Own(own) = phase {
+        return OWN + u64::from(own);
+    }
     Phase::SOLID.into_iter().zip(1..).find(|(solid, _)| *solid == phase).map_or(0, |(_, part)| part)
 }
 
@@ -17,7 +23,7 @@ pub(super) fn places(nodes: usize) -> &'static [usize] {
 /// Phases that a mesh has, cohesive elements as ITZ.
 pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
     let has = |phase: &Phase| mesh.phase.contains(phase) || *phase == Phase::Itz && !mesh.cohesive.is_empty();
-    Phase::SOLID.into_iter().filter(has)
+    mesh.phases.solid().filter(has)
 }
 
 impl<W: Write> Lines<W> {

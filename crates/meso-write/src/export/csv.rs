@@ -1,6 +1,7 @@
 //! One row per aggregate, void and fibre, for spreadsheets and pandas.
 
 use meso_collision::math::longest_distance;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Aggregate;
 use std::f64::consts::PI;
 use std::io::{self, BufWriter, Write};
@@ -16,10 +17,15 @@ itz_thickness_mm,vertices,faces,phase";
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub(crate) fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: impl Write) -> io::Result<()> {
+pub(crate) fn write<'a>(
+    bodies: impl IntoIterator<Item = &'a Aggregate>,
+    phases: &PhaseNames,
+    out: impl Write,
+) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "{HEADER}")?;
-    for Aggregate { id, kind, class, itz_thickness_mm, body } in bodies {
+    for aggregate in bodies {
+        let Aggregate { id, class, itz_thickness_mm, body, .. } = aggregate;
         let (mass, area) = (body.mass_properties(), body.area());
         let size = longest_distance(body.vertices());
         let sphericity = libm::cbrt(PI) * libm::cbrt(6.0 * mass.volume).powi(2) / area;
@@ -29,7 +35,7 @@ pub(crate) fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: im
             out,
             "{id},{class},{size},{},{area},{sphericity},{x},{y},{z},{itz_thickness_mm},{vertices},{faces},{}",
             mass.volume,
-            kind.name()
+            phases.name(aggregate.phase())
         )?;
     }
     out.flush()

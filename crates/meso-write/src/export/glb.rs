@@ -3,8 +3,9 @@
 //! glTF counts in metres with y upwards, so that one root node turns and scales the millimetres below it. A node's `extras`
 //! are `aggregate`, `class`, `phase` and `itz_thickness_mm`. Coordinates are rounded to f32, as in an STL.
 
-use super::appearance::{colour, material, name, phase};
+use super::appearance::{colour, material, name};
 use meso_collision::math::Aabb;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Aggregate;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};
@@ -18,11 +19,11 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 ///
 /// # Errors
 /// Fails with the errors of `out`; more than the 4 GB that the format counts.
-pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
+pub(crate) fn write(bodies: &[Aggregate], phases: &PhaseNames, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     let corners: usize = bodies.iter().map(|body| 12 * body.body.vertices().len()).sum();
     let triangles: usize = bodies.iter().map(|body| 12 * body.body.triangles().count()).sum();
-    let mut described = serde_json::to_vec(&describe(bodies, corners, triangles))?;
+    let mut described = serde_json::to_vec(&describe(bodies, phases, corners, triangles))?;
     described.resize(described.len().next_multiple_of(4), b' ');
     let size = |bytes: usize| u32::try_from(bytes).map_err(|_| io::Error::other("a .glb holds at most 4 GB"));
     let total = size(12 + 8 + described.len() + 8 + corners + triangles)?;
@@ -42,20 +43,22 @@ pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-fn describe(bodies: &[Aggregate], corners: usize, triangles: usize) -> Value {
-    let mut materials: Vec<(String, [u8; 3])> = bodies.iter().map(|body| (material(body), colour(body))).collect();
+fn describe(bodies: &[Aggregate], phases: &PhaseNames, corners: usize, triangles: usize) -> Value {
+    let mut materials: Vec<(String, [u8; 3])> =
+        bodies.iter().map(|body| (material(body, phases), colour(body))).collect();
     materials.sort_unstable();
     materials.dedup();
-    let of = |body: &Aggregate| materials.binary_search(&(material(body), colour(body))).unwrap_or_default();
+    let of = |body: &Aggregate| materials.binary_search(&(material(body, phases), colour(body))).unwrap_or_default();
     let primitive = |(i, body): (usize, &Aggregate)| {
         let primitive = json!({"attributes": {"POSITION": 2 * i}, "indices": 2 * i + 1, "material": of(body)});
-        json!({"name": name(body), "primitives": [primitive]})
+        json!({"name": name(body, phases), "primitives": [primitive]})
     };
     let root = json!({
         "name": "specimen", "children": (1..=bodies.len()).collect::<Vec<_>>(),
         "rotation": [-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2], "scale": [1e-3, 1e-3, 1e-3],
     });
-    let nodes: Vec<Value> = std::iter::once(root).chain(bodies.iter().enumerate().map(node)).collect();
+    let nodes: Vec<Value> =
+        std::iter::once(root).chain(bodies.iter().enumerate().map(|placed| node(placed, phases))).collect();
     json!({
         "asset": {"version": "2.0", "generator": "mesocrete"},
         "scene": 0,
@@ -72,10 +75,11 @@ fn describe(bodies: &[Aggregate], corners: usize, triangles: usize) -> Value {
     })
 }
 
-fn node((i, body): (usize, &Aggregate)) -> Value {
-    let Aggregate { id, class, itz_thickness_mm, kind, .. } = body;
-    let extras = json!({"aggregate": id, "class": class, "phase": phase(*kind), "itz_thickness_mm": itz_thickness_mm});
-    json!({"name": name(body), "mesh": i, "extras": extras})
+fn node((i, body): (usize, &Aggregate), phases: &PhaseNames) -> Value {
+    let Aggregate { id, class, itz_thickness_mm, .. } = body;
+    let extras =
+        json!({"aggregate": id, "class": class, "phase": body.phase().number(), "itz_thickness_mm": itz_thickness_mm});
+    json!({"name": name(body, phases), "mesh": i, "extras": extras})
 }
 
 /// The corners of every body and its triangles, one after the other in the two views.

@@ -1,6 +1,6 @@
 //! Meshes as gmsh's `.msh` 4.1, binary: gmsh itself, FEniCSx, MOOSE, meshio.
 //!
-//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical
+//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, and those of the packing's own phases, numbered like the phases of a `.vtu` plus 1; the physical
 //! surfaces XMIN to ZMAX, numbered from 101, hold the faces on the bounding planes. No surface has the number of a
 //! volume, since scikit-fem and akantu look groups up without their dimension. gmsh knows no cohesive elements: they are prisms or
 //! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
@@ -11,8 +11,10 @@
 //! void has no partner and is left out.
 
 use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::PhaseNames;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::cells::{SIDES, Sides, Spots, owners};
+use std::borrow::Cow;
 use std::io::{self, BufWriter, Write};
 
 /// Elements of one entity: dimension, tag, gmsh's element type, nodes each, and all their nodes.
@@ -44,7 +46,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     out.write_all(b"$MeshFormat\n4.1 1 8\n")?;
     int(&mut out, 1)?;
     out.write_all(b"\n$EndMeshFormat\n")?;
-    names(&blocks, &mut out)?;
+    names(&blocks, &mesh.phases, &mut out)?;
     entities(mesh, &blocks, &mut out)?;
     nodes(mesh, &blocks, &mut out)?;
     elements(&blocks, &mut out)?;
@@ -57,7 +59,8 @@ fn blocks(mesh: &Mesh, sides: &Sides) -> Vec<Block> {
     let sides = (FIRST_SIDE..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
     let phases = [Phase::Mortar, Phase::Itz, Phase::Aggregate].map(|phase| volume(mesh, phase));
     let last = [cohesive(mesh), volume(mesh, Phase::Fibre)];
-    sides.chain(phases).chain(last).filter(|block| !block.connectivity.is_empty()).collect()
+    let own = mesh.phases.own().map(|phase| volume(mesh, phase));
+    sides.chain(phases).chain(last).chain(own).filter(|block| !block.connectivity.is_empty()).collect()
 }
 
 fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
@@ -85,7 +88,7 @@ fn volume(mesh: &Mesh, phase: Phase) -> Block {
     let cells = || mesh.cells().zip(mesh.ids()).zip(&mesh.phase).filter(|(_, of)| **of == phase);
     let connectivity = cells().flat_map(|((cell, _), _)| order.iter().map(|&i| cell[i])).collect();
     let aggregates = cells().map(|((_, id), _)| id).collect();
-    Block { dimension: 3, tag: phase as i32 + 1, kind, nodes: mesh.kind.nodes(), connectivity, aggregates }
+    Block { dimension: 3, tag: i32::from(phase.number()) + 1, kind, nodes: mesh.kind.nodes(), connectivity, aggregates }
 }
 
 /// A volume of its own (an entity may hold one type only by convention), in the same physical group as solid ITZ.
@@ -105,22 +108,20 @@ const FIRST_SIDE: i32 = 101;
 impl Block {
     /// The physical group: that of a volume is its phase's, also for cohesive elements.
     fn physical(&self) -> i32 {
-        if self.dimension == 3 && self.tag == COHESIVE { Phase::Itz as i32 + 1 } else { self.tag }
+        if self.dimension == 3 && self.tag == COHESIVE { i32::from(Phase::Itz.number()) + 1 } else { self.tag }
     }
 
-    fn name(&self) -> &'static str {
+    fn name(&self, phases: &PhaseNames) -> Cow<'static, str> {
         match (self.dimension, self.physical()) {
-            (2, tag) => SIDES[(tag - FIRST_SIDE) as usize].2,
-            (_, 1) => Phase::Mortar.set_name(),
-            (_, 2) => Phase::Itz.set_name(),
-            (_, 3) => Phase::Aggregate.set_name(),
-            _ => Phase::Fibre.set_name(),
+            (2, tag) => SIDES[(tag - FIRST_SIDE) as usize].2.into(),
+            (_, tag) => phases.set_name(Phase::numbered((tag - 1) as u8)),
         }
     }
 }
 
-fn names(blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
-    let mut groups: Vec<_> = blocks.iter().map(|block| (block.dimension, block.physical(), block.name())).collect();
+fn names(blocks: &[Block], phases: &PhaseNames, out: &mut impl Write) -> io::Result<()> {
+    let group = |block: &Block| (block.dimension, block.physical(), block.name(phases));
+    let mut groups: Vec<_> = blocks.iter().map(group).collect();
     groups.dedup();
     writeln!(out, "$PhysicalNames\n{}", groups.len())?;
     groups.iter().try_for_each(|(dimension, tag, name)| writeln!(out, "{dimension} {tag} \"{name}\""))?;

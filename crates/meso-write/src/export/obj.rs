@@ -3,6 +3,7 @@
 //! Faces are the body's own polygons; numbers are the shortest that read back the same.
 
 use super::appearance::{colour, material, name};
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Aggregate;
 use std::io::{self, BufWriter, Write};
 
@@ -10,13 +11,13 @@ use std::io::{self, BufWriter, Write};
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
+pub(crate) fn write(bodies: &[Aggregate], phases: &PhaseNames, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "# mesocrete, mm")?;
     // Corners count from 1 through the whole file.
     let mut first = 1;
     for body in bodies {
-        write!(out, "o {}\ng {}\n", name(body), material(body))?;
+        write!(out, "o {}\ng {}\n", name(body, phases), material(body, phases))?;
         let [r, g, b] = colour(body).map(|level| f64::from(level) / 255.0);
         for vertex in body.body.vertices() {
             writeln!(out, "v {} {} {} {r:.4} {g:.4} {b:.4}", vertex.x, vertex.y, vertex.z)?;

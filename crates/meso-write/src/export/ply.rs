@@ -2,7 +2,7 @@
 //!
 //! Each face has `red`, `green`, `blue`, `aggregate`, `class`, `phase` and `itz_thickness_mm`; coordinates are f64.
 
-use super::appearance::{colour, phase};
+use super::appearance::colour;
 use meso_concrete::aggregate::Aggregate;
 use std::io::{self, BufWriter, Write};
 
@@ -38,7 +38,7 @@ fn write_faces(body: &Aggregate, first: i32, out: &mut impl Write) -> io::Result
     let mut values = colour(body).to_vec();
     values.extend((body.id as i32).to_le_bytes());
     values.extend(i32::from(body.class).to_le_bytes());
-    values.push(phase(body.kind));
+    values.push(body.phase().number());
     values.extend(body.itz_thickness_mm.to_le_bytes());
     for corners in body.body.triangles() {
         out.write_all(&[3])?;

@@ -6,6 +6,7 @@
 
 use super::appearance::name;
 use meso_collision::math::Vec3;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Aggregate;
 use std::io::{self, BufWriter, Write};
 
@@ -34,10 +35,10 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub(crate) fn write_solids(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
+pub(crate) fn write_solids(bodies: &[Aggregate], phases: &PhaseNames, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     for body in bodies {
-        let (name, vertices) = (name(body), body.body.vertices());
+        let (name, vertices) = (name(body, phases), body.body.vertices());
         writeln!(out, "solid {name}")?;
         for triangle in body.body.triangles() {
             let corners = triangle.map(|i| vertices[i as usize]);

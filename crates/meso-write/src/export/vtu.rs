@@ -2,7 +2,6 @@
 //!
 //! Cell data: `aggregate` (id), `class`, `phase` (2 aggregate, 3 void, 4 fibre), `itz_thickness_mm`.
 
-use super::appearance::phase;
 use meso_collision::geometry::Face;
 use meso_concrete::aggregate::Aggregate;
 use meso_view::vtk::{Array, Encoding, Grid, Layout};
@@ -50,7 +49,7 @@ fn write_as(layout: Layout, aggregates: &[Aggregate], encoding: Encoding, out: i
         cell_data: vec![
             Array::new("Int32", "aggregate", faces, || per_face(aggregates, |a| (a.id as i32).to_le_bytes())),
             Array::new("Int32", "class", faces, || per_face(aggregates, |a| i32::from(a.class).to_le_bytes())),
-            Array::new("UInt8", "phase", faces, || per_face(aggregates, |a| [phase(a.kind)])),
+            Array::new("UInt8", "phase", faces, || per_face(aggregates, |a| [a.phase().number()])),
             Array::new("Float64", "itz_thickness_mm", faces, || {
                 per_face(aggregates, |a| a.itz_thickness_mm.to_le_bytes())
             }),

@@ -35,7 +35,7 @@ pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     attribute(&mut lines, "phase", cells, ("UInt", 1))?;
     let joints = mesh.cohesive_owner.len();
     let phases = mesh.phase.iter().copied().chain(std::iter::repeat_n(Phase::Itz, joints));
-    phases.into_iter().try_for_each(|phase| row(&mut lines, None, &[phase as u32]))?;
+    phases.into_iter().try_for_each(|phase| row(&mut lines, None, &[phase.number().into()]))?;
     lines.line("</DataItem></Attribute>")?;
     attribute(&mut lines, "aggregate", cells, ("Int", 4))?;
     let ids = mesh.ids().chain(mesh.cohesive_owner.iter().map(|&owner| mesh.id(owner)));

@@ -74,6 +74,7 @@ fn class(classes: &BTreeMap<u32, u16>, mesh: &Mesh, cell: usize) -> String {
         Phase::Mortar => "m".to_owned(),
         Phase::Itz => "i".to_owned(),
         Phase::Fibre => "fi".to_owned(),
+        phase @ Phase::Own(_) => slice::own_class(phase),
         Phase::Aggregate | Phase::Void => {
             let class = classes.get(&mesh.id(mesh.owner[cell])).copied().unwrap_or_default();
             format!("c{}", usize::from(class) % CLASSES.len())

@@ -7,10 +7,10 @@ mod scene;
 mod slice;
 mod tables;
 
-use crate::export::appearance::CLASSES;
+use crate::export::appearance::{CLASSES, phase_colour};
 use meso_concrete::aggregate::{Aggregate, SizeDefinition};
 use meso_concrete::parallel;
-use meso_concrete::thousands;
+use meso_concrete::{Phase, thousands};
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::statistics::Statistics;
@@ -85,9 +85,20 @@ fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
 /// Three sections through the middle, the block as one sees it with its corner cut away, and the mesh.
 fn pictures(model: &Model, mesh: Option<&Mesh>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Sections through the middle</h2>")?;
+    let phases = &model.spec.phases();
+    if !model.inclusions.is_empty() || phases.own().len() > 0 {
+        writeln!(out, "<style>{}</style>", slice::inclusion_style(phases))?;
+    }
     if !model.inclusions.is_empty() {
-        writeln!(out, "<style>{}</style>", slice::inclusion_style())?;
         writeln!(out, "<p class=\"note\">Voids are white, fibres dark blue.</p>")?;
+    }
+    if phases.own().len() > 0 {
+        let key = |phase: Phase| {
+            let [r, g, b] = phase_colour(phase.number());
+            let name = phases.name(phase);
+            format!("<span class=key><i style=\"background:#{r:02x}{g:02x}{b:02x}\"></i>{name}</span>")
+        };
+        writeln!(out, "<p class=\"note\">Phases: {}</p>", phases.own().map(key).collect::<String>())?;
     }
     writeln!(out, "<div class=\"row\">")?;
     let aabb = model.spec.specimen.aabb();

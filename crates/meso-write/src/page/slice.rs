@@ -1,8 +1,9 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
-use crate::export::appearance::{CLASSES, PALETTE, fill};
+use crate::export::appearance::{CLASSES, fill, phase_colour};
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::images::Images;
 use meso_concrete::specimen::Surface;
@@ -37,7 +38,7 @@ pub(super) fn figure(model: &Model, axis: usize, at: f64, out: &mut impl Write) 
 
 /// The colours of mortar and ITZ.
 pub(super) fn matrix_style() -> String {
-    fill("m", PALETTE[Phase::Mortar as usize]) + &fill("i", PALETTE[Phase::Itz as usize])
+    fill("m", phase_colour(Phase::Mortar.number())) + &fill("i", phase_colour(Phase::Itz.number()))
 }
 
 /// Styles of the size classes; their colours repeat.
@@ -45,9 +46,16 @@ pub(super) fn class_style(colour: impl Fn(usize) -> [u8; 3]) -> String {
     (0..CLASSES.len()).map(|class| fill(&format!("c{class}"), colour(class))).collect()
 }
 
-/// Styles of voids and fibres.
-pub(super) fn inclusion_style() -> String {
-    fill("vo", PALETTE[Phase::Void as usize]) + &fill("fi", PALETTE[Phase::Fibre as usize])
+/// Styles of voids, of fibres, and of the specimen's own phases.
+pub(super) fn inclusion_style(phases: &PhaseNames) -> String {
+    let of = |class: &str, phase: Phase| fill(class, phase_colour(phase.number()));
+    let own = phases.own().map(|phase| of(&own_class(phase), phase));
+    [of("vo", Phase::Void), of("fi", Phase::Fibre)].into_iter().chain(own).collect()
+}
+
+/// Name of the style of a phase of the specimen's own.
+pub(super) fn own_class(phase: Phase) -> String {
+    format!("p{}", phase.number())
 }
 
 /// One section across `axis` at `at` mm, as a file of its own.
@@ -58,7 +66,8 @@ pub(super) fn picture(model: &Model, axis: usize, at: f64, out: &mut impl Write)
     write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" ")?;
     writeln!(out, "viewBox=\"0 0 {width} {height}\">\n<title>{} = {at} mm</title>", NAMES[axis])?;
     // One colour for all aggregates, as in images of voxels.
-    let style = matrix_style() + &inclusion_style() + &class_style(|_| PALETTE[Phase::Aggregate as usize]);
+    let style = matrix_style() + &inclusion_style(&model.spec.phases());
+    let style = style + &class_style(|_| phase_colour(Phase::Aggregate.number()));
     writeln!(out, "<style>{style}</style>\n<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
     section(model, axis, at, out)?;
     out.write_all(b"</g>\n</svg>\n")
@@ -133,7 +142,10 @@ fn cut_with_dents(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Wr
 }
 
 fn core_class(aggregate: &Aggregate) -> String {
-    format!("c{}", usize::from(aggregate.class) % CLASSES.len())
+    match aggregate.phase() {
+        phase @ Phase::Own(_) => own_class(phase),
+        _ => format!("c{}", usize::from(aggregate.class) % CLASSES.len()),
+    }
 }
 
 fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<()> {

@@ -36,6 +36,11 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, thousands(phase.bodies));
         writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
     }
+    for own in &report.own_phases {
+        let (name, deviation) = (&own.phase, 100.0 * (own.fraction / own.target_fraction - 1.0));
+        let (asked, reached, bodies) = (own.target_fraction, own.fraction, thousands(own.aggregates));
+        writeln!(out, "<tr><td>of these {name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
+    }
     writeln!(out, "</table>")?;
     writeln!(
         out,

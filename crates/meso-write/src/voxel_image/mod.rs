@@ -12,7 +12,6 @@ mod share;
 
 pub use options::{ImageOptions, Quantity, Region, ShareOf};
 
-use crate::export::appearance::phase;
 pub use crate::export::raster::Voxels;
 use crate::export::raster::{Frame, ValueKind};
 use meso_concrete::aggregate::Aggregate;
@@ -143,7 +142,7 @@ impl VoxelImage {
     pub fn layers(&self, layers: Range<usize>) -> Voxels {
         match &self.maker {
             Maker::Phase(scan, labels) => {
-                Voxels::Label(self.painted(layers, scan, labels, Phase::Mortar as u8, OUTSIDE))
+                Voxels::Label(self.painted(layers, scan, labels, Phase::Mortar.number(), OUTSIDE))
             }
             Maker::Grain(scan, ids) => {
                 let ids: Vec<[i32; 2]> = ids.iter().map(|&id| [id; 2]).collect();
@@ -194,7 +193,7 @@ impl Maker {
         let scan = || Scan::new(grid, Facets::all(bodies, |body| body.itz_thickness_mm));
         match options.quantity {
             Quantity::Phase => {
-                Self::Phase(scan(), bodies.iter().map(|body| [Phase::Itz as u8, phase(body.kind)]).collect())
+                Self::Phase(scan(), bodies.iter().map(|body| [Phase::Itz, body.phase()].map(Phase::number)).collect())
             }
             Quantity::Grain => Self::Grain(scan(), bodies.iter().map(|body| body.id as i32).collect()),
             Quantity::Share => Self::Share(Shares::new(grid, options.of, bodies)),

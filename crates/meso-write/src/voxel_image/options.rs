@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
-    /// The phase at the centre, `u8`: 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside the specimen.
+    /// The phase at the centre, `u8`: 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 5 on the packing's own phases, 255 outside the specimen.
     #[default]
     Phase,
     /// The id of the aggregate, void or fibre at the centre, `i32`: -1 in the mortar, -2 outside.

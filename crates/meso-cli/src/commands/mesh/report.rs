@@ -94,19 +94,20 @@ impl MeshReport {
     fn shares(&self) -> Vec<(String, [f64; 2])> {
         let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.0.specimen_volume_mm3;
         let (meshed, exact) = (&self.0.quality.volumes_mm3, self.0.quality.exact_volumes_mm3.as_ref());
-        let share = |phase: &Phase| {
+        let phases = &self.0.phases;
+        let share = |phase: Phase| {
             // A smeared ITZ is mortar.
-            let share = match *phase {
-                Phase::Mortar if self.0.smeared => of_specimen(meshed, *phase) + of_specimen(meshed, Phase::Itz),
+            let share = match phase {
+                Phase::Mortar if self.0.smeared => of_specimen(meshed, phase) + of_specimen(meshed, Phase::Itz),
                 Phase::Itz if self.0.smeared => 0.0,
                 phase => of_specimen(meshed, phase),
             };
-            (phase.name().to_owned(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, *phase))])
+            (phases.name(phase).to_owned(), [share, exact.map_or(f64::NAN, |exact| of_specimen(exact, phase))])
         };
         let is_there = |(_, [share, wanted]): &(String, [f64; 2])| *share > 0.0 || *wanted > 0.0;
         let voids = self.0.voids_mm3.map(|volumes| volumes.map(|volume| volume / self.0.specimen_volume_mm3));
         let voids = voids.map(|shares| ("void".to_owned(), shares));
-        Phase::SOLID.iter().map(share).filter(is_there).chain(voids).collect()
+        phases.solid().map(share).filter(is_there).chain(voids).collect()
     }
 
     /// A row for each phase.

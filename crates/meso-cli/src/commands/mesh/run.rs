@@ -61,7 +61,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         outputs::wrote(targets.iter().copied());
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, deck));
     }
-    Ok(if args.strict { exit_code(off) } else { 0 })
+    Ok(if args.strict { exit_code(off, &mesh) } else { 0 })
 }
 
 impl Args {
@@ -92,8 +92,8 @@ pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> 
 }
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
-fn exit_code(off: Option<PhaseOff>) -> u8 {
-    strict_doubt(off, Giver::Flags).map_or(0, |doubt| {
+fn exit_code(off: Option<PhaseOff>, mesh: &Mesh) -> u8 {
+    strict_doubt(off, mesh, Giver::Flags).map_or(0, |doubt| {
         stderr::line(format!("warning: {doubt}"));
         SHORT
     })

@@ -9,7 +9,7 @@ use meso_ask::DeckAsk;
 use meso_concrete::thousands;
 use meso_core::Spec;
 use meso_core::mesh::Tools;
-use meso_core::packing::{PhaseReport, Report, StopReason};
+use meso_core::packing::{OwnPhaseReport, PhaseReport, Report, StopReason};
 use meso_core::watch::Stage;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -117,6 +117,8 @@ fn print(report: &Report, verbose: bool, is_default: bool) {
         stderr::line(format!("{grading}{off}"));
         let phase = |p: &PhaseReport| format!("{} {:.5} of {} asked", p.phase.plural(), p.fraction, p.target_fraction);
         report.phases.iter().for_each(|p| stderr::line(phase(p)));
+        let own = |p: &OwnPhaseReport| format!("{} {:.5} of {:.5} asked", p.phase, p.fraction, p.target_fraction);
+        report.own_phases.iter().for_each(|p| stderr::line(own(p)));
     }
     report.remarks().iter().for_each(stderr::line);
 }
@@ -131,6 +133,9 @@ fn table(report: &Report, grading: &str) {
     }
     for phase in &report.phases {
         row(phase.phase.plural(), phase.target_fraction, phase.fraction, phase.bodies);
+    }
+    for own in &report.own_phases {
+        row(&own.phase, own.target_fraction, own.fraction, own.aggregates);
     }
 }
 

@@ -258,7 +258,7 @@ fn damaged() -> SolveError {
 }
 
 fn size(block: &Block) -> u64 {
-    block.groups.iter().map(|group| (group.memory.len() * 8 + group.phase as usize) as u64).sum()
+    block.groups.iter().map(|group| (group.memory.len() * 8 + group.phase.index()) as u64).sum()
 }
 
 /// Reads the state of a group's elements.

@@ -23,10 +23,10 @@ use crate::march::servo::{Follower, Servo};
 use crate::march::supports::contact::Motion;
 use crate::march::supports::{Held, Moment, Supports};
 use meso_collision::math::Aabb;
-use meso_concrete::exceeds;
+use meso_concrete::{PhaseNames, exceeds};
 use meso_element::LawName;
 use meso_element::block::matter::{self, Matter};
-use meso_element::block::{Block, Common, Free, PHASES, Pass, Scratch};
+use meso_element::block::{Block, Common, Free, Pass, Scratch};
 use meso_element::face::CohesionValues;
 use meso_element::lanes::InstructionSet;
 use meso_mesh::figures::MassScaling;
@@ -83,7 +83,7 @@ pub(crate) struct Outline {
     /// Longest step that would need no mass, s.
     pub(crate) stable_s: f64,
     /// Widest crack band by phase, mm.
-    pub(crate) widest_mm: [f64; 5],
+    pub(crate) widest_mm: [f64; PhaseNames::ROOM],
 }
 
 /// State that changes from step to step, without that of blocks and nodes.
@@ -157,6 +157,7 @@ impl<'a> Run<'a> {
         sample.validate()?;
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
+        materials.suits(&sample.mesh.phases)?;
         let (mesh, geometry) = (sample.mesh, sample.geometry());
         let scatter = materials.scattered().filter(|_| test.law != LawName::Elastic).cloned();
         scatter.iter().try_for_each(|own| own.suits(sample.element_size_mm, !mesh.cohesive.is_empty()))?;
@@ -199,7 +200,7 @@ impl<'a> Run<'a> {
         common.free = test.expansion().map(|_| Free::new(places()));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
-        let e_mpa = common.matter[Phase::Mortar as usize].elastic.youngs_modulus_mpa;
+        let e_mpa = common.matter[Phase::Mortar.index()].elastic.youngs_modulus_mpa;
         let (length_mm, axis) = (rig.length_mm, rig.axis);
         let setup = Setup::of(test, &geometry, rig.supports.clone());
         let supports = Supports::new(&sample, rig, &number, &mass, e_mpa)?;
@@ -546,16 +547,18 @@ fn validate_smoothing(sample: &Sample, test: &Test) -> Result<(), SolveError> {
 fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common, SolveError> {
     let shape = box_shape(sample.mesh)?;
     let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;
-    let matter = |phase| Matter::new(materials, phase, test.law);
+    let phases = &sample.mesh.phases;
+    let matter = |phase| Matter::new(materials, phase, phases, test.law);
     // Places in the order of the phases' numbers; 3 is no phase of a mesh.
-    let mut matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter).to_vec();
+    let common = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre];
+    let mut matter: Vec<Matter> = common.into_iter().chain(phases.own()).map(matter).collect();
     let scattered = materials.scattered().into_iter().flat_map(|own| Phase::SOLID.map(|phase| (phase, own)));
     for (phase, own) in scattered.filter(|(phase, own)| own.has(*phase)) {
-        matter[phase as usize].scatter(own.most());
+        matter[phase.index()].scatter(own.most());
     }
     let mut stones = Vec::new();
     if let Some(stone) = materials.aggregate_strength.as_ref().filter(|_| test.law != LawName::Elastic) {
-        stones = sample.mesh.id_of.iter().map(|&id| (PHASES + stone.place(id)) as u16).collect();
+        stones = sample.mesh.id_of.iter().map(|&id| (phases.count() + stone.place(id)) as u16).collect();
         matter.extend(Matter::stones(materials, stone, test.law));
     }
     Ok(Common {

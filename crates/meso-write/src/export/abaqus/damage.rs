@@ -88,7 +88,7 @@ pub(super) fn tension(strength: &Strength, opening: f64) -> Vec<Row> {
 mod tests {
     use super::super::LAW;
     use super::*;
-    use meso_mesh::Phase;
+    use meso_mesh::cells::{Phase, PhaseNames};
     use meso_mesh::materials::Materials;
 
     fn energy(rows: &[Row]) -> f64 {
@@ -122,7 +122,8 @@ mod tests {
     fn inelastic_strain_and_damage_rise_and_plastic_strain_never_falls() {
         let materials = Materials::default();
         for phase in [Phase::Mortar, Phase::Itz] {
-            let (elastic, strength) = (materials.elastic(phase), materials.strength(phase, LAW).unwrap());
+            let (elastic, strength) =
+                (materials.elastic(phase, PhaseNames::COMMON), materials.strength(phase, LAW).unwrap());
             for (rows, length) in [(compression(elastic, &strength, 2.0), 1.0), (tension(&strength, 0.35), 1.0)] {
                 let plastic = |r: &Row| {
                     r.inelastic - r.damage / (1.0 - r.damage) * r.stress / elastic.youngs_modulus_mpa * length

@@ -8,8 +8,8 @@ use super::geometry::present;
 use super::periodic::REFERENCES;
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
+use meso_mesh::cells::Mesh;
 use meso_mesh::cells::Sides;
-use meso_mesh::cells::{Mesh, Phase};
 use std::io::{self, Write};
 
 /// The step: displacement of ZMAX by -`strain` times the height, reactions of both planes.
@@ -41,7 +41,8 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
     lines.line("REF_X, 2, 3")?;
     lines.line("REF_Y, 3, 3")?;
     lines.line(format!("REF_Z, 3, 3, {:.12e}", -strain * aabb.size().z))?;
-    let sets: Vec<&str> = present(mesh).map(Phase::set_name).collect();
+    let sets: Vec<_> = present(mesh).map(|phase| mesh.phases.set_name(phase)).collect();
+    let sets: Vec<&str> = sets.iter().map(AsRef::as_ref).collect();
     end(lines, &REFERENCES, "U, RF", &sets)
 }
 

@@ -35,7 +35,11 @@ pub(super) fn heading(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &Deck
 fn counts(mesh: &Mesh) -> String {
     let of = |phase: Phase| {
         let cells = mesh.phase.iter().filter(|p| **p == phase).count();
-        format!("{} {}", phase.set_name(), cells + if phase == Phase::Itz { mesh.cohesive().len() } else { 0 })
+        format!(
+            "{} {}",
+            mesh.phases.set_name(phase),
+            cells + if phase == Phase::Itz { mesh.cohesive().len() } else { 0 }
+        )
     };
     let joints = (!mesh.cohesive.is_empty()).then_some(Phase::Itz);
     let elements: Vec<String> = present(mesh).chain(joints).map(of).collect();
@@ -83,7 +87,7 @@ fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -
         CellKind::Hexahedron => "C3D8",
     };
     for phase in present(mesh) {
-        lines.line(format!("*ELEMENT, TYPE={kind}, ELSET={}", phase.set_name()))?;
+        lines.line(format!("*ELEMENT, TYPE={kind}, ELSET={}", mesh.phases.set_name(phase)))?;
         for ((number, cell), cell_phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
             if *cell_phase == phase {
                 lines.element(number, cell)?;
@@ -106,7 +110,7 @@ fn cohesive(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
 
 /// The phases that have elements: an empty set would be an error to Abaqus.
 pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
-    Phase::SOLID.into_iter().filter(|phase| mesh.phase.contains(phase))
+    mesh.phases.solid().filter(|phase| mesh.phase.contains(phase))
 }
 
 fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {

@@ -1,7 +1,7 @@
 //! Ranges of a deck's values besides those of its materials.
 
 use super::{Analysis, DeckOptions, LAW};
-use meso_concrete::{OutOfRange, Ranges};
+use meso_concrete::{OutOfRange, PhaseNames, Ranges};
 use meso_mesh::cells::Phase;
 use meso_mesh::materials::{LawName, MATERIALS, Materials};
 use meso_trial::Test;
@@ -89,11 +89,11 @@ fn in_deck(error: OutOfRange) -> OutOfRange {
 pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Result<(), OutOfRange> {
     let Some(strength) = materials.strength(phase, LAW) else { return Ok(()) };
     materials.validate_peak_strain(phase, LAW).map_err(in_deck)?;
-    let (e, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.tensile_mpa);
+    let (e, ft) = (materials.elastic(phase, PhaseNames::COMMON).youngs_modulus_mpa, strength.tensile_mpa);
     let given = materials.mortar_strength.of(LAW).fracture_energy_n_per_mm;
     let share = opening * strength.fracture_energy_n_per_mm / given;
     let least = 0.8 * ft * ft / e / share;
-    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phase.set_name());
+    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", PhaseNames::COMMON.set_name(phase));
     MATERIALS.require("mortar_strength.fracture_energy_n_per_mm", given, given >= least, accepted).map_err(in_deck)
 }
 

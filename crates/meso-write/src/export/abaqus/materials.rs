@@ -6,7 +6,7 @@ use super::limits;
 use super::lines::real;
 use super::{DeckOptions, LAW};
 use crate::export::lines::Lines;
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhaseNames};
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
@@ -17,10 +17,13 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     let materials = &options.materials.in_mesh(mesh);
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
-        elastic(lines, phase.set_name(), materials.elastic(phase))?;
+        elastic(lines, &mesh.phases.set_name(phase), materials.elastic(phase, &mesh.phases))?;
         if let Some(strains) = options.loads.as_ref().and_then(|loads| loads.strains) {
             lines.line("*EXPANSION, ZERO=0.0")?;
-            lines.line(format!("{},", real(strains[phase as usize])))?;
+            lines.line(format!(
+                "{},",
+                real(strains[if phase.is_aggregate() { Phase::Aggregate } else { phase }.index()])
+            ))?;
         }
         if let (true, Some(strength)) = (options.damages(), materials.strength(phase, LAW)) {
             plasticity(lines, materials, phase, &strength, crack_band(mesh))?;
@@ -30,7 +33,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
         cohesive(lines, materials, options.damages())?;
     }
     for phase in present(mesh) {
-        lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.set_name()))?;
+        lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", mesh.phases.set_name(phase)))?;
     }
     if mesh.cohesive.is_empty() {
         return Ok(());
@@ -102,7 +105,7 @@ fn plasticity(
     strength: &Strength,
     band: Band,
 ) -> io::Result<()> {
-    let (elastic, p) = (materials.elastic(phase), &materials.plasticity);
+    let (elastic, p) = (materials.elastic(phase, PhaseNames::COMMON), &materials.plasticity);
     let values = [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
     lines.line("*CONCRETE DAMAGED PLASTICITY")?;
     lines.line(values.map(real).join(", "))?;

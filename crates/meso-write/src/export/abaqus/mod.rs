@@ -20,7 +20,7 @@ pub(super) mod supports;
 use crate::export::lines::Lines;
 pub(crate) use limits::DECK;
 use meso_concrete::specimen::Specimen;
-use meso_concrete::{OutOfRange, exceeds, thousands};
+use meso_concrete::{OutOfRange, PhaseNames, exceeds, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::{MassScaling, PhaseVolumes};
@@ -287,6 +287,7 @@ impl DeckOptions {
     /// Names the option, its value and the accepted range.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
         self.validate_for(mesh.periodic)?;
+        self.suits_phases(&mesh.phases)?;
         if self.has_curves() {
             materials::check(mesh, &self.materials)?;
         }
@@ -304,6 +305,14 @@ impl DeckOptions {
         }
         self.accept_mass(mesh)?;
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
+    }
+
+    /// Refuses a packing's own phases without values, and values without such a phase; geometry needs none.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn suits_phases(&self, phases: &PhaseNames) -> Result<(), OutOfRange> {
+        if self.geometry_only { Ok(()) } else { self.materials.suits(phases) }
     }
 
     /// Refuses options without effect on a deck of hexahedra, or of tetrahedra.

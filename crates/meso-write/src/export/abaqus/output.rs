@@ -24,21 +24,21 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
     lines.line("*NODE OUTPUT")?;
     lines.line("U")?;
     for phase in present(mesh).filter(|phase| options.materials.strength(*phase, LAW).is_some()) {
-        element_output(lines, phase, "PEEQ, PEEQT, DAMAGEC, DAMAGET, SDEG")?;
+        element_output(lines, mesh, phase, "PEEQ, PEEQT, DAMAGEC, DAMAGET, SDEG")?;
     }
     if !mesh.cohesive.is_empty() {
-        element_output(lines, Phase::Itz, "S, LE, SDEG, QUADSCRT, STATUS")?;
+        element_output(lines, mesh, Phase::Itz, "S, LE, SDEG, QUADSCRT, STATUS")?;
     }
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={}", frames.min(STRESS_FRAMES)))?;
     for phase in present(mesh) {
         let plastic = if options.materials.strength(phase, LAW).is_some() { ", PE" } else { "" };
-        element_output(lines, phase, &format!("S, LE{plastic}"))?;
+        element_output(lines, mesh, phase, &format!("S, LE{plastic}"))?;
     }
     Ok(())
 }
 
-fn element_output(lines: &mut Lines<impl Write>, phase: Phase, variables: &str) -> io::Result<()> {
-    lines.line(format!("*ELEMENT OUTPUT, ELSET={}", phase.set_name()))?;
+fn element_output(lines: &mut Lines<impl Write>, mesh: &Mesh, phase: Phase, variables: &str) -> io::Result<()> {
+    lines.line(format!("*ELEMENT OUTPUT, ELSET={}", mesh.phases.set_name(phase)))?;
     lines.line(variables)
 }
 

@@ -4,7 +4,7 @@ use super::loading::Block;
 use super::{Field, LsdynaLaw, block_parts, card, formulation, part, present};
 use crate::export::abaqus::{DECK, DeckOptions};
 use crate::export::lines::Lines;
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhaseNames};
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Elastic, LawName, Materials, Strength, characteristic_mm, width_mm};
@@ -38,7 +38,7 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
         if strength < low || strength > high {
             let accepted = format!(
                 "*MAT_159 generates parameters for {low} to {high} MPa, and {} has {strength} MPa; take cdpm or rel3",
-                phase.set_name()
+                PhaseNames::COMMON.set_name(phase)
             );
             return Err(DECK.error("lsdyna_law", "cscm", accepted));
         }
@@ -56,13 +56,13 @@ pub(super) fn write(
     let materials = options.materials.in_mesh(mesh);
     let is_solid = |phase: Phase| phase != Phase::Itz || mesh.cohesive.is_empty();
     for phase in present(mesh) {
-        one_part(cards, phase.set_name(), part(phase))?;
+        one_part(cards, &mesh.phases.set_name(phase), part(phase))?;
         let own = if is_solid(phase) { formulation(mesh.kind, options.reduced_integration) } else { joint(mesh.kind) };
         section(cards, part(phase), own)?;
         match materials.strength(phase, LAW).filter(|_| options.has_curves()) {
             _ if !is_solid(phase) => cohesive(cards, &materials, options.has_curves())?,
             Some(strength) => strong(cards, phase, &materials, &strength, mesh, options)?,
-            None => elastic(cards, part(phase), materials.elastic(phase))?,
+            None => elastic(cards, part(phase), materials.elastic(phase, &mesh.phases))?,
         }
     }
     if options.reduced_integration && mesh.kind == CellKind::Hexahedron {
@@ -106,7 +106,7 @@ fn strong(
     mesh: &Mesh,
     options: &DeckOptions,
 ) -> io::Result<()> {
-    let values = materials.elastic(phase);
+    let values = materials.elastic(phase, &mesh.phases);
     match options.lsdyna_law {
         LsdynaLaw::Cdpm => {
             let band = Band::of(mesh);

@@ -1,6 +1,6 @@
 //! LS-DYNA keyword decks (`.k`), which OpenRadioss reads, too: fixed columns, streamed.
 //!
-//! Part numbers are 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, and 11 on for the plates; node and segment sets 1 to 6 are
+//! Part numbers are 1 AGGREGATE, 2 ITZ, 3 MORTAR, 4 FIBRE, 11 on for the plates, and 101 on for the packing's own phases; node and segment sets 1 to 6 are
 //! XMIN to ZMAX, those from 11 on the supports' and loads', part set 1 is the specimen. Node and element numbers are the mesh's indices plus 1; cohesive elements
 //! follow the cells. Units are tonne, mm, s, N, MPa. Columns are those of
 //! PyDyna's definitions of the cards; element formulations and the order of a wedge's nodes were not checked in a manual.

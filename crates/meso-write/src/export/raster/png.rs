@@ -2,8 +2,9 @@
 //!
 //! Phases are indexed colours, whose indices are the labels; shares are grey, black 0 and white 1.
 
-use super::super::appearance::PALETTE;
+use super::super::appearance::phase_colour;
 use super::{Frame, Voxels};
+use meso_concrete::{Phase, PhaseNames};
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 use std::io::{self, Write};
 
@@ -18,7 +19,7 @@ pub(crate) fn write(frame: &Frame, values: &Voxels, out: impl Write) -> io::Resu
     let pixels: Vec<u8> = match values {
         Voxels::Label(labels) => {
             encoder.set_color(ColorType::Indexed);
-            encoder.set_palette(palette());
+            encoder.set_palette(palette(labels));
             encoder.set_trns([vec![255; 255], vec![0]].concat());
             labels.clone()
         }
@@ -37,8 +38,10 @@ pub(crate) fn write(frame: &Frame, values: &Voxels, out: impl Write) -> io::Resu
 }
 
 /// All 256 colours: those of the phases, then black; 255 is transparent.
-fn palette() -> Vec<u8> {
-    let mut colours = PALETTE.as_flattened().to_vec();
+fn palette(labels: &[u8]) -> Vec<u8> {
+    let phases = labels.iter().filter(|label| usize::from(**label) < PhaseNames::ROOM).map(|label| label + 1);
+    let count = phases.fold(Phase::ALL.len() as u8, u8::max);
+    let mut colours: Vec<u8> = (0..count).flat_map(phase_colour).collect();
     colours.resize(3 * 256, 0);
     colours
 }

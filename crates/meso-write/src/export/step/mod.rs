@@ -12,6 +12,7 @@ use super::appearance::{MORTAR, colour, material, name};
 pub(crate) use brep::Block;
 use lines::{Id, Lines, list, real};
 use meso_collision::math::Vec3;
+use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::Aggregate;
 use std::io::{self, BufWriter, Write};
 use style::Styles;
@@ -23,7 +24,12 @@ const ACCURACY_MM: f64 = 1e-7;
 ///
 /// # Errors
 /// Fails with the errors of `out`.
-pub(crate) fn write(bodies: &[Aggregate], mortar: Option<&Block>, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(
+    bodies: &[Aggregate],
+    phases: &PhaseNames,
+    mortar: Option<&Block>,
+    out: impl Write,
+) -> io::Result<()> {
     let mut lines = Lines::new(BufWriter::new(out));
     lines.text(HEADER)?;
     let mut part = Assembly::begin(&mut lines)?;
@@ -31,9 +37,9 @@ pub(crate) fn write(bodies: &[Aggregate], mortar: Option<&Block>, out: impl Writ
     for body in bodies {
         let faces = body.body.faces().map(|face| face.to_vec());
         let shell = brep::polygons(&mut lines, body.body.vertices(), faces)?;
-        let name = name(body);
+        let name = name(body, phases);
         let solid = lines.entity(format_args!("MANIFOLD_SOLID_BREP('{name}',{shell})"))?;
-        part.add(&mut lines, &name, (&material(body), colour(body)), solid)?;
+        part.add(&mut lines, &name, (&material(body, phases), colour(body)), solid)?;
         shells.push(shell);
     }
     if let Some(block) = mortar {

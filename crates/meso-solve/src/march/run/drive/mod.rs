@@ -136,7 +136,7 @@ impl Run<'_> {
         let nodes = mesh.cell(number);
         let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
         let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
-        let phase = mesh.phase[number].name();
+        let phase = mesh.phases.name(mesh.phase[number]);
         format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
     }
 }
