@@ -112,6 +112,7 @@ fn wrong_phases_are_refused_by_name_with_the_way_out() {
         ("name = 'a'\nshare = nan", "phases.share"),
         ("name = 'Lime stone'\nshare = 0.3", "phases.name is \"Lime stone\"; it takes lower-case letters"),
         ("name = 'mortar'\nshare = 0.3", "phases.name is \"mortar\"; this name has a meaning of its own"),
+        ("name = 'mortar_old'\nshare = 0.3", "phases.name is \"mortar_old\"; it begins like mortar"),
         ("name = 'a'\nshare = 0.3\n[[phases]]\nname = 'a'\nshare = 0.3", "another entry has this name"),
         ("name = 'a'\nshare = 0.7\n[[phases]]\nname = 'b'\nshare = 0.4", "of all phases add up to 1.1 in the class"),
         (

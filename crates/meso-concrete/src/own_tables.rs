@@ -46,6 +46,12 @@ impl<'de, D: Deserializer<'de>, T: Deserialize<'de>> Deserializer<'de> for Commo
     }
 }
 
+/// A known key that begins like a name, which makes the name a slip of it.
+pub fn alike<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let begins = |known: &str| name.bytes().zip(known.bytes()).take_while(|(a, b)| a == b).count();
+    known.iter().copied().find(|known| begins(known) >= ALIKE)
+}
+
 /// A struct's visitor or its entries, without those of other names.
 struct CommonEntries<'a, E, T> {
     entries: E,
@@ -76,9 +82,7 @@ impl<'de, A: MapAccess<'de>, T: Deserialize<'de>> MapAccess<'de> for CommonEntri
             if self.known.contains(&key.as_str()) {
                 return seed.deserialize(key.into_deserializer()).map(Some);
             }
-            let begins_alike =
-                |known: &&str| key.bytes().zip(known.bytes()).take_while(|(a, b)| a == b).count() >= ALIKE;
-            if self.known.iter().any(begins_alike) {
+            if alike(&key, self.known).is_some() {
                 return Err(A::Error::unknown_field(&key, self.known));
             }
             let values = self.entries.next_value()?;

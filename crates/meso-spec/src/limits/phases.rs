@@ -4,6 +4,7 @@ use super::{Checked, number};
 use crate::{Spec, SpecError};
 use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING};
+use meso_concrete::own_tables::alike;
 use meso_concrete::{exceeds, short};
 
 /// Longest name of a phase, which makes keyword lines of decks of fewer than 80 characters.
@@ -78,6 +79,8 @@ fn name(phase: &OwnPhase, before: &[OwnPhase]) -> Checked {
         format!("it takes lower-case letters, digits and _, a letter first, at most {LONGEST} of them: \"limestone\"")
     } else if TAKEN.contains(&name) {
         "this name has a meaning of its own; take another, such as \"limestone\"".to_owned()
+    } else if let Some(known) = alike(name, &TAKEN) {
+        format!("it begins like {known}, for which its values would be taken; take another, such as \"old_{known}\"")
     } else if before.iter().any(|other| other.name == name) {
         "another entry has this name; every phase has one entry".to_owned()
     } else {
