@@ -33,7 +33,7 @@ SOURCES = {
     "meso-pack/src/check/mod.rs": ["Check"],
     "meso-effective/src/bounds.rs": ["PropertyBounds"],
     "meso-effective/src/resolution.rs": ["Resolution"],
-    "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
+    "meso-effective/src/effective.rs": ["At", "PhaseShare", "Effective"],
     "meso-effective/src/elastic/task.rs": ["ElasticShare", "ElasticBounds", "Isotropic", "Stiffness"],
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
@@ -49,7 +49,7 @@ CHANGED = {
     "ReducedGrain": ("ReducedGrain", {"reduction"}, []),
     "Check": ("CheckResult", set(), [("sound", "bool", "True where nothing was found.")]),
     "Figures": ("CurveFigures", set(), []),
-    "Effective": ("Effective", {"resolution"}, []),
+    "Effective": ("Effective", {"resolution", "at"}, []),
     "Stiffness": ("Stiffness", {"resolution"}, []),
     # What `result.json` has of the packing and the run.
     "Summary": (
@@ -69,7 +69,7 @@ CHANGED = {
 BASES = {
     "ReducedGrain": "Reduction",
     "Summary": "Setup, CurveFigures, BeyondPeak, Lateral",
-    "Effective": "Resolution",
+    "Effective": "Resolution, At",
     "Stiffness": "Resolution",
 }
 PLAIN = {

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stderr, reason = "a test that skips says why")]
 
 mod bodies;
+mod cracks;
 mod dents;
 mod labels;
 mod laminates;

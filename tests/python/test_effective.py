@@ -16,6 +16,8 @@ SPEC = {"fraction": 0.3, "seed": 1, "specimen": {"kind": "cube", "side_mm": 30, 
 
 # Keys that only one of the divisions has.
 OF_TETRAHEDRA, OF_VOXELS = {"elements", "element_size_mm"}, {"voxels", "voxel_size_mm"}
+# And those of a frame.
+OF_FRAMES = {"frame", "strain", "stress_mpa"}
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +27,7 @@ def cube():
 
 def test_a_tensor_lies_between_its_bounds(cube):
     found = cube.effective(voxel_size=1.5, phases={"itz": 0})
-    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA
+    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA - OF_FRAMES
     for axis in range(3):
         value, error = found["tensor"][axis][axis], found["error"][axis][axis]
         assert 0.4 < value < found["bounds"]["voigt"] and value - error < found["bounds"]["hashin_shtrikman_upper"]
@@ -46,7 +48,7 @@ def test_stiffness_lies_between_its_bounds_and_shrinks(cube):
 
 def test_tetrahedra_have_the_values_of_voxels(cube):
     found = cube.effective(method="lattice", element_size=1.5, axes="x")
-    assert set(found) == set(_results.Effective.__annotations__) - OF_VOXELS
+    assert set(found) == set(_results.Effective.__annotations__) - OF_VOXELS - OF_FRAMES
     assert found["tensor"][0][0] == pytest.approx(cube.effective(voxel_size=0.75, axes="x")["tensor"][0][0], rel=0.02)
     stiff = cube.effective("stiffness", method="lattice", element_size=2, phases={"itz": {"youngs_modulus_mpa": 20000}})
     assert set(stiff) == set(_results.Stiffness.__annotations__) - OF_VOXELS
@@ -92,7 +94,7 @@ def test_a_label_array_has_values_by_label():
     labels = np.zeros((8, 4, 6), dtype=np.uint16)
     labels[:4] = 7
     found = mc.effective(labels, phases={0: 1, 7: 3}, voxel_size=(0.5, 0.5, 1), periodic="xy")
-    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA
+    assert set(found) == set(_results.Effective.__annotations__) - OF_TETRAHEDRA - OF_FRAMES
     assert [found["tensor"][axis][axis] for axis in range(3)] == pytest.approx([2, 2, 1.5], rel=1e-6)
     assert found["boundary"] == ["periodic", "periodic", "fixed"]
     assert found["voxel_size_mm"] == [0.5, 0.5, 1]
@@ -196,3 +198,29 @@ def test_all_properties_are_one_request():
     found = small.effective("all", voxel_size=3, phases={"diffusivity": {"itz": 2.0}})
     assert [of["what"] if "what" in of else None for of in found] == ["diffusivity", "conductivity", "stiffness"]
     assert found[0] == small.effective(voxel_size=3, phases={"itz": 2.0})
+
+
+def test_a_frame_of_a_test_has_the_properties_of_its_cracks():
+    spec = {**SPEC, "specimen": {"kind": "cube", "side_mm": 30}}
+    response = mc.pack(spec).mesh(element_size=3, for_test=True, accept_phase_error=True).solve(test="tension", strain=0.002, frames=2)
+    found = response.effective(2, "permeability", axes="xz")
+    assert found.frame == 2 and found.strain == response.frames[1].strain and found.what == "permeability"
+    assert found.tensor[0][0] > 1e3 * found.tensor[2][2] > 0 and found.tensor[1][1] is None
+    # The end is the last frame; water in the cracks conducts.
+    wet, dry = (response.effective("last", crack_diffusivity=value, axes="x") for value in (500, 1))
+    assert wet.tensor == response.effective(0.002, crack_diffusivity=500, axes="x").tensor and wet.frame == 0
+    assert wet.tensor[0][0] > 2 * dry.tensor[0][0]
+    assert [of.frame for of in response.effective("all", axes="x")] == [1, 2]
+    with pytest.warns(UserWarning, match="frame 1, the nearest to the peak"):
+        several = response.effective(what="all", phases={"conductivity": {"mortar": 2}}, axes="x")
+    assert [of.what for of in several] == ["diffusivity", "conductivity", "permeability"]
+    for keywords, message in (
+        ({"frame": 3}, "frame is 3; the test has frames 1 to 2"),
+        ({"frame": "middle"}, "peak, last, all, the number of a frame from 1, or a strain below 1"),
+        ({"crack_roughness": 2}, "crack_roughness is 2; it must be 0 to 1"),
+        ({"what": "strength"}, "strength"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            response.effective(**keywords)
+    with pytest.raises(ValueError, match="the test has no frames; solve it again with frames 20"):
+        mc.pack(spec).mesh(element_size=5, for_test=True, accept_phase_error=True).solve(strain=0.0005).effective()

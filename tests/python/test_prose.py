@@ -29,7 +29,7 @@ TRANSLATED = re.compile(
 TEXTS = sorted((ROOT / "crates" / "meso-py" / "python" / "mesocrete").glob("_*.py*"))
 SOURCES = sorted(path for path in (ROOT / "crates").glob("*/src/**/*.rs") if path.name != "tests.rs")
 # Help is made from the documents of requests, too.
-REQUESTS = [ROOT / "crates" / path for path in ("meso-ask/src/effective.rs", "meso-ask/src/over.rs", "meso-mesh/src/options/table.rs")]
+REQUESTS = [ROOT / "crates" / path for path in ("meso-ask/src/effective/mod.rs", "meso-ask/src/over.rs", "meso-mesh/src/options/table.rs")]
 FLAGS = [*[path for path in SOURCES if path.name == "flags.rs"], *REQUESTS]
 RECIPES = sorted((ROOT / "crates").glob("*/src/recipes/*.toml"))
 

@@ -316,7 +316,8 @@ def test_frames_are_pickled_with_their_fields(response):
     for frame in (*response.frames, response.last):
         again = pickle.loads(pickle.dumps(frame))
         assert (again.strain, again.stress_mpa, again.time_s) == (frame.strain, frame.stress_mpa, frame.time_s)
-        for name in ("displacement", "stress", "damage", "damage_tension", "damage_compression", "crack_opening_mm", "phase"):
+        cells = ("damage", "damage_tension", "damage_compression", "crack_opening_mm", "stiffness_left", "phase")
+        for name in ("displacement", "stress", "crack_strain", *cells):
             assert np.array_equal(getattr(again, name), getattr(frame, name)), name
 
 

@@ -28,7 +28,8 @@ mod strains;
 pub use axes::Axes;
 pub use deck::{DeckAsk, DeckSettled};
 pub use effective::{
-    EffectiveAsk, EffectiveTask, Facts, Filling, Input, PhaseTables, PhasesGiven, Properties, Subject, What,
+    EffectiveAsk, EffectiveTask, Facts, Filling, FramePick, Input, PhaseTables, PhasesGiven, Properties, RunRecord,
+    Subject, What,
 };
 pub use error::AskError;
 pub use fit::FitAsk;

@@ -89,11 +89,28 @@ pub struct PhaseShare {
     pub volume_fraction: f64,
 }
 
+/// A moment of a test, if a result belongs to one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct At {
+    /// Number of the frame, from 1; 0 is the end of a test in memory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
+    /// Mean axial strain, positive in the test's sense.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strain: Option<f64>,
+    /// Stress, positive in the test's sense, MPa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_mpa: Option<f64>,
+}
+
 /// An effective property.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effective {
     /// Property.
     pub what: Property,
+    /// The moment of a test that it belongs to.
+    #[serde(flatten)]
+    pub at: At,
     /// The tensor: extrapolated from three sizes of voxels or tetrahedra where they show an order, and within Reuss and Voigt; of a
     /// label volume, the middle of its bounds.
     pub tensor: FluxTensor,
@@ -218,6 +235,8 @@ impl Medium for Packing<'_> {
     }
 }
 
+/// Name of the cracks among the phases of a result.
+pub(crate) const CRACK: &str = "crack";
 /// Grains of more than this many times the mortar's value are good conductors.
 const CONDUCTOR: f64 = 10.0;
 /// A shell that adds more than this many times its grain's own value is not shown: docs/effective.md.
@@ -255,13 +274,15 @@ pub(crate) struct Column<F> {
     pub(crate) error: f64,
     /// Bounds of the exact value along the gradient.
     pub(crate) bounds: Option<[f64; 2]>,
+    /// Most by which the value along the gradient exceeds the exact one, where neither bounds nor other sizes say it.
+    pub(crate) excess: Option<f64>,
     pub(crate) field: Option<F>,
 }
 
 impl<F> Column<F> {
     /// No part carries a flux along an axis.
     fn blocked(axis: usize) -> Self {
-        Self { axis, flux: [0.0; 3], iterations: 0, error: 0.0, bounds: Some([0.0; 2]), field: None }
+        Self { axis, flux: [0.0; 3], iterations: 0, error: 0.0, bounds: Some([0.0; 2]), excess: None, field: None }
     }
 }
 
@@ -333,7 +354,8 @@ impl Task<'_> {
         let mut flux = [0.0; 3];
         (0..3).for_each(|axis| flux[place(axis)] = mean[axis]);
         let bounds = self.medium.bounds(&flow, last, mean[axis]);
-        Ok(Column { axis: place(axis), flux, iterations: found.iterations, error: found.error, bounds, field })
+        let (iterations, error) = (found.iterations, found.error);
+        Ok(Column { axis: place(axis), flux, iterations, error, bounds, excess: None, field })
     }
 }
 
@@ -357,6 +379,9 @@ impl Effective {
         for column in columns.iter().filter(|column| column.bounds.is_some()) {
             by_bounds(&mut found, columns, column, &bounds);
         }
+        for column in columns.iter().filter(|column| column.excess.is_some()) {
+            by_excess(&mut found, columns, column, &bounds);
+        }
         let each = |of: &dyn Fn(Estimate) -> f64| {
             let entry = |row: usize, column: usize| {
                 let estimate = found[row][column]?.solved(solver_error, fine[column][column]?);
@@ -370,9 +395,11 @@ impl Effective {
         let (tensor, error) = (each(&|estimate| estimate.value), each(&|estimate| estimate.error));
         let coarse = coarser.first().copied().unwrap_or_default();
         let remedy = if sizes.show { resolution.remedy() } else { JOINED };
-        let warnings = warnings(what, &bounds, [&tensor, &error], remedy);
+        // Cracks have directions, and the bounds of Hashin and Shtrikman are those of an isotropic mixture.
+        let is_isotropic = phases.iter().all(|phase| phase.name != CRACK);
+        let warnings = warnings(what, (&bounds, is_isotropic), [&tensor, &error], remedy);
         let resolution = Resolution { iterations, solver_error, ..resolution };
-        Self { what, tensor, error, fine, coarse, bounds, phases, resolution, warnings }
+        Self { what, at: At::default(), tensor, error, fine, coarse, bounds, phases, resolution, warnings }
     }
 }
 
@@ -398,15 +425,32 @@ fn by_sizes(fine: &FluxTensor, coarser: &[FluxTensor], sizes: Sizes) -> Estimate
 /// Replaces the estimates of a column by those from its bounds. The deviation of a fine tensor from the exact one is a positive form,
 /// which limits entries off the diagonal by those on it (Cauchy and Schwarz).
 fn by_bounds<F>(found: &mut Estimates, columns: &[Column<F>], column: &Column<F>, of_all: &PropertyBounds) {
+    let off = |own: &Column<F>| Some(own.bounds?[1] - own.flux[own.axis]);
+    beside(found, columns, column, of_all, off);
+    found[column.axis][column.axis] = column.bounds.map(|[low, high]| Estimate::between(low, high));
+}
+
+/// Replaces the estimates of a column by those from the most by which it exceeds the exact value.
+fn by_excess<F>(found: &mut Estimates, columns: &[Column<F>], column: &Column<F>, of_all: &PropertyBounds) {
+    beside(found, columns, column, of_all, |own| own.excess);
+    let on_diagonal = |error| Estimate { value: column.flux[column.axis], error };
+    found[column.axis][column.axis] = column.excess.map(on_diagonal);
+}
+
+/// Replaces a column's estimates off the diagonal, by how far the values on it are `off`.
+fn beside<F>(
+    found: &mut Estimates,
+    columns: &[Column<F>],
+    column: &Column<F>,
+    of_all: &PropertyBounds,
+    off: impl Fn(&Column<F>) -> Option<f64>,
+) {
     let off = |axis: usize| {
         let own = columns.iter().find(|column| column.axis == axis);
-        own.and_then(|own| Some(own.bounds?[1] - own.flux[axis])).unwrap_or(of_all.voigt).max(0.0)
+        own.and_then(&off).unwrap_or(of_all.voigt).max(0.0)
     };
-    for (row, found) in found.iter_mut().enumerate() {
-        found[column.axis] = column.bounds.map(|[low, high]| match row {
-            row if row == column.axis => Estimate::between(low, high),
-            row => Estimate { value: column.flux[row], error: (off(row) * off(column.axis)).sqrt() },
-        });
+    for (row, found) in found.iter_mut().enumerate().filter(|(row, _)| *row != column.axis) {
+        found[column.axis] = Some(Estimate { value: column.flux[row], error: (off(row) * off(column.axis)).sqrt() });
     }
 }
 
@@ -421,7 +465,12 @@ fn tensor<F>(columns: &[Column<F>]) -> FluxTensor {
 /// An error above this share of an entry on the diagonal is worth a warning.
 const LARGE: f64 = 0.02;
 
-fn warnings(what: Property, bounds: &PropertyBounds, [tensor, error]: [&FluxTensor; 2], remedy: &str) -> Vec<String> {
+fn warnings(
+    what: Property,
+    (bounds, is_isotropic): (&PropertyBounds, bool),
+    [tensor, error]: [&FluxTensor; 2],
+    remedy: &str,
+) -> Vec<String> {
     let found = |axis: usize| Some((["x", "y", "z"][axis], tensor[axis][axis]?, error[axis][axis]?));
     let found: Vec<(&str, f64, f64)> = (0..3).filter_map(found).collect();
     let large = found.iter().filter(|(_, value, error)| *error > LARGE * value);
@@ -429,6 +478,9 @@ fn warnings(what: Property, bounds: &PropertyBounds, [tensor, error]: [&FluxTens
     let along = axes.join(", ");
     let large = format!("the error along {along} is above {} %; {remedy}", 100.0 * LARGE);
     let remark = |(axis, value, error): &(&str, f64, f64)| {
+        if !is_isotropic {
+            return None;
+        }
         bounds.remark(&format!("{} along {axis}", what.name()), *value, *error, remedy)
     };
     (!axes.is_empty()).then_some(large).into_iter().chain(found.iter().filter_map(remark)).collect()

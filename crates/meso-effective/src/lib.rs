@@ -42,7 +42,7 @@ mod tetrahedra;
 
 pub use boundary::Boundary;
 pub use bounds::PropertyBounds;
-pub use effective::{Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
+pub use effective::{At, Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
 pub use elastic::{
     ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, StressField, stiffness,
 };
@@ -53,4 +53,6 @@ pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};
 pub use resolution::Resolution;
 pub use surfaces::ByPhase;
-pub use tetrahedra::{MeshField, effective_in_tetrahedra, stiffness_in_tetrahedra};
+pub use tetrahedra::{
+    CrackValues, Cracked, MeshField, effective_in_cracks, effective_in_tetrahedra, stiffness_in_tetrahedra,
+};

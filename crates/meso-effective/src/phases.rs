@@ -15,6 +15,8 @@ pub enum Property {
     Diffusivity,
     /// Conduction of heat, W/(m K).
     Conductivity,
+    /// Flow of water under pressure, mm2.
+    Permeability,
 }
 
 /// Value of each phase, in one unit; mortar must conduct.
@@ -28,6 +30,8 @@ pub struct Phases {
     pub diffusivity: GivenValues,
     /// Conductivities, W/(m K).
     pub conductivity: GivenValues,
+    /// Permeabilities, mm2.
+    pub permeability: GivenValues,
     /// Elastic constants.
     pub stiffness: PhaseModuli,
 }
@@ -41,6 +45,7 @@ impl Phases {
         let GivenValues { mortar, aggregate, itz, void, fibre, own } = match property {
             Property::Diffusivity => &self.diffusivity,
             Property::Conductivity => &self.conductivity,
+            Property::Permeability => &self.permeability,
         };
         let usual = PhaseValues::of_property(property);
         let mortar = mortar.unwrap_or(usual.mortar);
@@ -68,6 +73,8 @@ impl PhaseValues {
             Property::Conductivity => {
                 Self { mortar: 1.5, aggregate: 3.0, itz: 1.5, void: 0.025, fibre: 50.0, own: BTreeMap::new() }
             }
+            // 1e-17 m2.
+            Property::Permeability => Self { mortar: 1e-11, itz: 1e-11, ..Self::default() },
         }
     }
 

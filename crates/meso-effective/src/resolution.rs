@@ -32,6 +32,11 @@ impl Resolution {
         Self { voxels: Some(counts), voxel_size_mm: Some(spacing), ..Self::new(boundary) }
     }
 
+    /// Tetrahedra of a mesh from elsewhere.
+    pub(crate) fn of_mesh(boundary: [&'static str; 3], count: usize) -> Self {
+        Self { elements: Some(count), ..Self::new(boundary) }
+    }
+
     /// Tetrahedra of a specimen.
     pub(crate) fn of_tetrahedra(boundary: [&'static str; 3], count: usize, size: f64) -> Self {
         Self { elements: Some(count), element_size_mm: Some(size), ..Self::new(boundary) }

@@ -153,8 +153,11 @@ fn write_resolution(of: &Resolution, out: &mut dyn Write) -> io::Result<()> {
     if let Some([x, y, z]) = of.voxels {
         write!(out, "{x} x {y} x {z} voxels")?;
     }
-    if let (Some(count), Some(size)) = (of.elements, of.element_size_mm) {
-        write!(out, "{count} tetrahedra of {size} mm")?;
+    if let Some(count) = of.elements {
+        write!(out, "{count} tetrahedra")?;
+    }
+    if let Some(size) = of.element_size_mm {
+        write!(out, " of {size} mm")?;
     }
     let [x, y, z] = of.boundary;
     writeln!(out, "; ends of x, y, z: {x}, {y}, {z}.</p>")
@@ -395,6 +398,7 @@ impl Property {
         match self {
             Self::Diffusivity => "diffusivity",
             Self::Conductivity => "conductivity",
+            Self::Permeability => "permeability",
         }
     }
 
@@ -402,6 +406,7 @@ impl Property {
         match self {
             Self::Diffusivity => "Diffusivity",
             Self::Conductivity => "Conductivity",
+            Self::Permeability => "Permeability",
         }
     }
 
@@ -409,6 +414,7 @@ impl Property {
         match self {
             Self::Diffusivity => ", in the unit of the phases",
             Self::Conductivity => ", W/(m K)",
+            Self::Permeability => ", mm2",
         }
     }
 }

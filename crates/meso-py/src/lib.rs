@@ -9,6 +9,7 @@ mod arrays;
 mod beside;
 mod boundary;
 mod command;
+mod effective;
 mod files;
 mod gjk;
 mod mesh;

@@ -105,19 +105,22 @@ pub(crate) fn to_model(py: Python<'_>, model: &[u8], report: &str) -> PyResult<M
     Ok(Model { report: from_json(report)?, ..read })
 }
 
-/// Fields of a moment: the moment, displacements, stresses, three kinds of damage, openings and factors of strengths.
-pub(crate) type Fields<'py> = (String, [PyReadonlyArray1<'py, f32>; 7]);
+/// Fields of a moment: the moment, displacements, stresses, strains of cracks, three kinds of damage, openings, shares of
+/// the stiffness, and factors of strengths.
+pub(crate) type Fields<'py> = (String, [PyReadonlyArray1<'py, f32>; 9]);
 
 pub(crate) fn of_snapshot<'py>(py: Python<'py>, fields: &Snapshot) -> PyResult<Bound<'py, PyTuple>> {
-    let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
-    let Snapshot { damage, tension, compression, opening_mm, strength, .. } = fields;
-    let narrow = [damage, tension, compression, opening_mm, strength].map(Vec::as_slice);
-    let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
+    let six = [&fields.stress, &fields.crack_strain].map(|six| six.as_flattened());
+    let Snapshot { damage, tension, compression, opening_mm, stiffness_left, strength, .. } = fields;
+    let narrow = [damage, tension, compression, opening_mm, stiffness_left, strength].map(Vec::as_slice);
+    let wide = std::iter::once(fields.displacement.as_flattened()).chain(six);
+    let arrays: Vec<_> = wide.chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
     (json(&fields.moment)?, arrays).into_pyobject(py)
 }
 
 pub(crate) fn to_snapshot(mesh: &Mesh, (moment, fields): Fields<'_>) -> PyResult<Snapshot> {
-    let [displacement, stress, damage, tension, compression, opening_mm, strength] = fields.map(|array| vector(&array));
+    let [displacement, stress, strain, damage, tension, compression, opening_mm, left, strength] =
+        fields.map(|array| vector(&array));
     let snapshot = Snapshot {
         moment: from_json(&moment)?,
         displacement: displacement?.as_chunks().0.to_vec(),
@@ -127,10 +130,14 @@ pub(crate) fn to_snapshot(mesh: &Mesh, (moment, fields): Fields<'_>) -> PyResult
         compression: compression?,
         opening_mm: opening_mm?,
         strength: strength?,
+        stiffness_left: left?,
+        crack_strain: strain?.as_chunks().0.to_vec(),
     };
-    let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
+    let Snapshot { damage, tension, compression, opening_mm, stiffness_left, .. } = &snapshot;
+    let cells = [damage, tension, compression, opening_mm, stiffness_left];
+    let six = [&snapshot.stress, &snapshot.crack_strain];
     let fits = snapshot.displacement.len() == mesh.points.len()
-        && snapshot.stress.len() == mesh.cell_count()
+        && six.iter().all(|values| values.len() == mesh.cell_count())
         && [0, mesh.cell_count()].contains(&snapshot.strength.len())
         && cells.iter().all(|values| values.len() == mesh.cell_count());
     if fits { Ok(snapshot) } else { Err(damaged("its fields do not fit its mesh")) }

@@ -2,12 +2,13 @@
 
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};
-use crate::files;
 use crate::pickle::{self, Fields};
 use crate::run::{Broken, Terms, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
+use crate::{effective, files};
+use meso_ask::FramePick;
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
@@ -355,6 +356,75 @@ impl PyResponse {
         call_view("frame_to_pyvista", &frame, None)
     }
 
+    /// Effective diffusivity, conductivity or permeability of the cracked specimen in a frame, with its error.
+    ///
+    /// Cracks are layers of the opening that the frame has, on the mesh of the test. Each axis has given values at its ends;
+    /// the other sides are insulated.
+    ///
+    /// Parameters
+    /// ----------
+    /// frame : {"peak", "last", "all"}, int or float
+    ///     The frame of the largest stress, the end, or all frames; a frame's number from 1; or the strain that it is nearest to.
+    /// what : {"diffusivity", "conductivity", "permeability", "all"}
+    ///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
+    /// phases : mapping, optional
+    ///     Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; see `Packing.effective`.
+    /// axes : str
+    ///     Axes of the gradient, some of x, y, z; each takes a solution.
+    /// crack_diffusivity : float, optional
+    ///     Diffusivity of what fills the cracks, in the unit of the phases; 200 times the mortar's if omitted.
+    /// crack_conductivity : float, optional
+    ///     Conductivity of what fills the cracks, W/(m K); 0.6, of water, if omitted.
+    /// crack_roughness : float, optional
+    ///     Permeability of the cracks over that of smooth ones, whose opening w gives w^2/12; 1 if omitted.
+    /// tolerance : float, optional
+    ///     Error of the equations, over the result; 1e-9 if omitted.
+    /// progress : bool or callable, optional
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+    ///     the work ends with a `RuntimeError`.
+    ///
+    /// Returns
+    /// -------
+    /// Effective
+    ///     See `Packing.effective`; it also has `frame`, `strain` and `stress_mpa`. Of all frames, a list.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     Names the option, its value and the accepted range; a test without frames, or without such a one.
+    /// RuntimeError
+    ///     Where the equations do not converge.
+    #[pyo3(signature = (frame=None, what="diffusivity", *, phases=None, axes="xyz", crack_diffusivity=None, crack_conductivity=None, crack_roughness=None, tolerance=None, progress=None), text_signature = "($self, frame=\"peak\", what=\"diffusivity\", *, phases=None, axes=\"xyz\", crack_diffusivity=None, crack_conductivity=None, crack_roughness=None, tolerance=None, progress=None)")]
+    #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn effective<'py>(
+        &self,
+        py: Python<'py>,
+        frame: Option<&Bound<'py, PyAny>>,
+        what: &str,
+        phases: Option<&Bound<'py, PyAny>>,
+        axes: &str,
+        crack_diffusivity: Option<&Bound<'py, PyAny>>,
+        crack_conductivity: Option<&Bound<'py, PyAny>>,
+        crack_roughness: Option<&Bound<'py, PyAny>>,
+        tolerance: Option<&Bound<'py, PyAny>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let given = [
+            ("frame", frame),
+            ("phases", phases),
+            ("crack_diffusivity", crack_diffusivity),
+            ("crack_conductivity", crack_conductivity),
+            ("crack_roughness", crack_roughness),
+            ("tolerance", tolerance),
+        ];
+        let ask = effective::asked(&[("what", what), ("axes", axes)], &given)?;
+        let Tested { mesh, response, frames, last, .. } = &*self.0;
+        // The end needs no frames that were asked for.
+        let end: Vec<_> = last.iter().map(Arc::clone).collect();
+        let frames = if ask.frame == Some(FramePick::Last) { &end } else { frames };
+        effective::in_frames(py, &ask, (response, mesh), frames, progress)
+    }
+
     /// Writes `curve.csv`, `result.json`, `frames.pvd` with a `.vtu` for each frame, and `result.html`, all or none.
     ///
     /// Parameters
@@ -468,6 +538,19 @@ impl PyFrame {
     #[getter]
     fn crack_opening_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         PyArray1::from_slice(py, &self.1.opening_mm)
+    }
+
+    /// Strain of the cracks in every cell, xx yy zz xy yz zx: ndarray, shape (m, 6), float32; openings over the width of the
+    /// band, along the cracks' normals; a copy.
+    #[getter]
+    fn crack_strain<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        rows(py, &self.1.crack_strain)
+    }
+
+    /// Share of the stiffness with which every cell unloads, 0 to 1: ndarray, shape (m,), float32; a copy.
+    #[getter]
+    fn stiffness_left<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, &self.1.stiffness_left)
     }
 
     /// Factor of the strengths in every cell, 1 where they do not scatter: ndarray, shape (m,), float32; a copy.

@@ -42,6 +42,8 @@ pub struct LabelPhases {
     pub diffusivity: BTreeMap<String, f64>,
     /// Conductivities, W/(m K).
     pub conductivity: BTreeMap<String, f64>,
+    /// Permeabilities, mm2.
+    pub permeability: BTreeMap<String, f64>,
     /// Elastic constants.
     pub stiffness: BTreeMap<String, GivenModuli>,
 }
@@ -83,6 +85,7 @@ impl LabelPhases {
         let given = match property {
             Property::Diffusivity => &self.diffusivity,
             Property::Conductivity => &self.conductivity,
+            Property::Permeability => &self.permeability,
         };
         let ranges = Ranges(property.name());
         let named = || {
@@ -90,7 +93,12 @@ impl LabelPhases {
             for (name, value) in given {
                 *values.phase_mut(name).ok_or_else(|| unknown(property.name(), name))? = Some(*value);
             }
-            let phases = Phases { diffusivity: values.clone(), conductivity: values, ..Phases::default() };
+            let phases = Phases {
+                diffusivity: values.clone(),
+                conductivity: values.clone(),
+                permeability: values,
+                ..Phases::default()
+            };
             let values = phases.values(property);
             values.validate(property, PhaseNames::COMMON)?;
             Ok(Phase::ALL.map(|phase| values.of(phase, PhaseNames::COMMON)).to_vec())

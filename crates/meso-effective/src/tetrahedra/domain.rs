@@ -111,6 +111,17 @@ impl Domain {
         [0, 1, 2].map(|corner| nodes[corners[corner]])
     }
 
+    /// The cell beyond the face opposite a corner.
+    pub(super) fn beyond(&self, cell: usize, corner: usize) -> Option<usize> {
+        let mut face = self.nodes(cell).into_iter().enumerate().filter(|(at, _)| *at != corner).map(|(_, node)| node);
+        let [a, b, c] = [face.next()?, face.next()?, face.next()?];
+        let has_face = |other: &usize| {
+            let nodes = self.nodes(*other);
+            *other != cell && nodes.contains(&b) && nodes.contains(&c)
+        };
+        self.corners(a as u32).map(|(other, _)| other).find(has_face)
+    }
+
     pub(super) fn cell(&self, cell: usize) -> Tetrahedron {
         let [a, b, c, d] = self.nodes(cell).map(|node| self.mesh.points[node]);
         let (b, c, d) = (b - a, c - a, d - a);

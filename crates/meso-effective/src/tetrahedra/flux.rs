@@ -42,7 +42,8 @@ pub fn effective_in_tetrahedra<'a>(
     let stages = options.axes.iter().filter(|axis| is_flux || **axis).count();
     let solve = |domain: &Domain, is_fine: bool| {
         let (fields, stages) = if is_fine { (options.fields, stages) } else { (false, 0) };
-        Task { conduction: Conduction::new(domain, &meshed, &values, &names), options, fields, watch, stages }.columns()
+        let conduction = Conduction::new(domain, &meshed, &values, &names);
+        Task { conduction, options, fields, shows_excess: false, watch, stages }.columns()
     };
     let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
     let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
@@ -83,8 +84,8 @@ fn has_ends(specimen: &Specimen, axes: [bool; 3]) -> Result<(), EffectiveError> 
 pub(super) struct Conduction<'a> {
     pub(super) domain: &'a Domain,
     /// Number of every cell's tensor.
-    of: Vec<u32>,
-    tensors: Vec<Mat3>,
+    pub(super) of: Vec<u32>,
+    pub(super) tensors: Vec<Mat3>,
 }
 
 impl<'a> Conduction<'a> {
@@ -106,7 +107,7 @@ impl<'a> Conduction<'a> {
         all
     }
 
-    fn tensor(&self, cell: usize) -> &Mat3 {
+    pub(super) fn tensor(&self, cell: usize) -> &Mat3 {
         &self.tensors[self.of[cell] as usize]
     }
 
@@ -134,7 +135,7 @@ impl<'a> Conduction<'a> {
     }
 
     /// Gradient in a cell, for a `given` one and the potential's.
-    fn gradient(&self, cell: usize, given: &Vec3, of: &[u32], potential: &[f64]) -> Vec3 {
+    pub(super) fn gradient(&self, cell: usize, given: &Vec3, of: &[u32], potential: &[f64]) -> Vec3 {
         let (nodes, Tetrahedron { gradients, .. }) = (self.domain.nodes(cell), self.domain.cell(cell));
         let mut sum = *given;
         for (node, gradient) in nodes.into_iter().zip(gradients).filter(|(node, _)| of[*node] != GIVEN) {
@@ -196,14 +197,16 @@ pub(super) struct Task<'a> {
     pub(super) conduction: Conduction<'a>,
     pub(super) options: &'a EffectiveOptions,
     pub(super) fields: bool,
-    watch: &'a dyn Watch,
+    /// Whether the error follows from each solution alone.
+    pub(super) shows_excess: bool,
+    pub(super) watch: &'a dyn Watch,
     /// Solutions that are reported as progress.
-    stages: usize,
+    pub(super) stages: usize,
 }
 
 impl Task<'_> {
     /// The solutions along the axes asked for. Axes with the same conditions share their equations.
-    fn columns(&self) -> Result<Vec<Column<CellValues>>, EffectiveError> {
+    pub(super) fn columns(&self) -> Result<Vec<Column<CellValues>>, EffectiveError> {
         let domain = self.conduction.domain;
         let mut columns = Vec::new();
         let groups = match self.options.boundary {
@@ -248,7 +251,8 @@ impl Task<'_> {
         let found = self.solve(graph, sources, Energy::falling(energy), done)?;
         let flux = conduction.mean(&unknowns.of, axis, &found.potential);
         let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &unit(axis), &found.potential));
-        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, bounds: None, field })
+        let excess = self.shows_excess.then(|| conduction.excess(&unknowns.of, axis, &found.potential));
+        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, bounds: None, excess, field })
     }
 
     /// Solution number `done`.
@@ -265,6 +269,6 @@ impl Task<'_> {
 }
 
 /// A unit gradient.
-fn unit(axis: usize) -> Vec3 {
+pub(super) fn unit(axis: usize) -> Vec3 {
     Vec3::from_fn(|row, _| f64::from(u8::from(row == axis)))
 }

@@ -41,6 +41,7 @@ impl Task<'_> {
                 iterations: found.iterations,
                 error: found.error,
                 bounds: None,
+                excess: None,
                 field,
             });
         }

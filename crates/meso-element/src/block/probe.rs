@@ -23,6 +23,12 @@ pub struct Point {
     pub stored: f32,
     /// Factor of its strengths over their mean.
     pub strength: f32,
+    /// Share of its stiffness with which it unloads, 0 to 1.
+    pub stiffness_left: f32,
+    /// Width of its crack band, mm.
+    pub width_mm: f32,
+    /// Plastic strain, xx yy zz xy yz zx with engineering shears; 0 of a law without memory.
+    pub plastic: [f32; 6],
 }
 
 /// The cell or patch of a point, by its number.
@@ -132,6 +138,12 @@ fn answer<L: Lanes, W: Law<L>>(
     let damage = L::select(weakened, state.weakened, L::splat(1.0) - response.integrity);
     let [damage, tension, compression, opening, stored] =
         eights([damage, state.tension, state.compression, state.opening, state.stored]);
+    let [left, width] = eights([response.integrity, width]);
+    // Every history begins with the plastic strain.
+    let plastic = match history.as_ref() {
+        &[xx, yy, zz, xy, yz, zx, ..] => eights([xx, yy, zz, xy, yz, zx]),
+        _ => [Octet::default(); 6],
+    };
     std::array::from_fn(|lane| Point {
         stress: stress.map(|s| s.0[lane]),
         damage: damage.0[lane],
@@ -140,6 +152,9 @@ fn answer<L: Lanes, W: Law<L>>(
         opening_mm: opening.0[lane],
         stored: stored.0[lane],
         strength: 1.0 + strength.0[lane],
+        stiffness_left: left.0[lane],
+        width_mm: width.0[lane],
+        plastic: plastic.map(|strain| strain.0[lane]),
     })
 }
 

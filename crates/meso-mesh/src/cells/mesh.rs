@@ -61,6 +61,15 @@ impl CellKind {
         }
     }
 
+    /// The tetrahedra that make up a cell, by its corners; a box has six around the diagonal from its first corner. Boxes of a grid
+    /// share the diagonals of their faces.
+    pub fn tetrahedra(self) -> &'static [[usize; 4]] {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => &[[0, 1, 2, 3]],
+            Self::Hexahedron => &[[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]],
+        }
+    }
+
     /// The faces' corners, then the middle nodes of their edges, the first edge's first; as positions in the cell.
     pub fn face_nodes(self) -> &'static [&'static [usize]] {
         match self {

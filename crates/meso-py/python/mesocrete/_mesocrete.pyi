@@ -383,7 +383,7 @@ class Packing:
     @overload
     def effective(
         self,
-        what: Literal["diffusivity", "conductivity"] = "diffusivity",
+        what: Literal["diffusivity", "conductivity", "permeability"] = "diffusivity",
         *,
         voxel_size: float | None = None,
         method: Literal["voxel", "lattice"] = "voxel",
@@ -395,12 +395,12 @@ class Packing:
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> Effective:
-        """Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
+        """Effective diffusivity, conductivity, permeability or stiffness, with its error, on exact voxels or on tetrahedra.
 
         Parameters
         ----------
-        what : {"diffusivity", "conductivity", "stiffness", "all"}
-            The property. For all, `phases` has a mapping for each, and a list of three is returned.
+        what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+            The property. All are diffusivity, conductivity and stiffness. For all, `phases` has a mapping for each, and a list of three is returned.
         voxel_size : float, optional
             Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
         method : {"voxel", "lattice"}
@@ -409,8 +409,8 @@ class Packing:
             Edge of the tetrahedra, mm; a quarter of the smallest grain if omitted.
         phases : mapping, optional
             Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
-            the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
-            For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
+            the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K), for permeability 1e-11, 0, the
+            mortar's, 0, 0 mm2. For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
         eigenstrain : mapping, optional
             Strains without stress of the phases by name, for stiffness: shrinkage is negative.
         axes : str
@@ -1034,6 +1034,88 @@ class Response:
             Where there is no such frame; ask for `frames` when solving.
         """
 
+    @overload
+    def effective(
+        self,
+        frame: Literal["peak", "last"] | float = "peak",
+        what: Literal["diffusivity", "conductivity", "permeability"] = "diffusivity",
+        *,
+        phases: Mapping[str, float] | None = None,
+        axes: str = "xyz",
+        crack_diffusivity: float | None = None,
+        crack_conductivity: float | None = None,
+        crack_roughness: float | None = None,
+        tolerance: float | None = None,
+        progress: bool | Callable[..., object] | None = None,
+    ) -> Effective:
+        """Effective diffusivity, conductivity or permeability of the cracked specimen in a frame, with its error.
+
+        Cracks are layers of the opening that the frame has, on the mesh of the test. Each axis has given values at its ends;
+        the other sides are insulated.
+
+        Parameters
+        ----------
+        frame : {"peak", "last", "all"}, int or float
+            The frame of the largest stress, the end, or all frames; a frame's number from 1; or the strain that it is nearest to.
+        what : {"diffusivity", "conductivity", "permeability", "all"}
+            The property. For all, `phases` has a mapping for each, and a list of three is returned.
+        phases : mapping, optional
+            Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; see `Packing.effective`.
+        axes : str
+            Axes of the gradient, some of x, y, z; each takes a solution.
+        crack_diffusivity : float, optional
+            Diffusivity of what fills the cracks, in the unit of the phases; 200 times the mortar's if omitted.
+        crack_conductivity : float, optional
+            Conductivity of what fills the cracks, W/(m K); 0.6, of water, if omitted.
+        crack_roughness : float, optional
+            Permeability of the cracks over that of smooth ones, whose opening w gives w^2/12; 1 if omitted.
+        tolerance : float, optional
+            Error of the equations, over the result; 1e-9 if omitted.
+        progress : bool or callable, optional
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            the work ends with a `RuntimeError`.
+
+        Returns
+        -------
+        Effective
+            See `Packing.effective`; it also has `frame`, `strain` and `stress_mpa`. Of all frames, a list.
+
+        Raises
+        ------
+        ValueError, TypeError
+            Names the option, its value and the accepted range; a test without frames, or without such a one.
+        RuntimeError
+            Where the equations do not converge.
+        """
+
+    @overload
+    def effective(
+        self,
+        frame: Literal["all"],
+        what: Literal["diffusivity", "conductivity", "permeability", "all"] = "diffusivity",
+        *,
+        phases: Mapping[str, object] | None = None,
+        axes: str = "xyz",
+        crack_diffusivity: float | None = None,
+        crack_conductivity: float | None = None,
+        crack_roughness: float | None = None,
+        tolerance: float | None = None,
+        progress: bool | Callable[..., object] | None = None,
+    ) -> list[Effective]: ...
+    @overload
+    def effective(
+        self,
+        frame: Literal["peak", "last", "all"] | float = "peak",
+        *,
+        what: Literal["all"],
+        phases: Mapping[str, object] | None = None,
+        axes: str = "xyz",
+        crack_diffusivity: float | None = None,
+        crack_conductivity: float | None = None,
+        crack_roughness: float | None = None,
+        tolerance: float | None = None,
+        progress: bool | Callable[..., object] | None = None,
+    ) -> list[Effective]: ...
     def write(self, folder: _Path, *, overwrite: bool = True) -> None:
         """Writes `curve.csv`, `result.json`, `frames.pvd` with a `.vtu` for each frame, and `result.html`, all or none.
 
@@ -1094,6 +1176,16 @@ class Frame:
     @property
     def crack_opening_mm(self) -> NDArray[np.float32]:
         """Opening of the crack in every cell: ndarray, shape (m,), float32, mm; a copy."""
+
+    @property
+    def crack_strain(self) -> NDArray[np.float32]:
+        """Strain of the cracks in every cell, xx yy zz xy yz zx: ndarray, shape (m, 6), float32; openings over the width of the
+        band, along the cracks' normals; a copy.
+        """
+
+    @property
+    def stiffness_left(self) -> NDArray[np.float32]:
+        """Share of the stiffness with which every cell unloads, 0 to 1: ndarray, shape (m,), float32; a copy."""
 
     @property
     def strength_factor(self) -> NDArray[np.float32]:
@@ -1179,7 +1271,7 @@ def pack(
 @overload
 def effective(
     labels: ArrayLike,
-    what: Literal["diffusivity", "conductivity"] = "diffusivity",
+    what: Literal["diffusivity", "conductivity", "permeability"] = "diffusivity",
     *,
     voxel_size: float | Sequence[float] | None = None,
     phases: Mapping[int, float] | Mapping[str, float] | None = None,
@@ -1190,7 +1282,7 @@ def effective(
     executor: None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Effective:
-    """Effective diffusivity, conductivity or stiffness of a label volume, with its error.
+    """Effective diffusivity, conductivity, permeability or stiffness of a label volume, with its error.
 
     Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
     volume of every second voxel, since labels have errors of first order.

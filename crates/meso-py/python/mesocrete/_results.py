@@ -516,6 +516,17 @@ class Resolution(TypedDict):
     """Largest error of the equations, over the result."""
 
 
+class At(TypedDict):
+    """A moment of a test, if a result belongs to one."""
+
+    frame: NotRequired[int | None]
+    """Number of the frame, from 1; 0 is the end of a test in memory."""
+    strain: NotRequired[float | None]
+    """Mean axial strain, positive in the test's sense."""
+    stress_mpa: NotRequired[float | None]
+    """Stress, positive in the test's sense, MPa."""
+
+
 class PhaseShare(TypedDict):
     """A phase in the result."""
 
@@ -527,7 +538,7 @@ class PhaseShare(TypedDict):
     """Its exact volume over the specimen's."""
 
 
-class Effective(Resolution):
+class Effective(Resolution, At):
     """An effective property."""
 
     what: str

@@ -873,18 +873,29 @@ class SolveOptions(TypedDict, total=False):
 EffectiveAxes = str
 
 
+EffectiveFramePick = str | float
+
+
 EffectivePhasesGiven = str | dict[str, object]
 
 
 class EffectiveOptions(TypedDict, total=False):
-    """Effective diffusivity, conductivity and stiffness, each with its error."""
+    """Effective diffusivity, conductivity, permeability and stiffness, each with its error."""
 
     axes: EffectiveAxes
     """Axes of the gradient; each takes a solution. Stiffness always has all"""
     boundary: Literal["fixed", "uniform-gradient", "uniform-flux"]
     """Conditions at walls: fixed, given potentials at the ends of the gradient and insulated sides; uniform-gradient, an upper estimate, or uniform-flux, a lower one, in tetrahedra"""
+    crack_conductivity: float | None
+    """Conductivity of what fills the cracks of a frame, W/(m K) [default: 0.6, of water]"""
+    crack_diffusivity: float | None
+    """Diffusivity of what fills the cracks of a frame, in the unit of the phases [default: 200 times the mortar's, as of chloride in water]"""
+    crack_roughness: float | None
+    """Permeability of the cracks of a frame over that of smooth ones, whose opening w gives w^2/12 [default: 1]"""
     eigenstrain: dict[str, object]
     """Strains without stress of the phases, which expand or shrink the specimen, as in mortar=-4e-4,itz=-4e-4"""
+    frame: EffectiveFramePick | None
+    """Frame of a test: peak, last, all, its number from 1, or the strain that it is nearest to [default: peak]"""
     method: Literal["voxel", "lattice", "conforming"]
     """Division of a model: voxel, or lattice, tetrahedra whose faces follow the aggregates"""
     no_fields: bool
@@ -892,10 +903,10 @@ class EffectiveOptions(TypedDict, total=False):
     periodic: EffectiveAxes | None
     """Axes along which a label volume repeats itself; without, it has walls"""
     phases: EffectivePhasesGiven | None
-    """Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate, itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too, as in 0 = 1.0"""
+    """Values of the phases: a TOML file with the tables [diffusivity], [conductivity] and [permeability], each with mortar, aggregate, itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50 W/(m K); permeability 1e-11, 0, 1e-11, 0, 0 mm2], and with tables such as [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too, as in 0 = 1.0"""
     tolerance: float | None
     """Error of the equations, over the result, beside that of the voxels [default: 1e-9; of stiffness 1e-12]"""
-    what: Literal["diffusivity", "conductivity", "stiffness", "all"]
+    what: Literal["diffusivity", "conductivity", "stiffness", "permeability", "all"]
     """Property"""
 
 

@@ -364,6 +364,8 @@ def frame_to_pyvista(frame: Any) -> Any:
     grid.cell_data["damage_compression"] = frame.damage_compression
     grid.cell_data["crack_opening_mm"] = frame.crack_opening_mm
     grid.cell_data["stress_mpa"] = frame.stress
+    grid.cell_data["stiffness_left"] = frame.stiffness_left
+    grid.cell_data["crack_strain"] = frame.crack_strain
     if (frame.strength_factor != 1).any():
         grid.cell_data["strength_factor"] = frame.strength_factor
     grid.cell_data["phase"] = frame.phase

@@ -1,8 +1,8 @@
 //! `from_labels`: the grains of a label volume as a packing.
 
 use super::PyPacking;
-use super::effective::{spacing, volume};
 use crate::boundary::{accept_in_memory, guard, wrong_value};
+use crate::effective::{spacing, volume};
 use crate::files;
 use crate::run::{Plan, in_stages, listener};
 use meso_ask::Giver;

@@ -2,14 +2,13 @@
 
 mod aggregates;
 mod by_spec;
-mod effective;
 mod image;
 mod imported;
 mod table;
 
+pub(crate) use crate::effective::of_labels;
 pub(crate) use aggregates::PyAggregates;
 pub(crate) use by_spec::pack;
-pub(crate) use effective::of_labels;
 pub(crate) use imported::from_labels;
 
 use crate::aggregate::{PyAggregate, inclusions};
@@ -288,12 +287,12 @@ impl PyPacking {
         })
     }
 
-    /// Effective diffusivity, conductivity or stiffness, with its error, on exact voxels or on tetrahedra.
+    /// Effective diffusivity, conductivity, permeability or stiffness, with its error, on exact voxels or on tetrahedra.
     ///
     /// Parameters
     /// ----------
-    /// what : {"diffusivity", "conductivity", "stiffness", "all"}
-    ///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
+    /// what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+    ///     The property. All are diffusivity, conductivity and stiffness. For all, `phases` has a mapping for each, and a list of three is returned.
     /// voxel_size : float, optional
     ///     Edge of a voxel, mm; by default an eighth of the smallest grain. The error follows from voxels of twice the size.
     /// method : {"voxel", "lattice"}
@@ -302,8 +301,8 @@ impl PyPacking {
     ///     Edge of the tetrahedra, mm; a quarter of the smallest grain if omitted.
     /// phases : mapping, optional
     ///     Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; omitted ones keep their defaults: for diffusivity 1, 0,
-    ///     the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K).
-    ///     For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
+    ///     the mortar's, 0, 0, for conductivity 1.5, 3, the mortar's, 0.025, 50 W/(m K), for permeability 1e-11, 0, the
+    ///     mortar's, 0, 0 mm2. For stiffness, each phase has a mapping of `youngs_modulus_mpa`, `poisson_ratio`, `eigenstrain`.
     /// eigenstrain : mapping, optional
     ///     Strains without stress of the phases by name, for stiffness: shrinkage is negative.
     /// axes : str
@@ -350,7 +349,7 @@ impl PyPacking {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let names = [("what", what), ("method", method), ("axes", axes), ("boundary", boundary)];
-        let ask = effective::asked(
+        let ask = crate::effective::asked(
             &names,
             &[
                 ("voxel_size_mm", voxel_size),
@@ -360,7 +359,7 @@ impl PyPacking {
                 ("tolerance", tolerance),
             ],
         )?;
-        effective::compute(py, &self.0, &ask, progress)
+        crate::effective::compute(py, &self.0, &ask, progress)
     }
 
     /// Phases, ids, shares or distances at every voxel of the specimen, or of a box in it.

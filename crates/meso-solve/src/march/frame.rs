@@ -134,5 +134,8 @@ impl Mean for Point {
         self.opening_mm.add(&other.opening_mm, share);
         self.stored.add(&other.stored, share);
         self.strength.add(&other.strength, share);
+        self.stiffness_left.add(&other.stiffness_left, share);
+        self.width_mm.add(&other.width_mm, share);
+        self.plastic.add(&other.plastic, share);
     }
 }

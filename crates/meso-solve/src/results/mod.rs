@@ -2,6 +2,7 @@
 //!
 //! Both fronts, the command and Python, write the same [`ResultFile`]s of one [`Outcome`]; files are theirs.
 
+mod layers;
 mod page;
 mod png;
 mod section;
@@ -9,6 +10,7 @@ mod shots;
 mod snapshot;
 
 pub use meso_view::vtk::Still;
+pub use meso_view::vtk::mesh::Unread;
 pub use shots::{Shooting, Shot, Taken};
 pub use snapshot::{Moment, Snapshot};
 

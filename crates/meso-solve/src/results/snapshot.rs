@@ -1,9 +1,10 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
+use super::layers;
 use crate::march::{Ended, Frame, Mean, Run};
 use meso_mesh::Mesh;
 use meso_view::vtk::Still;
-use meso_view::vtk::mesh::{self as vtu_mesh, Field};
+use meso_view::vtk::mesh::{self as vtu_mesh, Field, Unread};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
@@ -62,6 +63,10 @@ pub struct Snapshot {
     pub opening_mm: Vec<f32>,
     /// Factor of the strengths in every cell; empty where they do not scatter.
     pub strength: Vec<f32>,
+    /// Share of the stiffness with which every cell unloads, 0 to 1.
+    pub stiffness_left: Vec<f32>,
+    /// Strain of its cracks in every cell, xx yy zz xy yz zx: openings over distances, along the cracks' normals.
+    pub crack_strain: Vec<[f32; 6]>,
 }
 
 impl Snapshot {
@@ -71,9 +76,13 @@ impl Snapshot {
         let (mut stress, mut damage) = (vec![[0.0_f32; 6]; cells], vec![0.0_f32; cells]);
         let (mut tension, mut compression, mut opening_mm) = (damage.clone(), damage.clone(), damage.clone());
         let mut strength = if frame.is_scattered() { damage.clone() } else { Vec::new() };
+        let mut stiffness_left = damage.clone();
+        let mut crack_strain = stress.clone();
         frame.visit(
-            |point| *point,
-            |cell, point, share| {
+            |point| (*point, layers::crack_strain(point)),
+            |cell, (point, strain), share| {
+                stiffness_left[cell].take(&point.stiffness_left, share);
+                crack_strain[cell].take(strain, share);
                 stress[cell].take(&point.stress, share);
                 damage[cell].take(&point.damage, share);
                 tension[cell].take(&point.tension, share);
@@ -85,7 +94,41 @@ impl Snapshot {
             },
         );
         let (moment, displacement) = (Moment::of(frame), frame.displacement());
-        Self { moment, displacement, stress, damage, tension, compression, opening_mm, strength }
+        Self {
+            moment,
+            displacement,
+            stress,
+            damage,
+            tension,
+            compression,
+            opening_mm,
+            strength,
+            stiffness_left,
+            crack_strain,
+        }
+    }
+
+    /// Reads what [`Snapshot::write`] wrote, with its mesh, which lacks cohesive elements and notes.
+    ///
+    /// # Errors
+    /// A file that [`Snapshot::write`] did not write, or that was changed.
+    pub fn read(moment: Moment, bytes: &[u8]) -> Result<(Mesh, Self), Unread> {
+        let (mesh, stored) = vtu_mesh::read(bytes)?;
+        let cells = |name| stored.floats(name, [1, mesh.cell_count()]);
+        let six = |name| Ok(stored.floats(name, [6, mesh.cell_count()])?.as_chunks().0.to_vec());
+        let snapshot = Self {
+            moment,
+            displacement: stored.floats("displacement_mm", [3, mesh.points.len()])?.as_chunks().0.to_vec(),
+            stress: six("stress_mpa")?,
+            damage: cells("damage")?,
+            tension: cells("damage_tension")?,
+            compression: cells("damage_compression")?,
+            opening_mm: cells("crack_opening_mm")?,
+            strength: if stored.has("strength_factor") { cells("strength_factor")? } else { Vec::new() },
+            stiffness_left: cells("stiffness_left")?,
+            crack_strain: six("crack_strain")?,
+        };
+        Ok((mesh, snapshot))
     }
 
     /// Fields at the end of `run`, with the number 0; a run that diverged holds no numbers then.
@@ -107,6 +150,10 @@ impl Snapshot {
             scalar("crack_opening_mm", &self.opening_mm),
             Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
         ];
+        cells.extend([
+            scalar("stiffness_left", &self.stiffness_left),
+            Field { name: "crack_strain", components: 6, values: self.crack_strain.as_flattened() },
+        ]);
         cells.extend((!self.strength.is_empty()).then(|| scalar("strength_factor", &self.strength)));
         vtu_mesh::write_fields(mesh, &[moved], &cells, still, out)
     }

@@ -8,7 +8,7 @@ mod work;
 
 use crate::{Keep, MODELS, NameError, Names, RECORD, of_packing};
 use meso_ask::files::Reader;
-use meso_ask::{AskError, Giver, Machine};
+use meso_ask::{AskError, Giver, Input, Machine};
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::mesh::Tools;
 use meso_core::{Model, Spec, Watch};
@@ -95,7 +95,7 @@ impl Steps {
         let own = [self.keep.model(), RECORD].into_iter().chain(summary);
         own.into_iter().try_for_each(|name| names.claim("the study", name))?;
         self.solve.as_ref().map_or(Ok(()), |_| SolveStep::claim("[solve]", &mut names))?;
-        let properties = self.effective.as_ref().map_or_else(Vec::new, |step| step.ask.files());
+        let properties = self.effective.as_ref().map_or_else(Vec::new, |step| step.ask.files(Input::Model));
         properties.iter().try_for_each(|name| names.claim("[effective]", name))?;
         self.outputs.iter().try_for_each(|(name, _)| names.claim("outputs", name))?;
         self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.claim("[mesh] output", &mut names))

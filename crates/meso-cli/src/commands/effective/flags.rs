@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json or .json.gz), `-` for standard input; or a label volume (.tif, .npy, .vti)
+    /// A saved model (.json or .json.gz), `-` for standard input; a label volume (.tif, .npy, .vti); or the folder of a test
+    /// with frames, which `mesocrete solve` wrote
     pub(super) model: PathBuf,
     /// Folder of the results: effective.json, effective.html, and the fields, diffusivity_x.vti, stiffness_xx.vti and so on;
     /// .vtu of tetrahedra

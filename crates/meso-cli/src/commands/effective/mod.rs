@@ -1,4 +1,4 @@
-//! `mesocrete effective`: effective diffusivity, conductivity and stiffness of a saved model or a label volume.
+//! `mesocrete effective`: effective properties of a saved model, a label volume or a frame of a test.
 
 mod flags;
 mod run;

@@ -1,4 +1,4 @@
-//! The work of `mesocrete effective`: tensors, page and fields of a saved model or a label volume.
+//! The work of `mesocrete effective`: tensors, page and fields of a saved model, a label volume or the frames of a test.
 
 use super::flags::Args;
 use crate::failure::Failure;
@@ -6,12 +6,13 @@ use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
 use crate::progress::{Watch, of_model};
 use crate::{inputs, room, stderr};
-use meso_ask::{Giver, Input, Subject};
+use meso_ask::{Giver, Input, PhaseTables, Properties, RunRecord, Subject};
 use meso_core::Model;
 use meso_core::mesh::Tools;
 use meso_core::watch::Stage;
 use meso_effective::results::{Found, figure};
-use meso_effective::{Effective, LabelSpecimen, Stiffness};
+use meso_effective::{At, Effective, LabelSpecimen, Stiffness};
+use meso_solve::results::{Moment, ResultFile};
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     args.threads.run(|| on_these_threads(args))?
@@ -24,14 +25,20 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     let values = args.ask.values(args.input(), giver, &inputs::text)?;
     let force = args.writing.force;
-    let names = args.ask.files();
+    let names = args.ask.files(args.input());
+    let frames = if args.input() == Input::Run { Some(Frames::of(args)?) } else { None };
     let _own = OwnFolder::open(&args.output)?;
     let target = |name: &str| Target::new(&args.output.join(name), force);
     names.iter().try_for_each(|name| target(name).map(drop))?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Solve, 20.0));
-    let specimen = Specimen::read(args, &watch)?;
-    let machine = room::machine(Tools { watch: &watch, ..Tools::default() });
-    let properties = args.ask.answer(specimen.subject(), values, giver, &machine);
+    let properties = match frames {
+        Some(frames) => frames.answer(args, &values, &watch),
+        None => {
+            let specimen = Specimen::read(args, &watch)?;
+            let machine = room::machine(Tools { watch: &watch, ..Tools::default() });
+            Ok(args.ask.answer(specimen.subject(), values, giver, &machine)?)
+        }
+    };
     watch.finish();
     let properties = properties?;
     let mut unit = Unit::default();
@@ -46,7 +53,53 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 
 impl Args {
     fn input(&self) -> Input {
-        Input::of_file(&self.model.to_string_lossy())
+        if self.model.is_dir() { Input::Run } else { Input::of_file(&self.model.to_string_lossy()) }
+    }
+}
+
+/// The frames that are asked for, before they are read.
+struct Frames {
+    record: RunRecord,
+    chosen: Vec<Moment>,
+}
+
+impl Frames {
+    /// Of a folder; what it lacks is refused before any work.
+    fn of(args: &Args) -> Result<Self, Failure> {
+        let path = args.model.join(ResultFile::Figures.name());
+        let wrong = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
+        if !path.exists() {
+            let folder = args.model.display();
+            return Err(wrong(format!(
+                "there is no such file; name a folder that `mesocrete solve -o {folder}` wrote"
+            )));
+        }
+        let record = RunRecord::read(&inputs::text(&path)?).map_err(wrong)?;
+        let pick = args.ask.frame.unwrap_or_default();
+        let chosen = record.choose(pick, Giver::Flags)?;
+        for frame in &chosen {
+            let file = args.model.join(frame.file());
+            std::fs::metadata(&file).map_err(|error| Failure::file(&file, &error))?;
+            let doubt = record.doubt(pick, frame, Giver::Flags);
+            doubt.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+        }
+        Ok(Self { record, chosen })
+    }
+
+    /// Reads one frame after the other, and solves it.
+    fn answer(&self, args: &Args, values: &PhaseTables, watch: &Watch) -> Result<Properties, Failure> {
+        let mut all = Properties::default();
+        for moment in &self.chosen {
+            let file = args.model.join(moment.file());
+            let bytes = std::fs::read(&file).map_err(|error| Failure::file(&file, &error))?;
+            let read = self.record.frame(*moment, &bytes);
+            let (mesh, frame) = read.map_err(|why| Failure::Usage(format!("{}: {why}", file.display())))?;
+            drop(bytes);
+            let machine = room::machine(Tools { watch, ..Tools::default() });
+            let subject = Subject::Frame(self.record.cracked(&mesh, &frame));
+            all.extend(args.ask.answer(subject, values.clone(), Giver::Flags, &machine)?);
+        }
+        Ok(all)
     }
 }
 
@@ -96,8 +149,13 @@ fn flux_line(found: &Effective) -> String {
     };
     let entries: Vec<String> = (0..3).filter_map(entry).collect();
     let (low, high) = (found.bounds.hashin_shtrikman_lower, found.bounds.hashin_shtrikman_upper);
-    let name = found.what.name();
-    format!("{name}: {}; Hashin-Shtrikman {} to {}", entries.join(", "), figure(low), figure(high))
+    let (name, entries) = (found.what.name(), entries.join(", "));
+    match found.at {
+        At { frame: Some(frame), strain: Some(strain), .. } => {
+            format!("frame {frame}, strain {strain:.5}: {name} {entries}")
+        }
+        _ => format!("{name}: {entries}; Hashin-Shtrikman {} to {}", figure(low), figure(high)),
+    }
 }
 
 /// Constants of the nearest isotropic material, and the expansion if there is one.

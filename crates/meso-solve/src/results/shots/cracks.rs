@@ -5,7 +5,7 @@
 
 use super::{packed, place};
 use meso_collision::math::{Aabb, Vec3};
-use meso_mesh::{CellKind, Mesh, Phase};
+use meso_mesh::{Mesh, Phase};
 use meso_view::embedded::base64;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -19,8 +19,6 @@ const ENCLOSED: f64 = 0.06;
 const MOST_CELLS: usize = 50_000;
 /// Factor by which the value rises until the surface is small enough.
 const RISE: f32 = 1.25;
-/// A box as tetrahedra around the diagonal from its first corner to the opposite one.
-const SIX: [[usize; 4]; 6] = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
 
 /// A surface around the cracks of a moment, as a page holds it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -98,10 +96,7 @@ fn at_nodes(mesh: &Mesh, opening_mm: &[f32]) -> Vec<f32> {
 
 /// The tetrahedra with nodes on both sides of `level`.
 fn crossed<'a>(mesh: &'a Mesh, nodal: &'a [f32], level: f32) -> impl Iterator<Item = [u32; 4]> {
-    let parts: &[[usize; 4]] = match mesh.kind {
-        CellKind::Hexahedron => &SIX,
-        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => &[[0, 1, 2, 3]],
-    };
+    let parts = mesh.kind.tetrahedra();
     let is_above = move |&node: &u32| nodal[node as usize] >= level;
     let mixed = move |nodes: &[u32; 4]| {
         let above = nodes.iter().filter(|node| is_above(node)).count();

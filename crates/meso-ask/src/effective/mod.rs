@@ -1,5 +1,9 @@
 //! Effective properties of a packing or a label volume.
 
+mod frames;
+
+pub use frames::{FramePick, RunRecord};
+
 use crate::axes::Axes;
 use crate::files::{self, Reader};
 use crate::flags::{names, values};
@@ -13,8 +17,9 @@ use meso_effective::results::{
     FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file, write_figures, write_page,
 };
 use meso_effective::{
-    Boundary, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property, StiffnessOptions,
-    effective, effective_in_tetrahedra, effective_of_labels, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
+    Boundary, CrackValues, Cracked, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property,
+    StiffnessOptions, effective, effective_in_cracks, effective_in_tetrahedra, effective_of_labels, stiffness,
+    stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -23,15 +28,16 @@ use serde_json::Value;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Effective diffusivity, conductivity and stiffness, each with its error.
+/// Effective diffusivity, conductivity, permeability and stiffness, each with its error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, clap::Args)]
 #[serde(default, deny_unknown_fields)]
 pub struct EffectiveAsk {
     /// Property
     #[arg(long, value_name = "PROPERTY", default_value = "diffusivity", value_parser = names::parser::<What>())]
     pub what: What,
-    /// Values of the phases: a TOML file with the tables [diffusivity] and [conductivity], each with mortar, aggregate,
-    /// itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50], and with tables such as
+    /// Values of the phases: a TOML file with the tables [diffusivity], [conductivity] and [permeability], each with mortar,
+    /// aggregate, itz, void, fibre [default: diffusivity 1, 0, 1, 0, 0; conductivity 1.5, 3, 1.5, 0.025, 50 W/(m K);
+    /// permeability 1e-11, 0, 1e-11, 0, 0 mm2], and with tables such as
     /// [stiffness.mortar], each with youngs_modulus_mpa, poisson_ratio, eigenstrain. A label volume takes labels as keys, too,
     /// as in 0 = 1.0
     #[arg(long, value_name = "FILE", value_parser = |file: &str| Ok::<_, String>(PhasesGiven::File(file.to_owned())))]
@@ -70,6 +76,19 @@ pub struct EffectiveAsk {
     /// Write no fields
     #[arg(long)]
     pub no_fields: bool,
+    /// Frame of a test: peak, last, all, its number from 1, or the strain that it is nearest to [default: peak]
+    #[arg(long, value_name = "FRAME", value_parser = FramePick::read)]
+    pub frame: Option<FramePick>,
+    /// Diffusivity of what fills the cracks of a frame, in the unit of the phases [default: 200 times the mortar's, as of
+    /// chloride in water]
+    #[arg(long, value_name = "D", value_parser = values::number, allow_negative_numbers = true)]
+    pub crack_diffusivity: Option<f64>,
+    /// Conductivity of what fills the cracks of a frame, W/(m K) [default: 0.6, of water]
+    #[arg(long, value_name = "K", value_parser = values::number, allow_negative_numbers = true)]
+    pub crack_conductivity: Option<f64>,
+    /// Permeability of the cracks of a frame over that of smooth ones, whose opening w gives w^2/12 [default: 1]
+    #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
+    pub crack_roughness: Option<f64>,
 }
 
 impl Default for EffectiveAsk {
@@ -86,6 +105,10 @@ impl Default for EffectiveAsk {
             boundary: Boundary::Fixed,
             tolerance: None,
             no_fields: false,
+            frame: None,
+            crack_diffusivity: None,
+            crack_conductivity: None,
+            crack_roughness: None,
         }
     }
 }
@@ -101,19 +124,24 @@ pub enum What {
     Conductivity,
     /// Stiffness, MPa, and expansion.
     Stiffness,
-    /// All three.
+    /// Permeability, mm2.
+    Permeability,
+    /// Diffusivity, conductivity and stiffness; of a frame diffusivity, conductivity and permeability.
     All,
 }
 
 impl What {
-    /// The properties, `None` for stiffness.
-    pub fn properties(self) -> Vec<Option<Property>> {
-        let all = [Some(Property::Diffusivity), Some(Property::Conductivity), None];
+    /// The properties of an input, `None` for stiffness.
+    pub fn properties(self, input: Input) -> Vec<Option<Property>> {
+        let [diffusivity, conductivity, permeability] =
+            [Property::Diffusivity, Property::Conductivity, Property::Permeability].map(Some);
         match self {
-            Self::Diffusivity => all[..1].to_vec(),
-            Self::Conductivity => all[1..2].to_vec(),
-            Self::Stiffness => all[2..].to_vec(),
-            Self::All => all.to_vec(),
+            Self::Diffusivity => vec![diffusivity],
+            Self::Conductivity => vec![conductivity],
+            Self::Permeability => vec![permeability],
+            Self::Stiffness => vec![None],
+            Self::All if input == Input::Run => vec![diffusivity, conductivity, permeability],
+            Self::All => vec![diffusivity, conductivity, None],
         }
     }
 }
@@ -135,6 +163,8 @@ pub enum Input {
     Model,
     /// A label volume.
     Labels,
+    /// A test with frames.
+    Run,
 }
 
 impl Input {
@@ -161,6 +191,8 @@ pub enum Facts<'a> {
     Packing(&'a Spec),
     /// A label volume.
     Labels(&'a LabelSpecimen),
+    /// A frame of a test.
+    Frame(Cracked<'a>),
 }
 
 /// The specimen itself.
@@ -170,6 +202,8 @@ pub enum Subject<'a> {
     Packing(&'a Model),
     /// A label volume.
     Labels(&'a LabelSpecimen),
+    /// A frame of a test.
+    Frame(Cracked<'a>),
 }
 
 impl<'a> Subject<'a> {
@@ -177,6 +211,7 @@ impl<'a> Subject<'a> {
         match self {
             Self::Packing(model) => Facts::Packing(&model.spec),
             Self::Labels(specimen) => Facts::Labels(specimen),
+            Self::Frame(of) => Facts::Frame(of),
         }
     }
 }
@@ -190,6 +225,12 @@ pub struct Properties {
 }
 
 impl Properties {
+    /// Adds those of another frame.
+    pub fn extend(&mut self, other: Self) {
+        self.found.extend(other.found);
+        self.fields.extend(other.fields);
+    }
+
     /// Hands every file to `fill`, by its name.
     ///
     /// # Errors
@@ -214,9 +255,11 @@ impl EffectiveAsk {
     /// # Errors
     /// The option, its value and what would be accepted.
     pub fn accept(&self, input: Input) -> Result<(), OutOfRange> {
-        let has = |stiffness: bool| self.what.properties().iter().any(|property| property.is_none() == stiffness);
+        let properties = self.what.properties(input);
+        let has = |stiffness: bool| properties.iter().any(|property| property.is_none() == stiffness);
         let (is_flux, is_lattice) = (has(false), self.method == MethodName::Lattice);
         let method = names::of(&self.method);
+        self.accept_frame(input)?;
         let fits = self.method != MethodName::Conforming;
         ASK.require("method", &method, fits, "it must be voxel or lattice")?;
         let accepted = "a label volume is its own voxels; take the method voxel";
@@ -238,6 +281,29 @@ impl EffectiveAsk {
         let is_fixed = self.boundary == Boundary::Fixed;
         ASK.require("boundary", self.boundary.name(), is_flux || is_fixed, "stiffness takes fixed")?;
         self.boundary.accept_for(is_lattice)
+    }
+
+    /// Refuses options of frames without one, and of divisions with one.
+    fn accept_frame(&self, input: Input) -> Result<(), OutOfRange> {
+        let is_run = input == Input::Run;
+        let cracks = [
+            ("crack_diffusivity", self.crack_diffusivity),
+            ("crack_conductivity", self.crack_conductivity),
+            ("crack_roughness", self.crack_roughness),
+        ];
+        let own = cracks.map(|(key, value)| (key, value.map(|value| value.to_string())));
+        let frame = ("frame", self.frame.map(|frame| frame.to_string()));
+        for (key, value) in own.into_iter().chain([frame]).filter_map(|(key, value)| Some((key, value?))) {
+            let accepted = "only the folder of a test has frames; name the one that `mesocrete solve` wrote";
+            ASK.require(key, value, is_run, accepted)?;
+        }
+        let accepted = "a frame has the mesh of its test; leave it out";
+        ASK.require("method", names::of(&self.method), !is_run || self.method == MethodName::Voxel, accepted)?;
+        for (key, size) in [("voxel_size_mm", self.voxel_size_mm), ("element_size_mm", self.element_size_mm)] {
+            ASK.require(key, size.unwrap_or_default(), !is_run || size.is_none(), accepted)?;
+        }
+        let accepted = "a frame has diffusivity, conductivity, permeability or all";
+        ASK.require("what", names::of(&self.what), !is_run || self.what != What::Stiffness, accepted)
     }
 
     /// One task for each property, with all options in their ranges. `values` are those of the phases.
@@ -262,13 +328,18 @@ impl EffectiveAsk {
             };
             moduli.eigenstrain = Some(*strain);
         }
-        let division = Division { in_tetrahedra: self.method == MethodName::Lattice, size_mm: self.size(of) };
+        let cracks = CrackValues {
+            diffusivity: self.crack_diffusivity,
+            conductivity: self.crack_conductivity,
+            roughness: self.crack_roughness,
+        };
+        let division = Division { in_tetrahedra: self.method == MethodName::Lattice, size_mm: self.size(of), cracks };
         let task = |property: Option<Property>| {
             let work = self.work(property, division.size_mm);
             let bytes = work.accept(of, &values, division)?;
             Ok(EffectiveTask { work, values: values.clone(), division, bytes })
         };
-        self.what.properties().into_iter().map(task).collect()
+        self.what.properties(of.input()).into_iter().map(task).collect()
     }
 
     /// Settles, and solves every property.
@@ -302,14 +373,14 @@ impl EffectiveAsk {
     pub fn values(&self, input: Input, giver: Giver<'_>, read: &Reader<'_>) -> Result<PhaseTables, AskError> {
         self.accept(input).map_err(|wrong| AskError::Usage(giver.refusal(&wrong)))?;
         Ok(match input {
-            Input::Model => PhaseTables::Packing(Box::new(self.phases(read)?)),
+            Input::Model | Input::Run => PhaseTables::Packing(Box::new(self.phases(read)?)),
             Input::Labels => PhaseTables::Labels(self.phases(read)?),
         })
     }
 
     /// Puts values of one property, given without its name, into a table of its name.
     pub fn name_phases(&mut self) {
-        let named = What::All.properties();
+        let named = [Input::Model, Input::Run].map(|input| What::All.properties(input)).concat();
         let is_named = |key: &String| named.iter().any(|of| of.map_or("stiffness", Property::name) == key);
         if let Some(PhasesGiven::Tables(Value::Object(tables))) = &mut self.phases
             && self.what != What::All
@@ -341,10 +412,10 @@ impl EffectiveAsk {
     }
 
     /// Names of the files that a run writes.
-    pub fn files(&self) -> Vec<String> {
-        let ending = field_ending(self.method == MethodName::Lattice);
+    pub fn files(&self, input: Input) -> Vec<String> {
+        let ending = field_ending(self.method == MethodName::Lattice || input == Input::Run);
         let fields =
-            self.what.properties().into_iter().filter(|_| !self.no_fields).flat_map(|property| match property {
+            self.what.properties(input).into_iter().filter(|_| self.has_fields()).flat_map(|property| match property {
                 Some(what) => {
                     let axes = (0..3).filter(|axis| self.axes.flags()[*axis]);
                     axes.map(|axis| field_file(what, axis, ending)).collect::<Vec<_>>()
@@ -354,10 +425,17 @@ impl EffectiveAsk {
         [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).collect()
     }
 
+    /// Whether fields are written; those of all frames would be.
+    fn has_fields(&self) -> bool {
+        !self.no_fields && self.frame != Some(FramePick::All)
+    }
+
     /// Edge of a voxel or a tetrahedron, mm.
     fn size(&self, of: Facts<'_>) -> f64 {
         match (of, self.method) {
             (Facts::Labels(specimen), _) => specimen.spacing_mm[0],
+            // It has a mesh.
+            (Facts::Frame(_), _) => 0.0,
             (Facts::Packing(spec), MethodName::Lattice) => {
                 self.element_size_mm.unwrap_or_else(|| EffectiveOptions::default_element_size(spec.grading.d_min_mm))
             }
@@ -368,7 +446,7 @@ impl EffectiveAsk {
     }
 
     fn work(&self, property: Option<Property>, size_mm: f64) -> Work {
-        let (axes, fields, boundary) = (self.axes.flags(), !self.no_fields, self.boundary);
+        let (axes, fields, boundary) = (self.axes.flags(), self.has_fields(), self.boundary);
         match property {
             Some(what) => {
                 let usual = EffectiveOptions::new(what, size_mm);
@@ -389,15 +467,17 @@ impl Facts<'_> {
         match self {
             Self::Packing(_) => Input::Model,
             Self::Labels(_) => Input::Labels,
+            Self::Frame(_) => Input::Run,
         }
     }
 }
 
-/// How a specimen is divided.
+/// How a specimen is divided, and what fills its cracks.
 #[derive(Clone, Copy, Debug)]
 struct Division {
     in_tetrahedra: bool,
     size_mm: f64,
+    cracks: CrackValues,
 }
 
 /// A property with its options.
@@ -435,9 +515,12 @@ impl Work {
                 phases.moduli(volume)?;
                 Ok(options.bytes_of(volume.counts))
             }
-            (_, Facts::Packing(_), PhaseTables::Labels(_)) | (_, Facts::Labels(_), PhaseTables::Packing(_)) => {
-                Err(mismatch())
+            (Self::Flux(options), Facts::Frame(of), PhaseTables::Packing(phases)) => {
+                of.accept(phases, &division.cracks, options)
             }
+            (Self::Stiffness(_), Facts::Frame(_), _)
+            | (_, Facts::Packing(_) | Facts::Frame(_), PhaseTables::Labels(_))
+            | (_, Facts::Labels(_), PhaseTables::Packing(_)) => Err(mismatch()),
         }
     }
 }
@@ -468,7 +551,7 @@ impl EffectiveTask {
 
     /// The option of a model's size of voxels or tetrahedra, and its value, mm.
     pub fn size(&self) -> (&'static str, f64) {
-        let Division { in_tetrahedra, size_mm } = self.division;
+        let Division { in_tetrahedra, size_mm, .. } = self.division;
         (if in_tetrahedra { "element_size_mm" } else { "voxel_size_mm" }, size_mm)
     }
 
@@ -482,6 +565,11 @@ impl EffectiveTask {
             let work = format!("the {name} of the volume");
             return machine.accept_bytes(&work, self.bytes, |_| "cut a part out of the image".to_owned());
         }
+        if size == 0.0 {
+            let work = format!("the {name} of the frame");
+            let fix = |_| "solve the test with larger elements".to_owned();
+            return machine.accept_bytes(&work, self.bytes, fix);
+        }
         let cells = if self.division.in_tetrahedra { "tetrahedra" } else { "voxels" };
         let work = format!("the {name} of {cells} of {size} mm");
         machine.accept_in_memory(&work, self.bytes, (&giver.option(key), size))
@@ -492,8 +580,12 @@ impl EffectiveTask {
     /// # Errors
     /// Those that only the solution shows, such as equations that do not converge.
     pub fn solve(&self, of: Subject<'_>, watch: &dyn Watch) -> Result<(Found, Vec<PropertyField>), EffectiveError> {
-        let Division { in_tetrahedra, size_mm: size } = self.division;
+        let Division { in_tetrahedra, size_mm: size, cracks } = self.division;
         match (&self.work, of, &self.values) {
+            (Work::Flux(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
+                let (found, fields) = effective_in_cracks(&of, phases, &cracks, options, watch)?;
+                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))
+            }
             (Work::Flux(options), Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
                 let (found, fields) = effective_in_tetrahedra(model, phases, options, size, watch)?;
                 Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))
@@ -589,6 +681,7 @@ mod tests {
     fn a_request_reads_back_as_it_was_written() {
         let asked = ask(serde_json::json!({ "what": "all", "eigenstrain": { "itz": 1e-5 }, "axes": "yz" }));
         assert_eq!(ask(serde_json::to_value(&asked).unwrap()), asked);
-        assert_eq!(asked.files().len(), 2 + 2 + 2 + 6);
+        assert_eq!(asked.files(Input::Model).len(), 2 + 2 + 2 + 6);
+        assert_eq!(asked.files(Input::Run).len(), 2 + 2 + 2 + 2);
     }
 }

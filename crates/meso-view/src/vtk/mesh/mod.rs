@@ -4,9 +4,14 @@
 //! `radius_ratio` and `min_dihedral_deg`. Cohesive elements follow the cells, as wedges (hexahedra between voxels) of the
 //! ITZ; they have no volume, and NaN for their quality. Fields of a test have no values there, so its frames leave them out.
 
+mod read;
+
+pub use read::{Stored, Unread};
+
 use super::{Array, Encoding, Grid, Layout, Still};
-use meso_mesh::cells::{CellKind, Mesh, Phase};
+use meso_mesh::cells::{CellKind, Mesh, Phase, PhaseNames};
 use meso_mesh::figures::CellQuality;
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 /// Writes `mesh` with its phases and quality to `out`; `compress` is by zlib.
@@ -60,6 +65,40 @@ pub fn write_fields(
     let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, Joints::LeftOut)).collect();
     Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, Joints::LeftOut, cell_data) }
         .write_next(still, out)
+}
+
+/// The mesh of a file by [`write_fields`], without cohesive elements, notes and names of phases, and the file's arrays.
+///
+/// # Errors
+/// A file that [`write_fields`] did not write, or that was changed.
+pub fn read(bytes: &[u8]) -> Result<(Mesh, Stored<'_>), Unread> {
+    let stored = Stored::of(bytes)?;
+    let (points, cells) = (stored.points, stored.cells);
+    let positions = stored.values(("Float64", "Points"), [3, points], f64::from_le_bytes)?;
+    let types = stored.values(("UInt8", "types"), [1, cells], |[kind]| kind)?;
+    let kind = match types.first() {
+        Some(10) => CellKind::Tetrahedron,
+        Some(12) => CellKind::Hexahedron,
+        _ => return Err(Unread::Foreign),
+    };
+    let nodes = kind.nodes().checked_mul(cells).ok_or(Unread::Foreign)?;
+    let nodes = stored.values(("Int32", "connectivity"), [1, nodes], u32::from_le_bytes)?;
+    let is_known = |label: u8| label < PhaseNames::ROOM as u8 && label != Phase::Void.number();
+    let phase = |label: u8| is_known(label).then(|| Phase::numbered(label));
+    let phases: Option<Vec<Phase>> =
+        stored.values(("UInt8", "phase"), [1, cells], |[label]| phase(label))?.into_iter().collect();
+    let ids = stored.values(("Int32", "aggregate"), [1, cells], i32::from_le_bytes)?;
+    let id_of: BTreeSet<u32> = ids.iter().filter_map(|id| u32::try_from(*id).ok()).collect();
+    let id_of: Vec<u32> = id_of.into_iter().collect();
+    let owner = |id: &i32| u32::try_from(*id).ok().and_then(|id| id_of.binary_search(&id).ok());
+    let owner = ids.iter().map(|id| owner(id).map_or(Mesh::NO_BODY, |body| body as u32)).collect();
+    let is_fit = types.iter().all(|other| *other == types[0]) && nodes.iter().all(|node| (*node as usize) < points);
+    if !is_fit || positions.iter().any(|x| !x.is_finite()) {
+        return Err(Unread::Damaged("connectivity"));
+    }
+    let points = positions.as_chunks().0.iter().map(|p: &[f64; 3]| (*p).into()).collect();
+    let mesh = Mesh::of(kind, points, nodes, phases.ok_or(Unread::Damaged("phase"))?, owner);
+    Ok((Mesh { id_of, ..mesh }, stored))
 }
 
 impl<'a> Field<'a> {

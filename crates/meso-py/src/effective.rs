@@ -1,25 +1,32 @@
-//! Effective properties of a packing or a label volume, as dicts.
+//! Effective properties of a packing, a label volume or the frames of a test, as dicts.
 
 use crate::boundary::{self, accept_in_memory, guard, wrong_type, wrong_value};
 use crate::run::{Plan, in_stages, listener};
 use crate::spec::spec_error;
 use crate::tree::{from_python, plain};
-use meso_ask::{EffectiveAsk, EffectiveTask, Facts, Giver, PhaseTables, PhasesGiven, Subject, What};
+use meso_ask::{
+    EffectiveAsk, EffectiveTask, Facts, FramePick, Giver, Input, PhaseTables, PhasesGiven, RunRecord, Subject, What,
+};
 use meso_core::import::volume::{LabelNumber, Volume};
+use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch, spec};
 use meso_effective::results::Found;
 use meso_effective::{EffectiveError, LabelSpecimen};
+use meso_solve::Response;
+use meso_solve::results::{Moment, Snapshot};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use std::ffi::CString;
 use std::sync::Arc;
 
 /// The request of some names, and of other keywords, of which those that are `None` keep their defaults.
-pub(super) fn asked(names: &[(&str, &str)], others: &[(&str, Option<&Bound<'_, PyAny>>)]) -> PyResult<EffectiveAsk> {
+pub(crate) fn asked(names: &[(&str, &str)], others: &[(&str, Option<&Bound<'_, PyAny>>)]) -> PyResult<EffectiveAsk> {
     let names = names.iter().map(|(key, name)| Ok(((*key).to_owned(), json!(name))));
     let given = others.iter().filter_map(|(key, value)| Some((*key, (*value)?)));
     let others = given.map(|(key, value)| Ok((key.to_owned(), from_python(key, &by_text(value)?)?)));
@@ -40,7 +47,7 @@ fn phases<T: DeserializeOwned + Default>(ask: &EffectiveAsk) -> PyResult<T> {
 }
 
 /// Computes the properties of a packing beside Python.
-pub(super) fn compute<'py>(
+pub(crate) fn compute<'py>(
     py: Python<'py>,
     model: &Arc<Model>,
     ask: &EffectiveAsk,
@@ -50,13 +57,49 @@ pub(super) fn compute<'py>(
         let values = PhaseTables::Packing(Box::new(phases(ask)?));
         let tasks = ask.settle(Facts::Packing(&model.spec), values).map_err(|error| raised(&error))?;
         let model = Arc::clone(model);
-        solve(py, ask.what, tasks, progress, move |task, watch| {
+        solve(py, ask.what == What::All, tasks, progress, move |_, task, watch| {
             task.solve(Subject::Packing(&model), watch).map(|(found, _)| found)
         })
     })
 }
 
-/// Effective diffusivity, conductivity or stiffness of a label volume, with its error.
+/// Computes the properties of the frames that are asked for of a test beside Python.
+pub(crate) fn in_frames<'py>(
+    py: Python<'py>,
+    ask: &EffectiveAsk,
+    (response, mesh): (&Response, &Arc<Mesh>),
+    frames: &[Arc<Snapshot>],
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    guard(|| {
+        let giver = Giver::Keywords;
+        let refused = |wrong| raised(&EffectiveError::Value(wrong));
+        ask.accept(Input::Run).map_err(refused)?;
+        let record = RunRecord::of(response, frames.iter().map(|frame| frame.moment).collect());
+        let pick = ask.frame.unwrap_or_default();
+        let chosen = record.choose(pick, giver).map_err(|error| boundary::raised(&error))?;
+        let frame = |moment: &Moment| frames.iter().find(|frame| frame.moment == *moment).map(Arc::clone);
+        let chosen: Vec<Arc<Snapshot>> = chosen.iter().filter_map(frame).collect();
+        for doubt in chosen.iter().filter_map(|frame| record.doubt(pick, &frame.moment, giver)) {
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
+        }
+        let values = PhaseTables::Packing(Box::new(phases(ask)?));
+        let settled = |frame: &Arc<Snapshot>| {
+            let tasks = ask.settle(Facts::Frame(record.cracked(mesh, frame)), values.clone());
+            tasks.map_err(|error| raised(&error))
+        };
+        let tasks = chosen.iter().map(settled).collect::<PyResult<Vec<_>>>()?.concat();
+        let each = tasks.len() / chosen.len();
+        let is_list = ask.what == What::All || pick == FramePick::All;
+        let mesh = Arc::clone(mesh);
+        solve(py, is_list, tasks, progress, move |number, task, watch| {
+            let subject = Subject::Frame(record.cracked(&mesh, &chosen[number / each]));
+            task.solve(subject, watch).map(|(found, _)| found)
+        })
+    })
+}
+
+/// Effective diffusivity, conductivity, permeability or stiffness of a label volume, with its error.
 ///
 /// Every voxel has the value of its label. `fine` is the volume's own value; `tensor` is extrapolated from it and a
 /// volume of every second voxel, since labels have errors of first order.
@@ -65,8 +108,9 @@ pub(super) fn compute<'py>(
 /// ----------
 /// labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
 ///     One integer a phase, at most 256. With an `executor`: a sequence of such volumes, or of paths of `.npy` files.
-/// what : {"diffusivity", "conductivity", "stiffness", "all"}
-///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
+/// what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+///     The property. All are diffusivity, conductivity and stiffness; `phases` has a mapping for each, and a list of three is
+///     returned.
 /// voxel_size : float or sequence of three float
 ///     Edge of a voxel, mm; three are along x, y, z.
 /// phases : mapping, optional
@@ -132,7 +176,7 @@ pub(crate) fn of_labels<'py>(
         let specimen = LabelSpecimen { volume: volume(labels)?, spacing_mm, periodic };
         let values = PhaseTables::Labels(self::phases(&ask)?);
         let tasks = ask.settle(Facts::Labels(&specimen), values).map_err(|error| raised(&error))?;
-        solve(py, ask.what, tasks, progress, move |task, watch| {
+        solve(py, ask.what == What::All, tasks, progress, move |_, task, watch| {
             task.solve(Subject::Labels(&specimen), watch).map(|(found, _)| found)
         })
     })
@@ -155,7 +199,7 @@ fn by_text<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 }
 
 /// Edges of a voxel along x, y, z, mm.
-pub(super) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
+pub(crate) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
     let Some(given) = given else { return Ok([1.0; 3]) };
     let spacing = given.extract().map(|h: f64| [h; 3]).or_else(|_| given.extract::<[f64; 3]>());
     let spacing = spacing.map_err(|_| wrong_type(format!("voxel_size is {given}; it must be a number or three")))?;
@@ -166,7 +210,7 @@ pub(super) fn spacing(given: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
 }
 
 /// The label volume that an array is.
-pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volume<N>> {
+pub(crate) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volume<N>> {
     let numpy = labels.py().import("numpy")?;
     if labels.hasattr("mask")? && numpy.call_method1("any", (labels.getattr("mask")?,))?.is_truthy()? {
         return Err(wrong_value(
@@ -205,13 +249,13 @@ pub(super) fn volume<N: LabelNumber>(labels: &Bound<'_, PyAny>) -> PyResult<Volu
     Volume::new(counts, None, values).map_err(|error| wrong_value(format!("labels: {error}")))
 }
 
-/// Solves all tasks beside Python if the memory holds them: one result, or those of all properties.
+/// Solves all tasks beside Python if the memory holds them: one result, or a list of all.
 fn solve<'py>(
     py: Python<'py>,
-    what: What,
+    is_list: bool,
     tasks: Vec<EffectiveTask>,
     progress: Option<&Bound<'py, PyAny>>,
-    work: impl Fn(&EffectiveTask, &dyn Watch) -> Result<Found, EffectiveError> + Send + 'static,
+    work: impl Fn(usize, &EffectiveTask, &dyn Watch) -> Result<Found, EffectiveError> + Send + 'static,
 ) -> PyResult<Bound<'py, PyAny>> {
     for task in &tasks {
         accept_in_memory("effective", task.bytes, &Giver::Keywords.option(task.size().0))?;
@@ -220,12 +264,12 @@ fn solve<'py>(
     let plan = Plan::new(&[(Stage::Solve, 1.0)], Some(1.0));
     let found = in_stages(py, progress.as_ref(), plan, move |watch| {
         watch.stops_soon();
-        tasks.iter().map(|task| work(task, watch)).collect::<Result<Vec<_>, _>>()
+        tasks.iter().enumerate().map(|(number, task)| work(number, task, watch)).collect::<Result<Vec<_>, _>>()
     })?;
     let class = py.import("mesocrete._effective")?.getattr("Effective")?;
     let found = found.map_err(|error| raised(&error))?;
     let mut found = found.iter().map(|found| class.call1((plain(py, found)?,))).collect::<PyResult<Vec<_>>>()?;
-    if what == What::All { found.into_bound_py_any(py) } else { Ok(found.remove(0)) }
+    if is_list { found.into_bound_py_any(py) } else { Ok(found.remove(0)) }
 }
 
 fn raised(error: &EffectiveError) -> PyErr {
