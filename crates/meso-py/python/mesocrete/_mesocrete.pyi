@@ -1291,8 +1291,9 @@ def effective(
     ----------
     labels : array_like of int, shape (nz, ny, nx) or (ny, nx)
         One integer a phase, at most 256. With an `executor`: a sequence of such volumes, or of paths of `.npy` files.
-    what : {"diffusivity", "conductivity", "stiffness", "all"}
-        The property. For all, `phases` has a mapping for each, and a list of three is returned.
+    what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+        The property. All are diffusivity, conductivity and stiffness; `phases` has a mapping for each, and a list of three is
+        returned.
     voxel_size : float or sequence of three float
         Edge of a voxel, mm; three are along x, y, z.
     phases : mapping, optional
