@@ -170,7 +170,7 @@ fn an_element_size_beyond_the_specimen_is_named() {
         &Tools::default(),
     );
     let text = error.unwrap_err().to_string();
-    assert_eq!(text, "mesh.element_size_mm is 20; it must lie within 0.006666666666666667 and 10 mm for this specimen");
+    assert_eq!(text, "mesh.element_size_mm is 20; it must lie within 0.00666666666667 and 10 mm for this specimen");
 }
 
 /// Two voxels of 1 mm side by side, the second one aggregate.
