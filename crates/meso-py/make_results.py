@@ -35,6 +35,7 @@ SOURCES = {
     "meso-effective/src/resolution.rs": ["Resolution"],
     "meso-effective/src/effective.rs": ["At", "PhaseShare", "Effective"],
     "meso-effective/src/elastic/task.rs": ["ElasticShare", "ElasticBounds", "Isotropic", "Stiffness"],
+    "meso-effective/src/tetrahedra/unloading.rs": ["Unloading"],
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/beyond_peak.rs": ["BeyondPeak"],
     "meso-solve/src/march/lateral.rs": ["Lateral"],
@@ -51,6 +52,7 @@ CHANGED = {
     "Figures": ("CurveFigures", set(), []),
     "Effective": ("Effective", {"resolution", "at"}, []),
     "Stiffness": ("Stiffness", {"resolution"}, []),
+    "Unloading": ("Unloading", {"resolution", "at"}, []),
     # What `result.json` has of the packing and the run.
     "Summary": (
         "TestResult",
@@ -71,6 +73,7 @@ BASES = {
     "Summary": "Setup, CurveFigures, BeyondPeak, Lateral",
     "Effective": "Resolution, At",
     "Stiffness": "Resolution",
+    "Unloading": "Resolution, At",
 }
 PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",

@@ -262,6 +262,18 @@ fn a_frame_of_a_test_has_the_properties_of_its_cracks() {
     let (all, _) = ask(&[&["--frame", "all"][..], &flags].concat());
     let frames: Vec<u64> = all.as_array().unwrap().iter().map(|of| of["frame"].as_u64().unwrap()).collect();
     assert_eq!(frames, [1, 2, 3, 4]);
+    let table = String::from_utf8(folder.read("out/effective.csv")).unwrap();
+    assert!(table.starts_with("frame,strain,stress_mpa,diffusivity_x,diffusivity_x_error\n1,0.000"), "{table}");
+    assert_eq!(table.lines().count(), 5);
+    assert_eq!(String::from_utf8(folder.read("out/effective.html")).unwrap().matches("<svg").count(), 2);
+    // The constants are those of the test. z lies across the crack.
+    let modulus = |frame: &str| {
+        let (found, said) = ask(&["--what", "stiffness", "--frame", frame, "--axes", "xz"]);
+        assert!(said.starts_with(&format!("frame {frame}, strain 0.00")) && said.contains("modulus x "), "{said}");
+        [0, 2].map(|axis| found["youngs_modulus_mpa"][axis].as_f64().unwrap())
+    };
+    let [[x, z], [torn_x, torn_z]] = ["1", "4"].map(modulus);
+    assert!((20_000.0..35_000.0).contains(&x) && z > 1.5 * torn_z && torn_x > 0.7 * x, "{x} {z} {torn_x} {torn_z}");
     for (flags, said) in [
         (&["--frame", "9"][..], "--frame is 9; the test has frames 1 to 4"),
         (&["--frame", "0.5"], "--frame is 0.5; the frames reach a strain of 0.00200"),

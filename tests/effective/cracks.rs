@@ -2,13 +2,14 @@
 
 use crate::bodies::{entry, phases};
 use crate::packings::packing;
+use crate::stiffness::given;
 use meso_core::aggregate::Aggregate;
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent};
 use meso_effective::{
-    At, CrackValues, Cracked, Effective, EffectiveError, EffectiveOptions, Phases, Property, effective_in_cracks,
-    effective_in_tetrahedra,
+    At, CrackValues, Cracked, Effective, EffectiveError, EffectiveOptions, Moduli, PhaseModuli, Phases, Property,
+    effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
 };
 
 const SIDE: f64 = 16.0;
@@ -21,12 +22,14 @@ struct Specimened {
     mesh: Mesh,
     strain: Vec<[f32; 6]>,
     opening: Vec<f32>,
+    left: Vec<f32>,
 }
 
 impl Specimened {
     fn sound(mesh: Mesh) -> Self {
         let (strain, opening) = (vec![[0.0; 6]; mesh.cell_count()], vec![0.0; mesh.cell_count()]);
-        Self { mesh, strain, opening }
+        let left = vec![1.0; mesh.cell_count()];
+        Self { mesh, strain, opening, left }
     }
 
     /// Cracks across z of an opening in a band, in the cells for which `is_cracked` by the height of their centre.
@@ -38,6 +41,7 @@ impl Specimened {
             if is_cracked(height) {
                 own.strain[cell] = [0.0, 0.0, (opening / band) as f32, 0.0, 0.0, 0.0];
                 own.opening[cell] = opening as f32;
+                own.left[cell] = 0.2;
             }
         }
         own
@@ -45,7 +49,7 @@ impl Specimened {
 
     fn ask(&self, filled: f64) -> Cracked<'_> {
         let (crack_strain, opening_mm) = (&self.strain[..], &self.opening[..]);
-        Cracked { mesh: &self.mesh, crack_strain, opening_mm, stiffness_left: &[], filled, at: AT }
+        Cracked { mesh: &self.mesh, crack_strain, opening_mm, stiffness_left: &self.left, filled, at: AT }
     }
 
     fn solve(&self, what: Property, phases: &Phases, cracks: &CrackValues) -> Effective {
@@ -208,4 +212,21 @@ fn voids_count_in_the_volume_and_warn_where_they_have_a_value() {
     );
     let void = found.phases.iter().find(|phase| phase.name == "void").unwrap();
     assert!((void.volume_fraction - 0.1).abs() < 1e-12 && void.value == 0.0);
+}
+
+/// Layers across z that have a fifth of their stiffness left: in series along z, side by side along x, free at the sides.
+#[test]
+fn damaged_layers_have_their_modulus_in_series_and_side_by_side() {
+    let mortar = Moduli { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.0, eigenstrain: 0.0 };
+    let moduli = PhaseModuli { mortar: given(mortar), ..PhaseModuli::default() };
+    let solve = |own: &Specimened| moduli_in_cracks(&own.ask(1.0), &moduli, [true; 3], 1e-10, &Silent).unwrap();
+    for method in [Method::VOXEL, Method::FITTED] {
+        let sound = solve(&Specimened::sound(plain(method)));
+        assert!(sound.youngs_modulus_mpa.iter().all(|e| off(e.unwrap(), 20_000.0) < 1e-5), "{sound:?}");
+    }
+    let found = solve(&Specimened::cracked(plain(Method::VOXEL), 0.1, H, |z| (z / H) as usize % 4 == 1));
+    let [x, y, z] = found.youngs_modulus_mpa.map(Option::unwrap);
+    let (beside, across) = (20_000.0 * (0.75 + 0.25 * 0.2), 20_000.0 / (0.75 + 0.25 / 0.2));
+    assert!(off(x, beside) < 1e-5 && off(y, beside) < 1e-5 && off(z, across) < 1e-5, "{x} {y} {z}");
+    assert!(found.error.iter().all(|error| error.unwrap() < 1.0) && found.what == "stiffness", "{found:?}");
 }

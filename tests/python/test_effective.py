@@ -213,7 +213,10 @@ def test_a_frame_of_a_test_has_the_properties_of_its_cracks():
     assert [of.frame for of in response.effective("all", axes="x")] == [1, 2]
     with pytest.warns(UserWarning, match="frame 1, the nearest to the peak"):
         several = response.effective(what="all", phases={"conductivity": {"mortar": 2}}, axes="x")
-    assert [of.what for of in several] == ["diffusivity", "conductivity", "permeability"]
+    assert [of.what for of in several] == ["diffusivity", "conductivity", "permeability", "stiffness"]
+    modulus, _, none = several[3].youngs_modulus_mpa
+    assert 10_000 < modulus < 40_000 and none is None
+    assert set(several[3]) == set(_results.Unloading.__annotations__) - OF_VOXELS - {"element_size_mm"}
     for keywords, message in (
         ({"frame": 3}, "frame is 3; the test has frames 1 to 2"),
         ({"frame": "middle"}, "peak, last, all, the number of a frame from 1, or a strain below 1"),

@@ -54,5 +54,6 @@ pub use phases::{GivenValues, PhaseValues, Phases, Property};
 pub use resolution::Resolution;
 pub use surfaces::ByPhase;
 pub use tetrahedra::{
-    CrackValues, Cracked, MeshField, effective_in_cracks, effective_in_tetrahedra, stiffness_in_tetrahedra,
+    CrackValues, Cracked, MeshField, Unloading, effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
+    stiffness_in_tetrahedra,
 };

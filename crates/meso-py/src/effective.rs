@@ -83,7 +83,7 @@ pub(crate) fn in_frames<'py>(
         for doubt in chosen.iter().filter_map(|frame| record.doubt(pick, &frame.moment, giver)) {
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
         }
-        let values = PhaseTables::Packing(Box::new(phases(ask)?));
+        let values = record.values(PhaseTables::Packing(Box::new(phases(ask)?)));
         let settled = |frame: &Arc<Snapshot>| {
             let tasks = ask.settle(Facts::Frame(record.cracked(mesh, frame)), values.clone());
             tasks.map_err(|error| raised(&error))

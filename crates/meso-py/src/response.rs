@@ -356,7 +356,7 @@ impl PyResponse {
         call_view("frame_to_pyvista", &frame, None)
     }
 
-    /// Effective diffusivity, conductivity or permeability of the cracked specimen in a frame, with its error.
+    /// Effective diffusivity, conductivity, permeability or stiffness of the cracked specimen in a frame, with its error.
     ///
     /// Cracks are layers of the opening that the frame has, on the mesh of the test. Each axis has given values at its ends;
     /// the other sides are insulated.
@@ -365,8 +365,9 @@ impl PyResponse {
     /// ----------
     /// frame : {"peak", "last", "all"}, int or float
     ///     The frame of the largest stress, the end, or all frames; a frame's number from 1; or the strain that it is nearest to.
-    /// what : {"diffusivity", "conductivity", "permeability", "all"}
-    ///     The property. For all, `phases` has a mapping for each, and a list of three is returned.
+    /// what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+    ///     The property. For all, `phases` has a mapping for each, and a list of four is returned. Stiffness are Young's moduli
+    ///     between smooth ends, with which the specimen unloads: `youngs_modulus_mpa` and `error`, along x, y, z.
     /// phases : mapping, optional
     ///     Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; see `Packing.effective`.
     /// axes : str

@@ -1,5 +1,6 @@
 //! The frames of a test that a property is asked of, and what the test says of them.
 
+use super::PhaseTables;
 use crate::{AskError, Giver};
 use meso_concrete::{Phase, PhaseNames};
 use meso_core::mesh::Mesh;
@@ -187,6 +188,23 @@ impl RunRecord {
                 vec![*nearest(&|frame| (frame.strain - strain).abs())]
             }
         })
+    }
+
+    /// The values of the phases; elastic constants that are not given are those of the test.
+    pub fn values(&self, mut values: PhaseTables) -> PhaseTables {
+        if let PhaseTables::Packing(phases) = &mut values {
+            for phase in self.phases.iter().filter(|phase| phase.youngs_modulus_mpa > 0.0) {
+                let own = &mut phases.stiffness.own;
+                if !PhaseNames::COMMON.all().any(|common| PhaseNames::COMMON.name(common) == phase.name) {
+                    own.entry(phase.name.clone()).or_default();
+                }
+                if let Some(moduli) = phases.stiffness.phase_mut(&phase.name) {
+                    moduli.youngs_modulus_mpa.get_or_insert(phase.youngs_modulus_mpa);
+                    moduli.poisson_ratio.get_or_insert(phase.poisson_ratio);
+                }
+            }
+        }
+        values
     }
 
     /// Doubt about a frame that stands for the peak.

@@ -14,12 +14,13 @@ use meso_core::import::{ending, volume};
 use meso_core::mesh::MethodName;
 use meso_core::{Model, Spec, Watch, spec};
 use meso_effective::results::{
-    FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file, write_figures, write_page,
+    CURVE, FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file, write_curve, write_curve_page,
+    write_figures, write_page,
 };
 use meso_effective::{
     Boundary, CrackValues, Cracked, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property,
-    StiffnessOptions, effective, effective_in_cracks, effective_in_tetrahedra, effective_of_labels, stiffness,
-    stiffness_in_tetrahedra, stiffness_of_labels,
+    StiffnessOptions, effective, effective_in_cracks, effective_in_tetrahedra, effective_of_labels, moduli_in_cracks,
+    stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -126,7 +127,7 @@ pub enum What {
     Stiffness,
     /// Permeability, mm2.
     Permeability,
-    /// Diffusivity, conductivity and stiffness; of a frame diffusivity, conductivity and permeability.
+    /// Diffusivity, conductivity and stiffness; of a frame permeability, too.
     All,
 }
 
@@ -140,7 +141,7 @@ impl What {
             Self::Conductivity => vec![conductivity],
             Self::Permeability => vec![permeability],
             Self::Stiffness => vec![None],
-            Self::All if input == Input::Run => vec![diffusivity, conductivity, permeability],
+            Self::All if input == Input::Run => vec![diffusivity, conductivity, permeability, None],
             Self::All => vec![diffusivity, conductivity, None],
         }
     }
@@ -222,11 +223,14 @@ pub struct Properties {
     /// Each property, and the seconds that it took.
     pub found: Vec<(Found, f64)>,
     fields: Vec<PropertyField>,
+    /// Whether they are those of all frames of a test.
+    of_all: bool,
 }
 
 impl Properties {
     /// Adds those of another frame.
     pub fn extend(&mut self, other: Self) {
+        self.of_all |= other.of_all;
         self.found.extend(other.found);
         self.fields.extend(other.fields);
     }
@@ -236,9 +240,13 @@ impl Properties {
     /// # Errors
     /// The first of `fill`.
     pub fn write<E>(&self, mut fill: impl FnMut(&str, &Filling<'_>) -> Result<(), E>) -> Result<(), E> {
-        let Self { found, fields } = self;
+        let Self { found, fields, of_all } = self;
         fields.iter().try_for_each(|field| fill(&field.file(), &|out| field.write(out)))?;
         fill(FIGURES, &|out| write_figures(found, out))?;
+        if *of_all {
+            fill(CURVE, &|out| write_curve(found, out))?;
+            return fill(PAGE, &|out| write_curve_page(found, out));
+        }
         fill(PAGE, &|out| write_page(found, fields, out))
     }
 }
@@ -277,7 +285,8 @@ impl EffectiveAsk {
         let strains = strains::shown(&self.eigenstrain);
         let accepted = "only stiffness has strains; take what = stiffness or all";
         ASK.require("eigenstrain", strains, self.eigenstrain.is_empty() || has(true), accepted)?;
-        ASK.require("axes", self.axes, is_flux || self.axes == Axes::ALL, "stiffness takes all, xyz")?;
+        let takes_any = is_flux || input == Input::Run || self.axes == Axes::ALL;
+        ASK.require("axes", self.axes, takes_any, "stiffness takes all, xyz")?;
         let is_fixed = self.boundary == Boundary::Fixed;
         ASK.require("boundary", self.boundary.name(), is_flux || is_fixed, "stiffness takes fixed")?;
         self.boundary.accept_for(is_lattice)
@@ -299,11 +308,9 @@ impl EffectiveAsk {
         }
         let accepted = "a frame has the mesh of its test; leave it out";
         ASK.require("method", names::of(&self.method), !is_run || self.method == MethodName::Voxel, accepted)?;
-        for (key, size) in [("voxel_size_mm", self.voxel_size_mm), ("element_size_mm", self.element_size_mm)] {
-            ASK.require(key, size.unwrap_or_default(), !is_run || size.is_none(), accepted)?;
-        }
-        let accepted = "a frame has diffusivity, conductivity, permeability or all";
-        ASK.require("what", names::of(&self.what), !is_run || self.what != What::Stiffness, accepted)
+        [("voxel_size_mm", self.voxel_size_mm), ("element_size_mm", self.element_size_mm)]
+            .into_iter()
+            .try_for_each(|(key, size)| ASK.require(key, size.unwrap_or_default(), !is_run || size.is_none(), accepted))
     }
 
     /// One task for each property, with all options in their ranges. `values` are those of the phases.
@@ -333,7 +340,8 @@ impl EffectiveAsk {
             conductivity: self.crack_conductivity,
             roughness: self.crack_roughness,
         };
-        let division = Division { in_tetrahedra: self.method == MethodName::Lattice, size_mm: self.size(of), cracks };
+        let (in_tetrahedra, axes) = (self.method == MethodName::Lattice, self.axes.flags());
+        let division = Division { in_tetrahedra, size_mm: self.size(of), cracks, axes };
         let task = |property: Option<Property>| {
             let work = self.work(property, division.size_mm);
             let bytes = work.accept(of, &values, division)?;
@@ -356,7 +364,8 @@ impl EffectiveAsk {
         let wrong = |error| Self::fault(&error, giver);
         let tasks = self.settle(of.facts(), values).map_err(wrong)?;
         tasks.iter().try_for_each(|task| task.accept(machine, giver))?;
-        let mut properties = Properties::default();
+        let of_all = self.frame == Some(FramePick::All);
+        let mut properties = Properties { of_all, ..Properties::default() };
         for task in tasks {
             let begun = machine.tools.watch.seconds();
             let (found, fields) = task.solve(of, machine.tools.watch).map_err(wrong)?;
@@ -420,9 +429,11 @@ impl EffectiveAsk {
                     let axes = (0..3).filter(|axis| self.axes.flags()[*axis]);
                     axes.map(|axis| field_file(what, axis, ending)).collect::<Vec<_>>()
                 }
+                None if input == Input::Run => Vec::new(),
                 None => (0..6).map(|row| stress_file(row, ending)).collect(),
             });
-        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(fields).collect()
+        let curve = (self.frame == Some(FramePick::All)).then(|| CURVE.to_owned());
+        [FIGURES, PAGE].map(str::to_owned).into_iter().chain(curve).chain(fields).collect()
     }
 
     /// Whether fields are written; those of all frames would be.
@@ -478,6 +489,7 @@ struct Division {
     in_tetrahedra: bool,
     size_mm: f64,
     cracks: CrackValues,
+    axes: [bool; 3],
 }
 
 /// A property with its options.
@@ -518,8 +530,10 @@ impl Work {
             (Self::Flux(options), Facts::Frame(of), PhaseTables::Packing(phases)) => {
                 of.accept(phases, &division.cracks, options)
             }
-            (Self::Stiffness(_), Facts::Frame(_), _)
-            | (_, Facts::Packing(_) | Facts::Frame(_), PhaseTables::Labels(_))
+            (Self::Stiffness(options), Facts::Frame(of), PhaseTables::Packing(phases)) => {
+                of.accept_moduli(&phases.stiffness, options.tolerance)
+            }
+            (_, Facts::Packing(_) | Facts::Frame(_), PhaseTables::Labels(_))
             | (_, Facts::Labels(_), PhaseTables::Packing(_)) => Err(mismatch()),
         }
     }
@@ -580,8 +594,12 @@ impl EffectiveTask {
     /// # Errors
     /// Those that only the solution shows, such as equations that do not converge.
     pub fn solve(&self, of: Subject<'_>, watch: &dyn Watch) -> Result<(Found, Vec<PropertyField>), EffectiveError> {
-        let Division { in_tetrahedra, size_mm: size, cracks } = self.division;
+        let Division { in_tetrahedra, size_mm: size, cracks, axes } = self.division;
         match (&self.work, of, &self.values) {
+            (Work::Stiffness(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
+                let found = moduli_in_cracks(&of, &phases.stiffness, axes, options.tolerance, watch)?;
+                Ok((Found::Unloading(Box::new(found)), Vec::new()))
+            }
             (Work::Flux(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
                 let (found, fields) = effective_in_cracks(&of, phases, &cracks, options, watch)?;
                 Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))

@@ -123,6 +123,19 @@ impl Cracked<'_> {
     }
 }
 
+impl Cracked<'_> {
+    /// Volumes of the phases of its mesh over the specimen's.
+    pub(super) fn volumes(&self, domain: &Domain) -> Vec<f64> {
+        let parts = self.mesh.kind.tetrahedra().len();
+        let volume = |own: Phase| {
+            let is_own = |part: usize| self.mesh.phase[part / parts] == own;
+            let [volume] = domain.sums(|part| [if is_own(part) { domain.cell(part).volume } else { 0.0 }]);
+            volume / domain.volume + if own == Phase::Void { 1.0 - self.filled } else { 0.0 }
+        };
+        self.mesh.phases.all().map(volume).collect()
+    }
+}
+
 /// The effective property of a mesh with cracks, and the fields if asked for. The size of voxels in `options` does not matter.
 ///
 /// # Errors

@@ -10,8 +10,10 @@ mod flux;
 mod meshed;
 mod solid;
 mod uniform;
+mod unloading;
 
 pub use cracked::{CrackValues, Cracked, effective_in_cracks};
 pub use field::MeshField;
 pub use flux::effective_in_tetrahedra;
 pub use solid::stiffness_in_tetrahedra;
+pub use unloading::{Unloading, moduli_in_cracks};

@@ -74,14 +74,16 @@ impl StiffnessOptions {
 }
 
 /// Forces between two nodes by their relative displacement, row by row. In single precision forces would not balance.
-type Block = [f64; 9];
+pub(super) type Block = [f64; 9];
 /// Unknown displacements that are added up in one sum.
 const LAYER: usize = 3 << 12;
 
 /// Equations of a mesh; displacements are in threes, one for each unknown node.
-struct Solid<'a> {
-    domain: &'a Domain,
-    unknowns: Unknowns,
+pub(super) struct Solid<'a> {
+    pub(super) domain: &'a Domain,
+    pub(super) unknowns: Unknowns,
+    /// Share of the stiffness that is left in every cell; empty where nothing is lost.
+    left: Vec<f32>,
     /// Constants of every cell.
     of: Vec<u8>,
     phases: Vec<Elasticity>,
@@ -95,7 +97,7 @@ struct Solid<'a> {
 
 /// Lame's constants and the eigenstress, MPa.
 #[derive(Clone, Copy)]
-struct Elasticity {
+pub(super) struct Elasticity {
     lame: f64,
     shear: f64,
     eigenstress: f64,
@@ -107,8 +109,13 @@ impl Elasticity {
         Self { lame: bulk - 2.0 / 3.0 * shear, shear, eigenstress: 3.0 * bulk * moduli.eigenstrain }
     }
 
+    /// With a share of its stiffness.
+    fn times(self, share: f64) -> Self {
+        Self { lame: share * self.lame, shear: share * self.shear, eigenstress: share * self.eigenstress }
+    }
+
     /// Forces between two nodes of a cell, from the gradients of their shape functions, times `factor`.
-    fn block(&self, factor: f64, a: &Vec3, b: &Vec3) -> Block {
+    pub(super) fn block(&self, factor: f64, a: &Vec3, b: &Vec3) -> Block {
         let all =
             Mat3::identity() * (self.shear * a.dot(b)) + a * b.transpose() * self.lame + b * a.transpose() * self.shear;
         std::array::from_fn(|entry| factor * all[(entry / 3, entry % 3)])
@@ -126,14 +133,27 @@ impl<'a> Solid<'a> {
     fn new(domain: &'a Domain, bodies: &Bodies<'_>, table: &Table) -> Self {
         let mesh = &domain.mesh;
         let of = parallel::map_short(mesh.cell_count(), |cell| bodies.phase(mesh, cell).number());
-        let is_stiff = |cell: usize| table[usize::from(of[cell])].youngs_modulus_mpa > 0.0;
         let walls = (0..3).filter(|axis| !mesh.periodic[*axis]).fold(0, |bits, axis| bits | 3 << (2 * axis));
+        Self::with(domain, (of, Vec::new()), table, walls, |_, _| {})
+    }
+
+    /// Cells of phases, with the shares of their stiffness that are left. Nodes on `walls` move as the mean strain asks; `hold` adds
+    /// to what holds a node.
+    pub(super) fn with(
+        domain: &'a Domain,
+        (of, left): (Vec<u8>, Vec<f32>),
+        table: &Table,
+        walls: u8,
+        hold: impl Fn(usize, &mut Block) + Sync,
+    ) -> Self {
+        let is_stiff = |cell: usize| table[usize::from(of[cell])].youngs_modulus_mpa > 0.0;
         let unknowns = domain.unknowns(walls, is_stiff);
         let phases: Vec<Elasticity> = table.iter().map(Elasticity::of).collect();
+        let share = |cell: usize| left.get(cell).map_or(1.0, |left| f64::from(*left));
         let block = |cell: usize, at: usize, other: usize| {
             let Tetrahedron { volume, gradients } = domain.cell(cell);
             let of_cell = &phases[usize::from(of[cell])];
-            is_stiff(cell).then(|| of_cell.block(-volume, &gradients[at], &gradients[other]))
+            is_stiff(cell).then(|| of_cell.block(-volume * share(cell), &gradients[at], &gradients[other]))
         };
         let links = |unknown: usize| domain.links(&unknowns, unknown, block);
         let row = |unknown: usize, row: &mut Vec<(u32, Block)>| {
@@ -144,10 +164,17 @@ impl<'a> Solid<'a> {
         let ground = parallel::map_short(count, |unknown| {
             let mut sum = [0.0; 9];
             links(unknown).into_iter().filter(|(to, _)| *to == GIVEN).for_each(|(_, block)| add(&mut sum, block));
+            hold(unknowns.nodes[unknown] as usize, &mut sum);
             sum
         });
         let networks = [0, 1, 2].map(|component| network(&rows, &ground, component));
-        Self { domain, of, phases, rows, ground, networks, correction: vec![0.0; 3 * count], unknowns }
+        Self { domain, left, of, phases, rows, ground, networks, correction: vec![0.0; 3 * count], unknowns }
+    }
+
+    /// Constants of a cell.
+    pub(super) fn elasticity(&self, cell: usize) -> Elasticity {
+        let own = self.phases[usize::from(self.of[cell])];
+        self.left.get(cell).map_or(own, |left| own.times(f64::from(*left)))
     }
 
     fn strain(&self, cell: usize, u: &[f64], mean: &[f64; 6]) -> [f64; 6] {
@@ -163,8 +190,8 @@ impl<'a> Solid<'a> {
         std::array::from_fn(|i| mean[i] + strain[i])
     }
 
-    fn stress(&self, cell: usize, u: &[f64], mean: &[f64; 6]) -> [f64; 6] {
-        self.phases[usize::from(self.of[cell])].stress(&self.strain(cell, u, mean))
+    pub(super) fn stress(&self, cell: usize, u: &[f64], mean: &[f64; 6]) -> [f64; 6] {
+        self.elasticity(cell).stress(&self.strain(cell, u, mean))
     }
 }
 
@@ -251,7 +278,7 @@ impl Strained for Solid<'_> {
         let sums = self.domain.sums::<8>(|cell| {
             let (strain, stress) = (self.strain(cell, u, mean), self.stress(cell, u, mean));
             let energy: f64 = (0..6).map(|i| strain[i] * stress[i]).sum();
-            let eigen = self.phases[usize::from(self.of[cell])].eigenstress * (strain[0] + strain[1] + strain[2]);
+            let eigen = self.elasticity(cell).eigenstress * (strain[0] + strain[1] + strain[2]);
             let volume = self.domain.cell(cell).volume;
             [stress[0], stress[1], stress[2], stress[3], stress[4], stress[5], energy, eigen].map(|sum| sum * volume)
         });

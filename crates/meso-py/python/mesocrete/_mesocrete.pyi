@@ -1038,9 +1038,9 @@ class Response:
     def effective(
         self,
         frame: Literal["peak", "last"] | float = "peak",
-        what: Literal["diffusivity", "conductivity", "permeability"] = "diffusivity",
+        what: Literal["diffusivity", "conductivity", "permeability", "stiffness"] = "diffusivity",
         *,
-        phases: Mapping[str, float] | None = None,
+        phases: Mapping[str, object] | None = None,
         axes: str = "xyz",
         crack_diffusivity: float | None = None,
         crack_conductivity: float | None = None,
@@ -1048,7 +1048,7 @@ class Response:
         tolerance: float | None = None,
         progress: bool | Callable[..., object] | None = None,
     ) -> Effective:
-        """Effective diffusivity, conductivity or permeability of the cracked specimen in a frame, with its error.
+        """Effective diffusivity, conductivity, permeability or stiffness of the cracked specimen in a frame, with its error.
 
         Cracks are layers of the opening that the frame has, on the mesh of the test. Each axis has given values at its ends;
         the other sides are insulated.
@@ -1057,8 +1057,9 @@ class Response:
         ----------
         frame : {"peak", "last", "all"}, int or float
             The frame of the largest stress, the end, or all frames; a frame's number from 1; or the strain that it is nearest to.
-        what : {"diffusivity", "conductivity", "permeability", "all"}
-            The property. For all, `phases` has a mapping for each, and a list of three is returned.
+        what : {"diffusivity", "conductivity", "permeability", "stiffness", "all"}
+            The property. For all, `phases` has a mapping for each, and a list of four is returned. Stiffness are Young's moduli
+            between smooth ends, with which the specimen unloads: `youngs_modulus_mpa` and `error`, along x, y, z.
         phases : mapping, optional
             Values of `mortar`, `aggregate`, `itz`, `void`, `fibre`; see `Packing.effective`.
         axes : str
@@ -1092,7 +1093,7 @@ class Response:
     def effective(
         self,
         frame: Literal["all"],
-        what: Literal["diffusivity", "conductivity", "permeability", "all"] = "diffusivity",
+        what: Literal["diffusivity", "conductivity", "permeability", "stiffness", "all"] = "diffusivity",
         *,
         phases: Mapping[str, object] | None = None,
         axes: str = "xyz",

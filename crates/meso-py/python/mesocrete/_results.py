@@ -625,6 +625,23 @@ class Stiffness(Resolution):
     """What a reader should know."""
 
 
+class Unloading(Resolution, At):
+    """Young's moduli of a specimen at a moment of its test."""
+
+    what: str
+    """Property: `stiffness`."""
+    youngs_modulus_mpa: list[float | None]
+    """Along x, y, z between smooth ends, MPa; `None` where not asked for."""
+    error: list[float | None]
+    """Their errors, MPa."""
+    fine: list[float | None]
+    """On the tetrahedra, MPa."""
+    phases: list[ElasticShare]
+    """Phases with their volumes and the constants before the test."""
+    warnings: list[str]
+    """What a reader should know."""
+
+
 class CurveFigures(TypedDict):
     """Figures of a curve."""
 
@@ -730,6 +747,10 @@ class PhaseResult(TypedDict):
     """Volume of the exact bodies over the specimen's, where known."""
     dissipated_mj: float
     """Dissipated in its cells, mJ; in cohesive faces, too, for the ITZ."""
+    youngs_modulus_mpa: float
+    """Young's modulus before the test, MPa."""
+    poisson_ratio: float
+    """Poisson's ratio before the test."""
 
 
 class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):

@@ -153,6 +153,12 @@ pub struct PhaseResult {
     pub exact_fraction: Option<f64>,
     /// Dissipated in its cells, mJ; in cohesive faces, too, for the ITZ.
     pub dissipated_mj: f64,
+    /// Young's modulus before the test, MPa.
+    #[serde(default)]
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio before the test.
+    #[serde(default)]
+    pub poisson_ratio: f64,
 }
 
 /// Kinetic over internal energy that is still quasi-static, and that is no longer.
@@ -305,6 +311,8 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
             volume_fraction: volumes.of(phase) / run.sample.volume_mm3,
             exact_fraction: run.sample.exact.map(exact),
             dissipated_mj: groups.map(|group| group.dissipated).sum(),
+            youngs_modulus_mpa: run.common.matter[phase.index()].elastic.youngs_modulus_mpa,
+            poisson_ratio: run.common.matter[phase.index()].elastic.poisson_ratio,
         }
     };
     let has_faces = !run.sample.mesh.cohesive.is_empty();

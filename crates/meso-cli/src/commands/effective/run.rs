@@ -11,7 +11,7 @@ use meso_core::Model;
 use meso_core::mesh::Tools;
 use meso_core::watch::Stage;
 use meso_effective::results::{Found, figure};
-use meso_effective::{At, Effective, LabelSpecimen, Stiffness};
+use meso_effective::{At, Effective, LabelSpecimen, Stiffness, Unloading};
 use meso_solve::results::{Moment, ResultFile};
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -88,7 +88,7 @@ impl Frames {
 
     /// Reads one frame after the other, and solves it.
     fn answer(&self, args: &Args, values: &PhaseTables, watch: &Watch) -> Result<Properties, Failure> {
-        let mut all = Properties::default();
+        let (mut all, values) = (Properties::default(), self.record.values(values.clone()));
         for moment in &self.chosen {
             let file = args.model.join(moment.file());
             let bytes = std::fs::read(&file).map_err(|error| Failure::file(&file, &error))?;
@@ -136,6 +136,7 @@ fn tell(found: &Found, quiet: bool) {
         stderr::line(match found {
             Found::Flux(found) => flux_line(found),
             Found::Stiffness(found) => stiffness_line(found),
+            Found::Unloading(found) => unloading_line(found),
         });
     }
     found.warnings().iter().for_each(|warning| stderr::line(format!("warning: {warning}")));
@@ -150,11 +151,9 @@ fn flux_line(found: &Effective) -> String {
     let entries: Vec<String> = (0..3).filter_map(entry).collect();
     let (low, high) = (found.bounds.hashin_shtrikman_lower, found.bounds.hashin_shtrikman_upper);
     let (name, entries) = (found.what.name(), entries.join(", "));
-    match found.at {
-        At { frame: Some(frame), strain: Some(strain), .. } => {
-            format!("frame {frame}, strain {strain:.5}: {name} {entries}")
-        }
-        _ => format!("{name}: {entries}; Hashin-Shtrikman {} to {}", figure(low), figure(high)),
+    match moment(&found.at) {
+        Some(moment) => format!("{moment}: {name} {entries}"),
+        None => format!("{name}: {entries}; Hashin-Shtrikman {} to {}", figure(low), figure(high)),
     }
 }
 
@@ -167,4 +166,19 @@ fn stiffness_line(found: &Stiffness) -> String {
     let free = found.phases.iter().any(|phase| phase.eigenstrain != 0.0);
     let expansion = if free { format!("; free strain x {x:.3e}, y {y:.3e}, z {z:.3e}") } else { String::new() };
     format!("stiffness: {modulus}, {ratio}{expansion}")
+}
+
+/// When a frame was taken, if a result belongs to one.
+fn moment(at: &At) -> Option<String> {
+    Some(format!("frame {}, strain {:.5}", at.frame?, at.strain?))
+}
+
+/// Young's moduli of a frame.
+fn unloading_line(found: &Unloading) -> String {
+    let entry = |axis: usize| {
+        let (value, error) = (found.youngs_modulus_mpa[axis]?, found.error[axis]?);
+        Some(format!("{} {value:.0} +- {error:.0} MPa", ["x", "y", "z"][axis]))
+    };
+    let entries: Vec<String> = (0..3).filter_map(entry).collect();
+    format!("{}: modulus {}", moment(&found.at).unwrap_or_default(), entries.join(", "))
 }

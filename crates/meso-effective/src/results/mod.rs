@@ -1,12 +1,16 @@
 //! Files of a result: figures, a page, and the names that both fronts use.
 
+mod load_curve;
+
+pub use load_curve::{CURVE, write_curve};
+
 use crate::bounds::PropertyBounds;
 use crate::effective::Effective;
 use crate::elastic::{COMPONENTS, ElasticShare, Stiffness, StressField, von_mises};
 use crate::field::FluxField;
 use crate::phases::Property;
 use crate::resolution::Resolution;
-use crate::tetrahedra::MeshField;
+use crate::tetrahedra::{MeshField, Unloading};
 use meso_collision::math::{Aabb, Vec3};
 use meso_view::embedded::base64;
 use png::{BitDepth, ColorType, Encoder};
@@ -78,6 +82,8 @@ pub enum Found {
     Flux(Box<Effective>),
     /// Stiffness.
     Stiffness(Box<Stiffness>),
+    /// Young's moduli of a cracked specimen.
+    Unloading(Box<Unloading>),
 }
 
 impl Found {
@@ -86,6 +92,7 @@ impl Found {
         match self {
             Self::Flux(of) => &of.warnings,
             Self::Stiffness(of) => &of.warnings,
+            Self::Unloading(of) => &of.warnings,
         }
     }
 }
@@ -113,20 +120,35 @@ struct Timed<'a> {
     seconds: f64,
 }
 
+/// Writes a page of the properties over the load, one row for each frame of a test.
+///
+/// # Errors
+/// Fails with the errors of `out`.
+pub fn write_curve_page(found: &[(Found, f64)], out: &mut dyn Write) -> io::Result<()> {
+    begin(out)?;
+    load_curve::write_plots(found, out)?;
+    writeln!(out, "</html>")
+}
+
+fn begin(out: &mut dyn Write) -> io::Result<()> {
+    write!(
+        out,
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Effective properties</title>\n{STYLE}"
+    )?;
+    writeln!(out, "<h1>Effective properties</h1>")
+}
+
 /// Writes a page: for each property the tensor with its error, bounds, phases, and a section of each field.
 ///
 /// # Errors
 /// Fails with the errors of `out`.
 pub fn write_page(found: &[(Found, f64)], fields: &[PropertyField], out: &mut dyn Write) -> io::Result<()> {
-    write!(
-        out,
-        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Effective properties</title>\n{STYLE}"
-    )?;
-    writeln!(out, "<h1>Effective properties</h1>")?;
+    begin(out)?;
     for (of, _) in found {
         match of {
             Found::Flux(of) => write_flux(of, fields, out)?,
             Found::Stiffness(of) => write_stiffness(of, fields, out)?,
+            Found::Unloading(of) => write_unloading(of, out)?,
         }
         of.warnings().iter().try_for_each(|warning| writeln!(out, "<p class=\"warning\">Warning: {warning}.</p>"))?;
     }
@@ -207,6 +229,17 @@ fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write
         PropertyField::MeshStress(field) => write_stress_section(&Raster::of_mesh(field, von_mises), out),
         _ => Ok(()),
     })
+}
+
+fn write_unloading(of: &Unloading, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<h2>Young's modulus of unloading, MPa</h2>\n<table><tr><th>along</th><th>modulus</th></tr>")?;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if let (Some(modulus), Some(error)) = (of.youngs_modulus_mpa[axis], of.error[axis]) {
+            writeln!(out, "<tr><td>{name}</td><td>{modulus:.0} ± {error:.0}</td></tr>")?;
+        }
+    }
+    writeln!(out, "</table>")?;
+    write_resolution(&of.resolution, out)
 }
 
 const STYLE: &str = "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;padding:0 1rem}\
@@ -410,7 +443,7 @@ impl Property {
         }
     }
 
-    fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Diffusivity => ", in the unit of the phases",
             Self::Conductivity => ", W/(m K)",
