@@ -16,7 +16,7 @@ TARGET = Path(__file__).parent / "python" / "mesocrete" / "_results.py"
 SOURCES = {
     "meso-concrete/src/aggregate/library.rs": ["Reduction"],
     "meso-place/src/report.rs": [
-        *["SpecimenReport", "ClassReport", "PhaseReport", "OwnPhaseReport", "Work", "Seconds", "ReducedGrain"],
+        *["SpecimenReport", "ClassReport", "PhaseReport", "OwnPhaseReport", "ShellReport", "Work", "Seconds", "ReducedGrain"],
         *["CoreReport", "LabelReport", "Report"],
     ],
     "meso-pack/src/statistics/distribution.rs": ["Distribution"],

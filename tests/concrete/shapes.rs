@@ -70,7 +70,15 @@ fn cube_stl() -> Vec<u8> {
     let body = convex_hull(&corners).unwrap();
     let mut bytes = Vec::new();
     stl::write(
-        &[Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body }],
+        &[Aggregate {
+            id: 0,
+            kind: Kind::Aggregate,
+            own: None,
+            class: 0,
+            itz_thickness_mm: 0.0,
+            shells: Vec::new(),
+            body,
+        }],
         &mut bytes,
     )
     .unwrap();

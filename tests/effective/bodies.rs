@@ -12,7 +12,7 @@ pub(crate) fn cube(side_mm: f64, periodic: bool) -> Specimen {
 }
 
 pub(crate) fn aggregate(body: Polyhedron, itz_thickness_mm: f64) -> Aggregate {
-    Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm, body }
+    Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm, shells: Vec::new(), body }
 }
 
 /// Phases whose diffusivities are those of mortar, aggregate and ITZ.

@@ -9,6 +9,7 @@ mod labels;
 mod laminates;
 mod own_phases;
 mod packings;
+mod shells;
 mod spheres;
 mod stiffness;
 mod tetrahedra;

@@ -19,7 +19,7 @@ pub(crate) fn block(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
 }
 
 pub(crate) fn aggregate(id: u32, body: Polyhedron, itz_thickness_mm: f64) -> Aggregate {
-    Aggregate { id, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm, body }
+    Aggregate { id, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm, shells: Vec::new(), body }
 }
 
 /// Blocks turned at random in the cells of a 3 x 3 x 3 grid of 10 mm: disjoint, and not aligned with any mesh.

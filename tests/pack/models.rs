@@ -28,6 +28,7 @@ pub(crate) fn model_of(bodies: Vec<Polyhedron>) -> Model {
         own: None,
         class: 0,
         itz_thickness_mm: 1.0 / 3.0,
+        shells: Vec::new(),
         body,
     };
     Model { spec, aggregates: bodies.into_iter().enumerate().map(aggregate).collect(), inclusions: Vec::new(), report }
@@ -69,6 +70,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         classes: classes.collect(),
         phases: Vec::new(),
         own_phases: Vec::new(),
+        shells: Vec::new(),
         itz_limited: Vec::new(),
         itz_thin: Vec::new(),
         reduced: Vec::new(),

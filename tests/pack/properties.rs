@@ -143,6 +143,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         elongation,
         flatness,
         grains: Vec::new(),
+        shells: Vec::new(),
     })
 }
 

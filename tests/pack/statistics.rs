@@ -18,7 +18,15 @@ fn model(side_mm: f64, bodies: Vec<Polyhedron>) -> Model {
     model.spec.specimen = Specimen::cube(side_mm);
     model.aggregates = (0..)
         .zip(bodies)
-        .map(|(id, body)| Aggregate { id, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body })
+        .map(|(id, body)| Aggregate {
+            id,
+            kind: Kind::Aggregate,
+            own: None,
+            class: 0,
+            itz_thickness_mm: 0.0,
+            shells: Vec::new(),
+            body,
+        })
         .collect();
     model
 }

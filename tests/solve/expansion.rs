@@ -91,7 +91,15 @@ fn sphere_in_shell(element_size_mm: f64) -> Meshed {
         centre + 7.0 * Vec3::new(r * cosine, r * sine, z)
     };
     let body = convex_hull(&(0..400).map(point).collect::<Vec<_>>()).unwrap();
-    let body = Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body };
+    let body = Aggregate {
+        id: 0,
+        kind: Kind::Aggregate,
+        own: None,
+        class: 0,
+        itz_thickness_mm: 0.0,
+        shells: Vec::new(),
+        body,
+    };
     Meshed::of(&[body], specimen, options(Method::FITTED, element_size_mm, ItzForm::None))
 }
 

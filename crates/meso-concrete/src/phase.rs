@@ -2,8 +2,9 @@
 //!
 //! Every concrete has the same five numbers. Further phases belong to one specimen: [`PhaseNames`] has their names.
 
-use crate::aggregate::{Aggregate, Kind};
+use crate::aggregate::{Aggregate, Kind, OwnPhase, ShellLaw};
 use crate::out_of_range::{OutOfRange, Ranges};
+use meso_collision::geometry::OffsetError;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -73,6 +74,50 @@ impl Aggregate {
     pub fn phase(&self) -> Phase {
         self.own.map_or(Phase::of(self.kind), Phase::Own)
     }
+
+    /// The body with the phase of its first layer below the ITZ, then the inside of every further one as a body without ITZ: the
+    /// core is the last. Shells without a trustworthy inner body end the list.
+    pub fn nested(&self) -> Vec<Self> {
+        let cores = self.shells.iter().map(|shell| Some(shell.own)).chain([self.own]);
+        let mut depth = self.itz_thickness_mm;
+        let mut all = Vec::with_capacity(self.shells.len() + 1);
+        for (own, before) in cores.zip(std::iter::once(None).chain(self.shells.iter().map(Some))) {
+            let (body, itz_thickness_mm) = match before {
+                None => (self.body.clone(), depth),
+                Some(shell) => {
+                    depth += shell.thickness_mm;
+                    let Ok(Some(body)) = self.body.inward_offset(depth) else { break };
+                    (body, 0.0)
+                }
+            };
+            all.push(Self { own, shells: Vec::new(), itz_thickness_mm, body, ..*self });
+        }
+        all
+    }
+
+    /// Volume of every layer within an ITZ of `itz_mm`, mm3, with its phase.
+    ///
+    /// # Errors
+    /// Where the offset of an ill-shaped body has no trustworthy answer.
+    pub fn layer_volumes(&self, itz_mm: f64) -> Result<Vec<(Phase, f64)>, OffsetError> {
+        let inside = self.core_volume(itz_mm)?;
+        let nested = self.nested();
+        let within = nested.iter().skip(1).map(|body| body.body.volume()).chain([0.0]);
+        let outer = std::iter::once(inside).chain(nested.iter().skip(1).map(|body| body.body.volume()));
+        Ok(nested.iter().zip(outer.zip(within)).map(|(body, (outer, within))| (body.phase(), outer - within)).collect())
+    }
+
+    /// Phase at a depth below its surface, mm, within its ITZ.
+    pub fn phase_at(&self, depth_mm: f64) -> Phase {
+        let mut depth = self.itz_thickness_mm;
+        for shell in &self.shells {
+            depth += shell.thickness_mm;
+            if depth_mm < depth {
+                return Phase::Own(shell.own);
+            }
+        }
+        self.phase()
+    }
 }
 
 /// The phases of a specimen: the five of every concrete, and its own by their names.
@@ -92,6 +137,17 @@ impl PhaseNames {
     pub const ROOM: usize = Phase::ALL.len() + Self::MOST;
     /// The phases of every concrete alone.
     pub const COMMON: &Self = &Self(Vec::new());
+
+    /// Names of the phases that some aggregates have, then those of the shells that no other has.
+    pub fn of(phases: &[OwnPhase], shells: &[ShellLaw]) -> Self {
+        let mut all: Vec<String> = Vec::new();
+        for name in phases.iter().map(|phase| &phase.name).chain(shells.iter().map(|law| &law.name)) {
+            if !all.contains(name) {
+                all.push(name.clone());
+            }
+        }
+        Self(all)
+    }
 
     /// The number of phases, which is one beyond the largest number.
     pub fn count(&self) -> usize {

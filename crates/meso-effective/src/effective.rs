@@ -145,6 +145,7 @@ pub fn effective<'a>(
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
     let bodies = error::accepted(bodies)?;
+    values.validate_shells(options.what, &bodies, &names)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, names: &names, values: &values }, counts, options, watch)
 }

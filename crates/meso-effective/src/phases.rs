@@ -2,7 +2,8 @@
 
 use crate::moduli::PhaseModuli;
 use crate::surfaces::ByPhase;
-use meso_concrete::{OutOfRange, PhaseNames, Ranges};
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -81,6 +82,24 @@ impl PhaseValues {
     /// Values of all phases of the aggregates.
     pub(crate) fn of_aggregates(&self, names: &PhaseNames) -> Vec<f64> {
         names.all().filter(|phase| phase.is_aggregate()).map(|phase| self.of(phase, names)).collect()
+    }
+
+    /// Refuses a shell that nothing passes: what it encloses would count.
+    ///
+    /// # Errors
+    /// The first such shell.
+    pub(crate) fn validate_shells(
+        &self,
+        property: Property,
+        bodies: &[Aggregate],
+        names: &PhaseNames,
+    ) -> Result<(), OutOfRange> {
+        for shell in bodies.iter().flat_map(|body| &body.shells) {
+            let (phase, why) =
+                (Phase::Own(shell.own), "a shell lets something pass: give it a small value, as 1e-4 of the mortar's");
+            Ranges(property.name()).require(names.name(phase), 0, self.of(phase, names) > 0.0, why)?;
+        }
+        Ok(())
     }
 
     /// Refuses values that are negative or too far from the mortar's, and other phases than a packing's own.

@@ -20,12 +20,22 @@ pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen, names:
         }
         body.core_volume(body.itz_thickness_mm).unwrap_or_else(|_| body.body.volume())
     };
+    let layers = |number: usize| {
+        let body = &bodies[number];
+        let whole = || vec![(body.phase(), core(number))];
+        if body.shells.is_empty() {
+            whole()
+        } else {
+            body.layer_volumes(body.itz_thickness_mm).unwrap_or_else(|_| whole())
+        }
+    };
     let cores = parallel::map(bodies.len(), core);
+    let layers = if names.own().len() == 0 { Vec::new() } else { parallel::map(bodies.len(), layers).concat() };
     let inside = cores.iter().sum::<f64>() / volume;
     let [outer, void, fibre] = [Kind::Aggregate, Kind::Void, Kind::Fibre].map(of);
     let own = |phase: Phase| {
-        let own = bodies.iter().zip(&cores).filter(|(body, _)| body.phase() == phase);
-        0.0 + own.map(|(_, core)| core).sum::<f64>() / volume
+        let own = layers.iter().filter(|(of, _)| *of == phase);
+        0.0 + own.map(|(_, volume)| volume).sum::<f64>() / volume
     };
     let aggregate = if names.own().len() == 0 { inside } else { own(Phase::Aggregate) };
     let own = names.own().map(own);

@@ -4,7 +4,7 @@ use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::aggregate::Kind;
-use meso_concrete::{Phase, PhaseNames, own_tables, parallel};
+use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges, own_tables, parallel};
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 
@@ -68,6 +68,13 @@ pub(crate) struct Surface {
     pub(crate) kind: Phase,
 }
 
+/// Refuses grains with shells, which have no fitted tetrahedra.
+pub(crate) fn without_shells(bodies: &[Aggregate]) -> Result<(), OutOfRange> {
+    let is_met = bodies.iter().all(|body| body.shells.is_empty());
+    let why = "the surfaces of shells have no tetrahedra of their own; take voxel, whose voxels have their shares";
+    Ranges("effective").require("method", "lattice", is_met, why)
+}
+
 impl Surface {
     /// All surfaces of `bodies`, vertices mapped by `turn`. A shell without trustworthy core counts as the aggregate; none is
     /// made where `has_itz` is false.
@@ -76,6 +83,22 @@ impl Surface {
     }
 
     fn of(body: &Aggregate, has_itz: bool, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
+        if body.shells.is_empty() {
+            return Self::of_two(body, has_itz, turn);
+        }
+        let nested = body.nested();
+        let mut all: Vec<Self> = nested.first().map_or_else(Vec::new, |outer| Self::of_two(outer, has_itz, turn));
+        all.extend(nested.windows(2).map(|layers| Self {
+            body: layers[1].body.mapped(turn),
+            outside: layers[0].phase(),
+            within: layers[1].phase(),
+            kind: body.phase(),
+        }));
+        all
+    }
+
+    /// The surfaces of a body and its ITZ.
+    fn of_two(body: &Aggregate, has_itz: bool, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
         let kind = body.phase();
         let new = |body: Polyhedron, outside, within| Self { body, outside, within, kind };
         let outer = body.body.mapped(turn);

@@ -13,6 +13,7 @@ use super::{clip, lattice, layer, voxel};
 use crate::analysis::{add_cohesive, part_joined, restore_volumes, smear_itz, spare_stiff, split_narrow};
 use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume, drop_lone_nodes};
 use crate::figures::{PhaseVolumes, note_closed_gaps};
+use crate::location::Facets;
 use crate::tet::TetMesh;
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
@@ -67,7 +68,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     }
     report(watch, 0.95)?;
     all_positive(mesh.by_owner())?;
-    mark_own(&mut mesh, &parts);
+    mark_own(&mut mesh, &parts, bodies);
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -203,14 +204,31 @@ fn clip(mesh: &mut Mesh, container: &dyn Container) {
     }
 }
 
-/// Gives the cells of aggregates with a phase of their own this phase; all of meshing is the same for them.
-fn mark_own(mesh: &mut Mesh, parts: &Parts) {
+/// Gives the cells of aggregates with phases of their own these phases; all of meshing is the same for them. In an aggregate
+/// with shells a cell has the phase at its centre.
+fn mark_own(mesh: &mut Mesh, parts: &Parts, images: &BodyImages) {
     mesh.phases = parts.phases.clone();
-    if parts.bodies.iter().any(|body| body.own.is_some()) {
-        for (phase, owner) in mesh.phase.iter_mut().zip(&mesh.owner).filter(|(phase, _)| phase.is_aggregate()) {
-            *phase = parts.bodies[*owner as usize].phase();
-        }
+    if parts.bodies.iter().all(|body| body.own.is_none() && body.shells.is_empty()) {
+        return;
     }
+    // A cell lies in one of the images of its body.
+    let facets = |body: usize| match parts.bodies[body].shells.is_empty() {
+        true => Vec::new(),
+        false => Facets::all(images.images(body as u32), |_| 0.0),
+    };
+    let facets = parallel::map(parts.bodies.len(), facets);
+    let (nodes, mut phase) = (mesh.kind.nodes(), std::mem::take(&mut mesh.phase));
+    parallel::each_short_mut(&mut phase, |cell, phase| {
+        if !phase.is_aggregate() {
+            return;
+        }
+        let owner = mesh.owner[cell] as usize;
+        let corners = &mesh.cells[nodes * cell..][..mesh.kind.corners()];
+        let centre = corners.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / corners.len() as f64;
+        let depth = facets[owner].iter().map(|facets| -facets.height(&centre)).fold(f64::NEG_INFINITY, f64::max);
+        *phase = parts.bodies[owner].phase_at(if facets[owner].is_empty() { f64::INFINITY } else { depth });
+    });
+    mesh.phase = phase;
 }
 
 /// Keeps all cells but those of voids, whose volume is noted.

@@ -414,6 +414,7 @@ pub(crate) fn assembled(
         own: None,
         class: class(sizes[id]),
         itz_thickness_mm: 0.0,
+        shells: Vec::new(),
         body,
     };
     let mut aggregates: Vec<Aggregate> = bodies.into_iter().enumerate().map(aggregate).collect();

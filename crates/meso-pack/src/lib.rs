@@ -18,7 +18,8 @@ pub mod statistics;
 /// The *place*: its options, and the report of a packing.
 pub mod packing {
     pub use meso_place::{
-        ClassReport, LabelReport, OwnPhaseReport, PhaseReport, Placement, ReducedGrain, Report, Seconds, SpecimenReport,
+        ClassReport, LabelReport, OwnPhaseReport, PhaseReport, Placement, ReducedGrain, Report, Seconds, ShellReport,
+        SpecimenReport,
     };
     pub use meso_place::{StopReason, Strategy, Work};
 }

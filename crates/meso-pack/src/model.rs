@@ -4,7 +4,7 @@ use crate::accept::{self, Fault};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
-use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::aggregate::{Aggregate, Kind, TooThick, add_shells};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, mark_caps, parallel};
@@ -134,8 +134,21 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
     let Spec { grading, shape, itz, seed, phases, .. } = spec;
     let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), phases, seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    let grains = take(&mixture, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
+    let taken = take(&mixture, spec.fraction, spec.specimen.volume(), surplus);
+    let mut grains = taken.map_err(|error| flat_shape(&error))?;
+    if !spec.shape.shells.is_empty() {
+        add_shells(&mut grains, *seed, |own| spec.shells_of(own)).map_err(|error| too_thick(&error))?;
+    }
     Ok((grains, !stopped.into_inner()))
+}
+
+fn too_thick(error: &TooThick) -> SpecError {
+    let TooThick { grains, thickness_mm, radius_mm } = error;
+    let message = format!(
+        "leaves no core in {grains} grains: ITZ and shells of the largest of them are {thickness_mm:.3} mm thick, and its centre is \
+         {radius_mm:.3} mm from its nearest face; take thinner shells, volume_share, rounder grains, or a phase of larger sizes_mm"
+    );
+    SpecError::value("shape.shells.thickness_mm", message)
 }
 
 fn flat_shape(error: &HullError) -> SpecError {
@@ -159,8 +172,8 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     let settle = |grain: &Grain, pose: &Option<Pose>, id: u32| -> Result<Aggregate, SpecError> {
         let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-        let &Grain { kind, own, class, itz_thickness_mm, .. } = grain;
-        Ok(Aggregate { id, kind, own, class, itz_thickness_mm, body })
+        let &Grain { kind, own, class, itz_thickness_mm, ref shells, .. } = grain;
+        Ok(Aggregate { id, kind, own, class, itz_thickness_mm, shells: shells.clone(), body })
     };
     // From the last on, so that these lists shrink as the list of aggregates grows.
     let mut aggregates = Vec::with_capacity(poses.len());

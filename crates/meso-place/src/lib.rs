@@ -26,8 +26,8 @@ use nalgebra::UnitQuaternion;
 pub use place::place;
 pub use report::report;
 pub use report::{
-    ClassReport, CoreReport, LabelReport, OwnPhaseReport, PhaseReport, ReducedGrain, Report, Seconds, SpecimenReport,
-    StopReason, Work,
+    ClassReport, CoreReport, LabelReport, OwnPhaseReport, PhaseReport, ReducedGrain, Report, Seconds, ShellReport,
+    SpecimenReport, StopReason, Work,
 };
 use serde::{Deserialize, Serialize};
 

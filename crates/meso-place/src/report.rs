@@ -4,8 +4,10 @@ use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, OwnPhase, Reduction, Shape, Template};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::{Phase, PhaseNames, parallel};
 use meso_concrete::{exceeds, short, thousands};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// The figures of one run: the keys of `--summary-json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +39,9 @@ pub struct Report {
     /// Aggregates of a phase of their own, where the spec asks for some; they count among all aggregates above, too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub own_phases: Vec<OwnPhaseReport>,
+    /// Shells of the aggregates below their ITZ, where the spec asks for some.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shells: Vec<ShellReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
     /// Aggregates with dents that have parts thinner than two of their ITZ, by id: nothing of these parts is inside the ITZ.
@@ -213,6 +218,20 @@ pub struct OwnPhaseReport {
     pub aggregates: usize,
 }
 
+/// Volume of the shells of a phase, over the specimen's volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShellReport {
+    /// Name of the phase in the spec.
+    pub phase: String,
+    /// Fraction of the specimen that the shells take.
+    pub fraction: f64,
+    /// Volume of the shells, mm3.
+    pub volume_mm3: f64,
+    /// Number of aggregates that have one.
+    pub aggregates: usize,
+}
+
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -306,6 +325,7 @@ pub fn report(
         grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
         own_phases: OwnPhaseReport::all(target, aggregates),
+        shells: ShellReport::all(target, aggregates),
         itz_limited: tally.itz_limited.clone(),
         itz_thin: tally.itz_thin.clone(),
         reduced: ReducedGrain::all(target.shape),
@@ -410,6 +430,7 @@ impl Report {
             classes,
             phases: PhaseReport::all(&target.inclusions, inclusions, volume),
             own_phases: OwnPhaseReport::all(target, aggregates),
+            shells: ShellReport::all(target, aggregates),
             itz_limited: Vec::new(),
             itz_thin: Vec::new(),
             reduced: ReducedGrain::all(target.shape),
@@ -495,6 +516,35 @@ impl OwnPhaseReport {
             }
         };
         target.phases.iter().enumerate().map(of).collect()
+    }
+}
+
+impl ShellReport {
+    /// The shells of every phase, by name.
+    fn all(target: &PackingTarget, aggregates: &[Aggregate]) -> Vec<Self> {
+        if target.shape.shells.is_empty() {
+            return Vec::new();
+        }
+        let layers = |body: &Aggregate| body.layer_volumes(body.itz_thickness_mm).unwrap_or_default();
+        let layers = parallel::map_each(aggregates, layers);
+        let names = PhaseNames::of(target.phases, &target.shape.shells);
+        let shells: BTreeSet<u8> = target.shape.shells.iter().filter_map(|law| names.find(&law.name)).collect();
+        let of = |own: u8| {
+            let has = |body: &&Aggregate| body.shells.iter().any(|shell| shell.own == own);
+            // The last layer is the core.
+            let shells = |layers: &Vec<(Phase, f64)>| -> f64 {
+                let shells = layers.iter().rev().skip(1).filter(|(phase, _)| *phase == Phase::Own(own));
+                shells.fold(0.0, |sum, (_, volume)| sum + volume)
+            };
+            let volume_mm3 = layers.iter().map(shells).fold(0.0, |sum, volume| sum + volume);
+            Self {
+                phase: names.name(Phase::Own(own)).to_owned(),
+                fraction: volume_mm3 / target.specimen.volume(),
+                volume_mm3,
+                aggregates: aggregates.iter().filter(has).count(),
+            }
+        };
+        shells.into_iter().map(of).collect()
     }
 }
 

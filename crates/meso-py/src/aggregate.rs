@@ -153,7 +153,8 @@ pub(crate) fn restore_aggregate(
     let kind = own.map_or(kind, |_| Some(Kind::Aggregate));
     let kind = kind.ok_or_else(|| wrong_value(format!("the pickle is damaged: there is no phase {phase:?}")))?;
     let body = body.0.as_ref().clone();
-    let body = Aggregate { id, kind, own, class: size_class, itz_thickness_mm: itz_thickness, body };
+    let body =
+        Aggregate { id, kind, own, class: size_class, itz_thickness_mm: itz_thickness, shells: Vec::new(), body };
     Ok(PyAggregate(body, phase.to_owned()))
 }
 

@@ -32,7 +32,7 @@ pub use messages::nearest;
 pub use mix_design::MixDesign;
 
 use meso_concrete::PhaseNames;
-use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, OwnPhase, Shape, Voids};
+use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, OwnPhase, Shape, ShellLaw, Voids};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Watch};
@@ -192,7 +192,14 @@ impl Spec {
 
     /// Phases of the specimen, with the names of its own.
     pub fn phases(&self) -> PhaseNames {
-        self.phases.iter().map(|own| own.name.clone()).collect()
+        PhaseNames::of(&self.phases, &self.shape.shells)
+    }
+
+    /// Shells of the grains with a phase of their own, or without one, from outside, with the positions of their phases.
+    pub fn shells_of(&self, own: Option<u8>) -> Vec<(u8, &ShellLaw)> {
+        let (names, phase) = (self.phases(), own.and_then(|own| self.phases.get(usize::from(own))));
+        let has = |law: &&ShellLaw| law.of.is_none() || law.of.as_ref() == phase.map(|phase| &phase.name);
+        self.shape.shells.iter().filter(has).filter_map(|law| Some((names.find(&law.name)?, law))).collect()
     }
 
     fn from_tree(mut tree: tree::Node, mut reading: Reading<'_>) -> Result<Self, SpecError> {

@@ -21,6 +21,9 @@ pub fn of_packing(report: &Report) -> Map<String, Value> {
     for own in &report.own_phases {
         results.insert(own.phase.clone(), json!({ "bodies": own.aggregates, "fraction": own.fraction }));
     }
+    for shell in &report.shells {
+        results.insert(shell.phase.clone(), json!({ "bodies": shell.aggregates, "fraction": shell.fraction }));
+    }
     results
 }
 

@@ -42,6 +42,15 @@ impl Kind {
     }
 }
 
+/// A shell of a grain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shell {
+    /// Position of its phase among the specimen's own.
+    pub own: u8,
+    /// Thickness, mm.
+    pub thickness_mm: f64,
+}
+
 /// A grain has a shape and an orientation, but no position yet.
 #[derive(Clone, Debug)]
 pub struct Grain {
@@ -57,6 +66,8 @@ pub struct Grain {
     pub template: u32,
     /// Thickness of its ITZ, mm.
     pub itz_thickness_mm: f64,
+    /// Its further shells below the ITZ, from outside.
+    pub shells: Vec<Shell>,
     /// True when the drawn thickness was too large for the grain and was limited.
     pub itz_limited: bool,
     /// True when the grain has dents, and parts thinner than two of its ITZ: nothing of these is inside the ITZ.
@@ -191,6 +202,7 @@ impl Grain {
             index,
             template: 0,
             itz_thickness_mm: 0.0,
+            shells: Vec::new(),
             itz_limited: false,
             itz_thin: false,
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),

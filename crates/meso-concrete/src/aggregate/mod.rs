@@ -9,18 +9,20 @@ mod kinds;
 mod library;
 pub mod random;
 mod shape;
+mod shells;
 pub mod take;
 
 pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
 pub use grain::Grain;
-pub use grain::Kind;
+pub use grain::{Kind, Shell};
 pub use inclusions::Inclusions;
 pub use inclusions::{Cone, Fibres, Voids};
 pub use itz::Itz;
 pub use kinds::{OwnPhase, SHARE_ROUNDING};
 pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
+pub use shells::{ShellLaw, TooThick, add_shells};
 
 use meso_collision::geometry::{OffsetError, Polyhedron};
 
@@ -37,6 +39,8 @@ pub struct Aggregate {
     pub class: u16,
     /// Thickness of its ITZ shell, measured inwards, mm; 0 where the model has none.
     pub itz_thickness_mm: f64,
+    /// Its further shells below the ITZ, from outside.
+    pub shells: Vec<Shell>,
     /// The outer surface, in the specimen's frame, mm.
     pub body: Polyhedron,
 }

@@ -27,6 +27,8 @@ pub enum Draw {
     Sample = 3,
     /// Waves of a field of strengths.
     Field = 4,
+    /// Thicknesses of a grain's shells.
+    Shells = 5,
 }
 
 impl Stream {

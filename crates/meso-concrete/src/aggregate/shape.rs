@@ -1,8 +1,8 @@
 //! Random aggregates: the paper's polyhedra (Sec. 2.1, Fig. 1), and the other shapes users ask for.
 
-use super::AspectRatio;
 use super::library::{Dents, Template};
 use super::random::Stream;
+use super::{AspectRatio, ShellLaw};
 use meso_collision::geometry::ellipsoid::Ellipsoid;
 use meso_collision::math::{Aabb, Vec3, longest_distance};
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,9 @@ pub struct Shape {
     /// The grains of a library.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grains: Vec<Template>,
+    /// Shells below the ITZ, from outside; a phase each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shells: Vec<ShellLaw>,
 }
 
 /// Kinds of grains.
@@ -52,7 +55,14 @@ impl Default for Shape {
     fn default() -> Self {
         let ratio = AspectRatio::Normal { mean: 0.75, sd: 0.1, min: 0.4, max: 1.0 };
         let kind = ShapeKind::default();
-        Self { kind, vertices: kind.usual_vertices(), elongation: ratio, flatness: ratio, grains: Vec::new() }
+        Self {
+            kind,
+            vertices: kind.usual_vertices(),
+            elongation: ratio,
+            flatness: ratio,
+            grains: Vec::new(),
+            shells: Vec::new(),
+        }
     }
 }
 

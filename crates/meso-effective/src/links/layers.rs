@@ -32,7 +32,11 @@ impl Layer {
         let turn = |v: &Vec3| Vec3::new(v[(last + 1) % 3], v[(last + 2) % 3], v[last]);
         let has_itz = values.of_aggregates(names).iter().any(|aggregate| *aggregate != values.itz);
         // A core within an insulating shell carries nothing, whatever its value.
-        let counts = |surface: &Surface| values.itz > 0.0 || surface.outside != Phase::Itz;
+        // Shells of one value have no surface between them.
+        let counts = |&Surface { outside, within, .. }: &Surface| {
+            let is_inside = outside.is_aggregate() && values.of(outside, names) == values.of(within, names);
+            !is_inside && (values.itz > 0.0 || outside != Phase::Itz)
+        };
         let surfaces = Surface::all(bodies, has_itz, &turn).into_iter().filter(counts);
         surfaces.map(|surface| Self::new(surface, values, names)).collect()
     }

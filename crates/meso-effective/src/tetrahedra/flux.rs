@@ -11,6 +11,7 @@ use crate::grid::Space;
 use crate::phases::{PhaseValues, Phases};
 use crate::resolution::Resolution;
 use crate::solver::{self, Energy, Graph, Rows, Solution};
+use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::PhaseNames;
 use meso_concrete::specimen::Specimen;
@@ -34,6 +35,7 @@ pub fn effective_in_tetrahedra<'a>(
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
+    without_shells(&bodies)?;
     let bodies = error::accepted(bodies)?;
     let aggregates = values.of_aggregates(&names);
     let itz = Itz::of(&values.mortar, &aggregates, &values.itz, aggregates.iter().all(|value| *value == 0.0));

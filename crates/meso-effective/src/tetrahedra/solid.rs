@@ -10,6 +10,7 @@ use crate::grid::Space;
 use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
 use crate::resolution::Resolution;
 use crate::solver::{Equations, Graph, Multigrid, Rows, dot, layers_mut};
+use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::Phase;
 use meso_concrete::specimen::Specimen;
@@ -32,6 +33,7 @@ pub fn stiffness_in_tetrahedra<'a>(
     let Parts { bodies, specimen, phases: names } = parts.into();
     let table = moduli.table(&names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
+    without_shells(&bodies)?;
     let bodies = error::accepted(bodies)?;
     accept_strains(&table, &bodies, &names)?;
     let of = |phase: Phase| table[phase.index()];

@@ -86,17 +86,27 @@ impl PhaseVolumes {
         specimen: &Specimen,
         shell: impl Fn(&Aggregate) -> f64 + Sync,
     ) -> Result<Self, OffsetError> {
-        let core = |index: usize| {
+        let core = |index: usize| -> Result<(f64, Vec<(Phase, f64)>), OffsetError> {
             let aggregate = &aggregates[index];
-            aggregate.core_volume(if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 })
+            let itz = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
+            let layers = if aggregate.shells.is_empty() { Vec::new() } else { aggregate.layer_volumes(itz)? };
+            Ok((aggregate.core_volume(itz)?, layers))
         };
         // Summed in the aggregates' order: the same on any number of threads.
         let cores = parallel::try_map(aggregates.len(), core)?;
         let (mut inside, mut own) = (0.0, [0.0; PhaseNames::MOST]);
-        for (body, core) in aggregates.iter().zip(cores).filter(|(body, _)| body.kind == Kind::Aggregate) {
+        for (body, (core, mut layers)) in aggregates.iter().zip(cores) {
+            if body.kind != Kind::Aggregate {
+                continue;
+            }
             inside += core;
-            if let Some(number) = body.own {
-                own[usize::from(number)] += core;
+            if layers.is_empty() {
+                layers.push((body.phase(), core));
+            }
+            for (phase, volume) in layers {
+                if let Phase::Own(number) = phase {
+                    own[usize::from(number)] += volume;
+                }
             }
         }
         Ok(Self { own, ..Self::with_cores(aggregates, specimen, inside) })

@@ -72,7 +72,15 @@ mod tests {
 
     fn grain(mesh: &TriangleMesh) -> Aggregate {
         let body = Polyhedron::of_surface(mesh);
-        let mut grains = [Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body }];
+        let mut grains = [Aggregate {
+            id: 0,
+            kind: Kind::Aggregate,
+            own: None,
+            class: 0,
+            itz_thickness_mm: 0.0,
+            shells: Vec::new(),
+            body,
+        }];
         mark_caps(&mut grains, &Specimen::cube(9.0));
         let [grain] = grains;
         grain

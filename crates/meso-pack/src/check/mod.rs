@@ -258,7 +258,11 @@ fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Ve
     let has_itz = aggregate.kind == Kind::Aggregate;
     let itz = if convex.is_none() && has_itz { itz(aggregate) } else { None };
     let range = if has_itz { itz_range(model, aggregate) } else { None };
-    [convex, itz, range, outside(model, container, aggregate), size(model, aggregate)].into_iter().flatten().collect()
+    let shells = if convex.is_none() { shells(aggregate) } else { None };
+    [convex, itz, range, shells, outside(model, container, aggregate), size(model, aggregate)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
@@ -311,6 +315,18 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
         }
     };
     Some(Finding::Itz { aggregate: aggregate.id, reason })
+}
+
+/// Shells are inward offsets of one convex body, which are nested: that something is left inside is all there is to prove.
+fn shells(aggregate: &Aggregate) -> Option<Finding> {
+    let all: f64 = aggregate.shells.iter().map(|shell| shell.thickness_mm).sum();
+    let depth = aggregate.itz_thickness_mm + all;
+    if all == 0.0 || solid::depth_of_inner_point(&aggregate.body, depth) > depth + SHELL_ROUNDING {
+        return None;
+    }
+    let is_left = matches!(aggregate.body.inward_offset(depth), Ok(Some(core)) if core.volume() > 0.0);
+    let reason = format!("its ITZ and shells, {depth} mm thick, leave no core");
+    (!is_left).then_some(Finding::Itz { aggregate: aggregate.id, reason })
 }
 
 /// Finds a fault of the shell between a body and its core.

@@ -3,7 +3,7 @@
 
 use super::Finding;
 use crate::model::{self, Model};
-use meso_concrete::aggregate::{Aggregate, Grain, Kind};
+use meso_concrete::aggregate::{Aggregate, Grain, Kind, Shell};
 use meso_place::{GrainTally, Placed, StopReason, Strategy, Work};
 use std::cmp::Ordering;
 
@@ -89,6 +89,7 @@ struct Draft {
     class: (u16, Option<u8>),
     itz_bits: u64,
     volume: f64,
+    shells: Vec<Shell>,
     /// Whether its ITZ was limited, and whether it has parts that are too thin for it.
     itz: [bool; 2],
 }
@@ -106,6 +107,7 @@ impl Drafts {
             class: (grain.class, grain.own),
             itz_bits: grain.itz_thickness_mm.to_bits(),
             volume: grain.volume(),
+            shells: grain.shells.clone(),
             itz: [grain.itz_limited, grain.itz_thin],
         };
         let mut sorted: Vec<Draft> = grains.iter().map(draft).collect();
@@ -121,7 +123,7 @@ impl Drafts {
         let first = self.sorted.partition_point(|d| d.cmp(class, itz_bits, volume - rounding).is_lt());
         let found = self.next_free(first);
         let draft = self.sorted.get(found)?;
-        if draft.cmp(class, itz_bits, volume + rounding).is_gt() {
+        if draft.cmp(class, itz_bits, volume + rounding).is_gt() || draft.shells != body.shells {
             return None;
         }
         self.free[found] = found + 1;

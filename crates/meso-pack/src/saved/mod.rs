@@ -4,7 +4,7 @@
 //! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
 //! counter-clockwise from outside. An aggregate with `"dents": true` need not be convex, and its faces are triangles. An aggregate of a phase of its own has
-//! the name of it, `"phase"`. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
+//! the name of it, `"phase"`, one with shells their thicknesses, `"shells_mm"`. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
 //! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
 //! that the same spec and seed give the same bytes. The last entry, `crc32`, is the checksum of all bytes before it.
 //!
@@ -140,6 +140,11 @@ fn write_aggregate(aggregate: &Aggregate, phases: &PhaseNames, out: &mut Vec<u8>
     serde_json::to_writer(&mut *out, &aggregate.itz_thickness_mm)?;
     if let Some(own) = aggregate.own {
         write!(out, ",\"phase\":\"{}\"", phases.name(Phase::Own(own)))?;
+    }
+    if !aggregate.shells.is_empty() {
+        out.extend_from_slice(b",\"shells_mm\":");
+        let thicknesses: Vec<f64> = aggregate.shells.iter().map(|shell| shell.thickness_mm).collect();
+        serde_json::to_writer(&mut *out, &thicknesses)?;
     }
     if !aggregate.body.is_convex() {
         out.extend_from_slice(b",\"dents\":true");

@@ -8,13 +8,13 @@ use crate::accept::{self, Fault};
 use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::aggregate::{Aggregate, Kind, Shell};
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{PhaseNames, mark_caps};
 use meso_place::Report;
 use meso_spec::distinct;
-use meso_spec::{NoFiles, Spec, SpecError, options_from_value};
+use meso_spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
@@ -72,6 +72,8 @@ struct FileAggregate {
     itz_thickness_mm: f64,
     #[serde(default)]
     phase: Option<String>,
+    #[serde(default)]
+    shells_mm: Vec<f64>,
     #[serde(default)]
     dents: bool,
     #[serde(default)]
@@ -141,7 +143,8 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     accept_repeats(&file, &spec)?;
     let (classes, phases) = (spec.grading.classes().len(), spec.phases());
     let aggregates = file.aggregates.into_iter().enumerate();
-    let mut aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes, &phases)).collect::<Result<Vec<_>, _>>()?;
+    let mut aggregates =
+        aggregates.map(|(i, a)| aggregate(i, a, classes, &spec, &phases)).collect::<Result<Vec<_>, _>>()?;
     mark_caps(&mut aggregates, &spec.specimen);
     let inclusions = (aggregates.len()..).zip(file.inclusions);
     let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
@@ -220,12 +223,26 @@ fn accept_repeats(file: &File, spec: &Spec) -> Result<(), Fault> {
     Ok(())
 }
 
-fn aggregate(index: usize, file: FileAggregate, classes: usize, phases: &PhaseNames) -> Result<Aggregate, Fault> {
+fn aggregate(
+    index: usize,
+    file: FileAggregate,
+    classes: usize,
+    spec: &Spec,
+    phases: &PhaseNames,
+) -> Result<Aggregate, Fault> {
     let wrong = |reason: String| Fault::Aggregate { index, reason };
     accept::values(index, file.id, (file.class, classes), file.itz_thickness_mm).map_err(wrong)?;
-    let FileAggregate { id, class, itz_thickness_mm, phase, dents, round, vertices, faces } = file;
+    let FileAggregate { id, class, itz_thickness_mm, phase, shells_mm, dents, round, vertices, faces } = file;
     let own = phase.map(|name| phases.find(&name).ok_or(name)).transpose();
     let own = own.map_err(|name| wrong(format!("its phase is {name:?}; the spec has none of this name in phases")))?;
+    let laws = spec.shells_of(own);
+    if shells_mm.len() != laws.len() || shells_mm.iter().any(|thickness| !(0.0..=MAX_LENGTH_MM).contains(thickness)) {
+        return Err(wrong(format!(
+            "its shells_mm are {shells_mm:?}; the spec gives it {} shells of 0 mm or more",
+            laws.len()
+        )));
+    }
+    let shells = laws.iter().zip(shells_mm).map(|((own, _), thickness_mm)| Shell { own: *own, thickness_mm }).collect();
     if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
         return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
     }
@@ -236,7 +253,7 @@ fn aggregate(index: usize, file: FileAggregate, classes: usize, phases: &PhaseNa
         (false, true) => rounded(&body).map_err(wrong)?,
         (false, false) => body,
     };
-    Ok(Aggregate { id, kind: Kind::Aggregate, own, class, itz_thickness_mm, body })
+    Ok(Aggregate { id, kind: Kind::Aggregate, own, class, itz_thickness_mm, shells, body })
 }
 
 /// The ball or ellipsoid over an octahedron of its ends.
@@ -262,7 +279,7 @@ fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate
     };
     let class = (spec.grading.classes().len() + index) as u16;
     let body = body(file.vertices, file.faces).map_err(wrong)?;
-    Ok(Aggregate { id: file.id, kind: file.phase, own: None, class, itz_thickness_mm: 0.0, body })
+    Ok(Aggregate { id: file.id, kind: file.phase, own: None, class, itz_thickness_mm: 0.0, shells: Vec::new(), body })
 }
 
 fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> {

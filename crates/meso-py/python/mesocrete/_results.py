@@ -105,6 +105,19 @@ class OwnPhaseReport(TypedDict):
     """Number of aggregates."""
 
 
+class ShellReport(TypedDict):
+    """Volume of the shells of a phase, over the specimen's volume."""
+
+    phase: str
+    """Name of the phase in the spec."""
+    fraction: float
+    """Fraction of the specimen that the shells take."""
+    volume_mm3: float
+    """Volume of the shells, mm3."""
+    aggregates: int
+    """Number of aggregates that have one."""
+
+
 class Work(TypedDict):
     """Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further."""
 
@@ -215,6 +228,8 @@ class Report(TypedDict):
     """Voids and fibres, where the spec asks for some."""
     own_phases: NotRequired[list[OwnPhaseReport]]
     """Aggregates of a phase of their own, where the spec asks for some; they count among all aggregates above, too."""
+    shells: NotRequired[list[ShellReport]]
+    """Shells of the aggregates below their ITZ, where the spec asks for some."""
     itz_limited: list[int]
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
     itz_thin: NotRequired[list[int]]

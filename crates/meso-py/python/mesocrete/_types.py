@@ -238,12 +238,27 @@ class Shape(TypedDict, total=False):
     """A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain."""
     path: str
     """A file (DAT, ANM, TXT) or folder of coefficients n m Re Im, for harmonics; another name of `library`."""
+    shells: Sequence[ShellLaw]
+    """Shells below the ITZ, from outside; a phase each."""
     tolerance: float
     """Distance within which the surfaces of a `library` are reduced to fewer triangles, as a share of their length, 0 to 0.1; scans of more than 20,000 triangles by 0.005 where it is absent."""
     triangles: int
     """Triangles of the surface that is made of harmonics; 160 by default."""
     vertices: Sequence[int]
     """Fewest and most vertices; of no meaning for a library, spheres and ellipsoids."""
+
+
+class ShellLaw(TypedDict, total=False):
+    """A shell that grains have below their ITZ: an entry of `[[shape.shells]]` in a spec."""
+
+    name: str
+    """Name of its phase, as in `[[phases]]`."""
+    of: str | None
+    """Phase of `[[phases]]` whose grains have it; absent, all aggregates."""
+    thickness_mm: _Numbers | None
+    """Smallest and largest thickness, mm; every thickness between them is drawn equally often."""
+    volume_share: float | None
+    """Its volume over that of the grain, above 0 and below 1; instead of a thickness."""
 
 
 class CubeSpecimen(TypedDict, total=False):

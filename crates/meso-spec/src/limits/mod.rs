@@ -47,6 +47,7 @@ impl Spec {
         largest_fits(self)?;
         count(self)?;
         phases::check(self)?;
+        phases::check_shells(self)?;
         inclusions::check(self)
     }
 
@@ -58,6 +59,9 @@ impl Spec {
     pub fn validate_described(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         self.validate_values(watch, MIN_FOUND_MM)?;
         phases::check(self)?;
+        if !self.shape.shells.is_empty() {
+            return Err(SpecError::value("shape.shells", "are of packed grains; grains that were found have none"));
+        }
         inclusions::check(self)
     }
 

@@ -1,9 +1,9 @@
 //! Phases of the aggregates' own that cannot be.
 
-use super::{Checked, number};
+use super::{Checked, length, number};
 use crate::{Spec, SpecError};
 use meso_concrete::PhaseNames;
-use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING};
+use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING, ShapeKind, ShellLaw};
 use meso_concrete::own_tables::alike;
 use meso_concrete::{exceeds, short};
 
@@ -43,13 +43,20 @@ const TAKEN: [&str; 26] = [
 /// Checks `[[phases]]`: each entry alone, then their shares in every size class.
 pub(super) fn check(spec: &Spec) -> Checked {
     let Spec { phases, grading, .. } = spec;
-    if phases.len() > PhaseNames::MOST {
-        let message =
-            format!("has {} entries; a specimen has at most {} phases of its own", phases.len(), PhaseNames::MOST);
+    let count = spec.phases().own().len();
+    if phases.len() > PhaseNames::MOST || count > PhaseNames::MOST {
+        let message = format!(
+            "makes {count} phases with those of shells; a specimen has at most {} of its own",
+            PhaseNames::MOST
+        );
         return Err(SpecError::value("phases", message));
     }
     for (number, phase) in phases.iter().enumerate() {
-        name(phase, &phases[..number])?;
+        name("phases.name", &phase.name)?;
+        if phases[..number].iter().any(|other| other.name == phase.name) {
+            let message = format!("is {:?}; another entry has this name, and every phase has one entry", phase.name);
+            return Err(SpecError::value("phases.name", message));
+        }
         share(phase)?;
         sizes(phase, grading)?;
     }
@@ -68,25 +75,95 @@ pub(super) fn check(spec: &Spec) -> Checked {
     Ok(())
 }
 
-fn name(phase: &OwnPhase, before: &[OwnPhase]) -> Checked {
-    let name = phase.name.as_str();
+/// A word that names no other phase, set or key.
+fn name(key: &str, name: &str) -> Checked {
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    let wrong = if name.is_empty()
-        || name.len() > LONGEST
-        || !name.chars().all(is_word)
-        || !name.starts_with(|c: char| c.is_ascii_lowercase())
-    {
+    let begins = name.starts_with(|c: char| c.is_ascii_lowercase());
+    let wrong = if !begins || name.len() > LONGEST || !name.chars().all(is_word) {
         format!("it takes lower-case letters, digits and _, a letter first, at most {LONGEST} of them: \"limestone\"")
     } else if TAKEN.contains(&name) {
         "this name has a meaning of its own; take another, such as \"limestone\"".to_owned()
     } else if let Some(known) = alike(name, &TAKEN) {
         format!("it begins like {known}, for which its values would be taken; take another, such as \"old_{known}\"")
-    } else if before.iter().any(|other| other.name == name) {
-        "another entry has this name; every phase has one entry".to_owned()
     } else {
         return Ok(());
     };
-    Err(SpecError::value("phases.name", format!("is {name:?}; {wrong}")))
+    Err(SpecError::value(key, format!("is {name:?}; {wrong}")))
+}
+
+/// Checks `[[shape.shells]]`: each entry alone, then those of all grains of a phase together.
+pub(super) fn check_shells(spec: &Spec) -> Checked {
+    let Spec { shape, phases, .. } = spec;
+    if shape.shells.is_empty() {
+        return Ok(());
+    }
+    if matches!(shape.kind, ShapeKind::Library | ShapeKind::Ellipsoid) {
+        let message = "is for convex polyhedra and spheres; take another shape.kind, or leave the shells out";
+        return Err(SpecError::value("shape.shells", message));
+    }
+    for shell in &shape.shells {
+        name("shape.shells.name", &shell.name)?;
+        law(shell)?;
+        if let Some(of) = shell.of.as_ref().filter(|of| phases.iter().all(|phase| phase.name != **of)) {
+            let message =
+                format!("of {} is {of:?}; it must be the name of an entry of [[phases]], or be left out", shell.name);
+            return Err(SpecError::value("shape.shells.of", message));
+        }
+    }
+    for own in std::iter::once(None).chain((0..phases.len() as u8).map(Some)) {
+        together(spec, own)?;
+    }
+    Ok(())
+}
+
+fn law(shell: &ShellLaw) -> Checked {
+    const KEY: &str = "shape.shells.thickness_mm";
+    match (shell.thickness_mm, shell.volume_share) {
+        (Some([low, high]), None) => {
+            length(KEY, low)?;
+            length(KEY, high)?;
+            if low > high {
+                let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
+                return Err(SpecError::value(KEY, message));
+            }
+            Ok(())
+        }
+        (None, Some(share)) if share > 0.0 && share < 1.0 => Ok(()),
+        (None, Some(share)) => {
+            let accepted = "the accepted range is above 0 and below 1 (volume over the grain's)";
+            let message = format!("of {} is {}; {accepted}", shell.name, number(share));
+            Err(SpecError::value("shape.shells.volume_share", message))
+        }
+        (both, _) => {
+            let found = if both.is_some() { "has both" } else { "has neither" };
+            let message = format!("{found} thickness_mm and volume_share ({}); give one of the two", shell.name);
+            Err(SpecError::value("shape.shells", message))
+        }
+    }
+}
+
+/// ITZ and shells of grains of a phase leave a core in the smallest of them.
+fn together(spec: &Spec, own: Option<u8>) -> Checked {
+    let laws = spec.shells_of(own);
+    let shares: f64 = laws.iter().filter_map(|(_, law)| law.volume_share).sum();
+    if exceeds(shares, 1.0 - SHARE_ROUNDING) {
+        let message = format!("of all shells of a grain add up to {}; below 1 a core is left", number(short(shares)));
+        return Err(SpecError::value("shape.shells.volume_share", message));
+    }
+    let shells: f64 = laws.iter().filter_map(|(_, law)| law.thickness_mm).map(|[_, high]| high).sum();
+    let sizes = own.and_then(|own| spec.phases.get(usize::from(own))).and_then(|phase| phase.sizes_mm);
+    let (all, smallest) = (spec.itz.thickness_mm[1] + shells, sizes.map_or(spec.grading.d_min_mm, |[low, _]| low));
+    if shells == 0.0 || 2.0 * all < smallest {
+        return Ok(());
+    }
+    let message = format!(
+        "reaches {} with the ITZ, but the smallest of these grains is {} thick at most; stay below {} in all, give \
+         volume_share, or give the shells to a phase of larger sizes_mm",
+        number(short(all)),
+        number(smallest),
+        number(smallest / 2.0)
+    );
+    Err(SpecError::value("shape.shells.thickness_mm", message))
 }
 
 fn share(phase: &OwnPhase) -> Checked {

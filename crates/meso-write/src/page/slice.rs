@@ -111,7 +111,10 @@ fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Res
     let mortar = outlines(&model.spec.specimen.container().surface(), axis, at);
     mortar.iter().try_for_each(|outline| path("m", outline, out))?;
     let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
-    shown.iter().try_for_each(|aggregate| cut(aggregate, axis, at, out))
+    shown.iter().try_for_each(|aggregate| match aggregate.shells.is_empty() {
+        true => cut(aggregate, axis, at, out),
+        false => aggregate.nested().iter().try_for_each(|layer| cut(layer, axis, at, out)),
+    })
 }
 
 fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {

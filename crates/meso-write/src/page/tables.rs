@@ -41,6 +41,10 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         let (asked, reached, bodies) = (own.target_fraction, own.fraction, thousands(own.aggregates));
         writeln!(out, "<tr><td>of these {name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
     }
+    for shell in &report.shells {
+        let (name, reached, bodies) = (&shell.phase, shell.fraction, thousands(shell.aggregates));
+        writeln!(out, "<tr><td>shells of {name}<td><td>{reached:.5}<td><td>{bodies}")?;
+    }
     writeln!(out, "</table>")?;
     writeln!(
         out,

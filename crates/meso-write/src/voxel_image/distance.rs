@@ -178,7 +178,15 @@ mod tests {
             let size = stream.uniform(1.5, 4.5);
             let points: Vec<Vec3> = (0..10).map(|_| stream.point(&corner, &(corner + Vec3::repeat(size)))).collect();
             let body = convex_hull(&points).unwrap();
-            Aggregate { id, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: 0.0, body }
+            Aggregate {
+                id,
+                kind: Kind::Aggregate,
+                own: None,
+                class: 0,
+                itz_thickness_mm: 0.0,
+                shells: Vec::new(),
+                body,
+            }
         };
         (0..60).map(body).collect()
     }

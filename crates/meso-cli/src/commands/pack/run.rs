@@ -119,6 +119,7 @@ fn print(report: &Report, verbose: bool, is_default: bool) {
         report.phases.iter().for_each(|p| stderr::line(phase(p)));
         let own = |p: &OwnPhaseReport| format!("{} {:.5} of {:.5} asked", p.phase, p.fraction, p.target_fraction);
         report.own_phases.iter().for_each(|p| stderr::line(own(p)));
+        report.shells.iter().for_each(|p| stderr::line(format!("shells of {} {:.5}", p.phase, p.fraction)));
     }
     report.remarks().iter().for_each(stderr::line);
 }

@@ -1,0 +1,151 @@
+//! Nested shells of grains: volumes, order, proof, and the same labels in images and meshes.
+
+use crate::mesh::voxel::block;
+use meso_core::aggregate::{Aggregate, Kind, Shell};
+use meso_core::check::{Finding, check};
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::voxel_image::{ImageOptions, VoxelImage, Voxels};
+use meso_core::{Model, Silent, Spec, pack, saved};
+use std::sync::LazyLock;
+
+/// Recycled concrete: half of the grains have old mortar and, below it, an old ITZ.
+const RECYCLED: &str = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 50 }\n\
+    grading = { d_min_mm = 8, d_max_mm = 16, classes_mm = [8, 16] }\nitz.thickness_mm = [0.2, 0.3]\n\
+    [[phases]]\nname = 'recycled'\nshare = 0.5\n\
+    [[shape.shells]]\nname = 'old_mortar'\nvolume_share = 0.3\nof = 'recycled'\n\
+    [[shape.shells]]\nname = 'old_itz'\nthickness_mm = [0.05, 0.1]\nof = 'recycled'\n";
+
+fn packed(text: &str) -> Model {
+    pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap()
+}
+
+fn recycled() -> &'static Model {
+    static MODEL: LazyLock<Model> = LazyLock::new(|| packed(RECYCLED));
+    &MODEL
+}
+
+fn shelled(body: meso_core::geometry::Polyhedron, itz: f64, thicknesses: &[f64]) -> Aggregate {
+    let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm };
+    let shells = thicknesses.iter().enumerate().map(shell).collect();
+    Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: itz, shells, body }
+}
+
+#[test]
+fn layers_of_a_box_have_the_volumes_of_boxes_and_the_phases_of_their_depths() {
+    let grain = shelled(block([1.0; 3], [11.0, 13.0, 15.0]), 0.5, &[0.25, 0.75, 1.0]);
+    let inside = |t: f64| (10.0 - 2.0 * t) * (12.0 - 2.0 * t) * (14.0 - 2.0 * t);
+    let depths = [0.5, 0.75, 1.5, 2.5];
+    let volumes = grain.layer_volumes(0.5).unwrap();
+    for (k, (phase, volume)) in volumes.iter().enumerate() {
+        let within = depths.get(k + 1).map_or(0.0, |depth| inside(*depth));
+        assert!((volume / (inside(depths[k]) - within) - 1.0).abs() < 1e-12, "{k}");
+        assert_eq!(*phase, if k == 3 { Phase::Aggregate } else { Phase::Own(k as u8) });
+        assert_eq!(grain.phase_at(depths[k] + 1e-9), *phase);
+    }
+    assert_eq!((volumes.len(), grain.phase_at(0.1), grain.phase_at(9.0)), (4, Phase::Own(0), Phase::Aggregate));
+}
+
+#[test]
+fn a_volume_share_is_met_in_every_grain_and_shells_move_no_body() {
+    let model = recycled();
+    let plain = packed(RECYCLED.split("[[phases]]").next().unwrap());
+    let strip = |grain: &Aggregate| Aggregate { own: None, shells: Vec::new(), ..grain.clone() };
+    assert!(model.aggregates.iter().map(strip).eq(plain.aggregates.iter().cloned()));
+    for grain in &model.aggregates {
+        assert_eq!(grain.shells.len(), if grain.own == Some(0) { 2 } else { 0 });
+        if grain.own == Some(0) {
+            let volumes = grain.layer_volumes(grain.itz_thickness_mm).unwrap();
+            // The grain was turned after its take, and its corners were rounded again.
+            assert!((volumes[0].1 / grain.body.volume() - 0.3).abs() < 1e-8, "{volumes:?}");
+            assert_eq!((volumes[0].0, volumes[1].0, volumes[2].0), (Phase::Own(1), Phase::Own(2), Phase::Own(0)));
+            assert!((0.05..0.1).contains(&grain.shells[1].thickness_mm));
+        }
+    }
+    let report = &model.report;
+    let [mortar, itz] = &report.shells[..] else { panic!("two shells") };
+    assert_eq!((mortar.phase.as_str(), itz.phase.as_str()), ("old_mortar", "old_itz"));
+    assert!((mortar.fraction / report.own_phases[0].fraction - 0.3).abs() < 1e-8 && itz.volume_mm3 > 0.0);
+    assert_eq!(check(model).findings, []);
+}
+
+#[test]
+fn shells_are_read_back_equal_and_check_finds_others() {
+    let mut bytes = Vec::new();
+    saved::write(recycled(), &mut bytes).unwrap();
+    let read = saved::read(&bytes).unwrap();
+    assert_eq!(read.aggregates, recycled().aggregates);
+    let changed = |change: &dyn Fn(&mut Aggregate)| {
+        let mut model = read.clone();
+        change(model.aggregates.iter_mut().find(|grain| !grain.shells.is_empty()).unwrap());
+        check(&model).findings
+    };
+    let thicker = changed(&|grain| grain.shells[1].thickness_mm *= 1.0 + 1e-12);
+    assert!(thicker.iter().any(|finding| matches!(finding, Finding::NotTaken { .. })), "{thicker:?}");
+    let without_core = changed(&|grain| grain.shells[1].thickness_mm = 9.0);
+    assert!(without_core.iter().any(|finding| matches!(finding, Finding::Itz { .. })), "{without_core:?}");
+    let text = String::from_utf8(bytes).unwrap();
+    let unsealed = text.split(",\n\"crc32\"").next().unwrap().to_owned() + "}";
+    let start = unsealed.find("\"shells_mm\":[").unwrap();
+    let end = start + unsealed[start..].find(']').unwrap();
+    let one = format!("{}\"shells_mm\":[1.0{}", &unsealed[..start], &unsealed[end..]);
+    let said = saved::read(one.as_bytes()).unwrap_err().to_string();
+    assert!(said.ends_with("its shells_mm are [1.0]; the spec gives it 2 shells of 0 mm or more"), "{said}");
+}
+
+#[test]
+fn images_and_meshes_have_the_layers_within_their_resolution() {
+    let model = recycled();
+    let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |grain| grain.itz_thickness_mm).unwrap();
+    let image = VoxelImage::new(model, &ImageOptions { voxel_size_mm: 0.25, ..ImageOptions::default() }).unwrap();
+    let Voxels::Label(labels) = image.layers(0..image.counts()[2]) else { panic!("labels") };
+    for (label, phase, off) in [(5, Phase::Own(0), 0.005), (6, Phase::Own(1), 0.005), (7, Phase::Own(2), 0.02)] {
+        let volume = labels.iter().filter(|own| **own == label).count() as f64 * 0.25f64.powi(3);
+        assert!((volume / exact.of(phase) - 1.0).abs() < off, "{phase:?} {volume} {}", exact.of(phase));
+    }
+    for (method, element_size_mm, off) in [(Method::VOXEL, 0.5, 0.02), (Method::FITTED, 1.0, 0.06)] {
+        let options = MeshOptions { method, element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
+        let mesh = mesh::build(model, &options, &Tools::default()).unwrap();
+        let (volumes, exact) = (
+            PhaseVolumes::of_mesh(&mesh),
+            PhaseVolumes::exact_for(&mesh, &model.aggregates, &model.spec.specimen).unwrap(),
+        );
+        for phase in [Phase::Own(0), Phase::Own(1), Phase::Aggregate] {
+            assert!((volumes.of(phase) / exact.of(phase) - 1.0).abs() < off, "{phase:?} {volumes:?} {exact:?}");
+        }
+    }
+}
+
+#[test]
+fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
+    const PLAIN: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 60 }\n";
+    for (entries, said) in [
+        ("name = 'rim'", "shape.shells has neither thickness_mm and volume_share (rim); give one of the two"),
+        ("name = 'rim'\nthickness_mm = [1, 1]\nvolume_share = 0.2", "has both"),
+        (
+            "name = 'rim'\nvolume_share = 1.0",
+            "shape.shells.volume_share of rim is 1; the accepted range is above 0 and below 1",
+        ),
+        ("name = 'rim'\nthickness_mm = [2, 1]", "shape.shells.thickness_mm is [2, 1]; the lower limit comes first"),
+        (
+            "name = 'rim'\nthickness_mm = [1, 3]",
+            "reaches 3.5 with the ITZ, but the smallest of these grains is 5 thick at most",
+        ),
+        ("name = 'itz'\nthickness_mm = [1, 1]", "shape.shells.name is \"itz\"; this name has a meaning of its own"),
+        (
+            "name = 'rim'\nthickness_mm = [1, 1]\nof = 'brick'",
+            "of rim is \"brick\"; it must be the name of an entry of [[phases]]",
+        ),
+        (
+            "name = 'a'\nvolume_share = 0.6\n[[shape.shells]]\nname = 'b'\nvolume_share = 0.5",
+            "add up to 1.1; below 1 a core is left",
+        ),
+    ] {
+        let error = Spec::from_toml(&format!("{PLAIN}[[shape.shells]]\n{entries}")).unwrap_err().to_string();
+        assert!(error.contains(said), "{entries}: {error}");
+    }
+    let ellipsoids = format!("{PLAIN}shape.kind = 'ellipsoid'\n[[shape.shells]]\nname = 'rim'\nthickness_mm = [1, 1]");
+    assert!(Spec::from_toml(&ellipsoids).unwrap_err().to_string().contains("is for convex polyhedra and spheres"));
+    let thick = format!("{PLAIN}[[shape.shells]]\nname = 'rim'\nthickness_mm = [1.5, 1.9]");
+    let said = pack(&Spec::from_toml(&thick).unwrap(), &Silent).unwrap_err().to_string();
+    assert!(said.contains("leaves no core in ") && said.contains("take thinner shells, volume_share"), "{said}");
+}
