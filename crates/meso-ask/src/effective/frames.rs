@@ -31,6 +31,11 @@ pub enum FramePick {
     Strain(f64),
 }
 
+/// Whether a number is a strain, and not the number of a frame.
+fn is_strain(number: &f64) -> bool {
+    *number > 0.0 && *number < 1.0
+}
+
 impl FramePick {
     /// Reads a flag.
     ///
@@ -38,7 +43,7 @@ impl FramePick {
     /// What it must be.
     pub fn read(text: &str) -> Result<Self, String> {
         let number = || text.parse().ok().filter(|number| *number > 0).map(Self::Number);
-        let strain = || text.parse().ok().filter(|strain| (0.0..1.0).contains(strain)).map(Self::Strain);
+        let strain = || text.parse().ok().filter(is_strain).map(Self::Strain);
         let named = match text {
             "peak" => Some(Self::Peak),
             "last" => Some(Self::Last),
@@ -99,8 +104,11 @@ impl Visitor<'_> for WordOrNumber {
     }
 
     fn visit_f64<E: de::Error>(self, strain: f64) -> Result<FramePick, E> {
-        let is_one = (0.0..1.0).contains(&strain);
-        if is_one { Ok(FramePick::Strain(strain)) } else { Err(E::invalid_value(Unexpected::Float(strain), &self)) }
+        if is_strain(&strain) {
+            Ok(FramePick::Strain(strain))
+        } else {
+            Err(E::invalid_value(Unexpected::Float(strain), &self))
+        }
     }
 }
 
