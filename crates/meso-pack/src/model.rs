@@ -144,8 +144,10 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
 
 fn too_thick(error: &TooThick) -> SpecError {
     let TooThick { grains, thickness_mm, radius_mm } = error;
+    let found =
+        if thickness_mm.is_finite() { format!("{thickness_mm:.3} mm thick") } else { "all of its volume".to_owned() };
     let message = format!(
-        "leaves no core in {grains} grains: ITZ and shells of the largest of them are {thickness_mm:.3} mm thick, and its centre is \
+        "leaves no core in {grains} grains: ITZ and shells of the largest of them are {found}, and its centre is \
          {radius_mm:.3} mm from its nearest face; take thinner shells, volume_share, rounder grains, or a phase of larger sizes_mm"
     );
     SpecError::value("shape.shells.thickness_mm", message)

@@ -1,7 +1,7 @@
 //! Shells of a grain: nested inward offsets below its ITZ, each of a phase of the specimen's own.
 //!
 //! The half-space erosion of a convex body lies within that of a smaller depth, so that shells are nested by their thicknesses
-//! alone. A shell's thickness is drawn, or follows from its share of the grain's volume. The volume at a depth falls, and
+//! alone. A shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. The volume at a depth falls, and
 //! ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
 
 use super::grain::{Grain, Kind, Shell};
@@ -20,7 +20,7 @@ pub struct ShellLaw {
     /// Smallest and largest thickness, mm; every thickness between them is drawn equally often.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness_mm: Option<[f64; 2]>,
-    /// Its volume over that of the grain, above 0 and below 1; instead of a thickness.
+    /// Its volume over that of the grain within its ITZ, above 0 and below 1; instead of a thickness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume_share: Option<f64>,
     /// Phase of `[[phases]]` whose grains have it; absent, all aggregates.
@@ -66,10 +66,12 @@ fn of_grain(grain: &Grain, seed: u64, laws: &[(u8, &ShellLaw)]) -> Result<Vec<Sh
     }
     let mut stream = Stream::new(seed, Draw::Shells, grain.class, u64::from(grain.index));
     let (body, radius_mm) = (grain.body.widened(), f64::from(grain.inner_radius));
-    let (whole, mut depth, mut shells) = (body.volume(), grain.itz_thickness_mm, Vec::with_capacity(laws.len()));
+    let mut depth = grain.itz_thickness_mm;
+    let inside = body.inward_offset(depth).ok().flatten().map_or(0.0, |inside| inside.volume());
+    let mut shells = Vec::with_capacity(laws.len());
     for (own, law) in laws {
         let drawn = law.thickness_mm.map(|[low, high]| stream.uniform(low, high));
-        let by_volume = || law.volume_share.and_then(|share| below(&body, depth, share * whole).ok().flatten());
+        let by_volume = || law.volume_share.and_then(|share| below(&body, depth, share * inside).ok().flatten());
         // A volume that is not left is thicker than any grain.
         let thickness_mm = drawn.or_else(by_volume).unwrap_or(f64::INFINITY);
         depth += thickness_mm;

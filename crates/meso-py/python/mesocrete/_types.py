@@ -258,7 +258,7 @@ class ShellLaw(TypedDict, total=False):
     thickness_mm: _Numbers | None
     """Smallest and largest thickness, mm; every thickness between them is drawn equally often."""
     volume_share: float | None
-    """Its volume over that of the grain, above 0 and below 1; instead of a thickness."""
+    """Its volume over that of the grain within its ITZ, above 0 and below 1; instead of a thickness."""
 
 
 class CubeSpecimen(TypedDict, total=False):

@@ -130,7 +130,7 @@ fn law(shell: &ShellLaw) -> Checked {
         }
         (None, Some(share)) if share > 0.0 && share < 1.0 => Ok(()),
         (None, Some(share)) => {
-            let accepted = "the accepted range is above 0 and below 1 (volume over the grain's)";
+            let accepted = "the accepted range is above 0 and below 1 (volume over the grain's within its ITZ)";
             let message = format!("of {} is {}; {accepted}", shell.name, number(share));
             Err(SpecError::value("shape.shells.volume_share", message))
         }
