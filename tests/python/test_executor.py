@@ -244,6 +244,22 @@ def test_many_properties_are_those_of_one_call_each(tmp_path):
     assert np.array_equal(table, [packing.effective(voxel_size=2).tensor[0][0] for packing in packings])
 
 
+def fatal(packing):
+    """End the worker of one volume."""
+    if packing.seed == 7:
+        os._exit(9)
+    return packing.fraction
+
+
+def test_volumes_of_one_call_that_ends_its_worker_come_again_one_by_one(tmp_path):
+    """A call has two of 40 volumes; the one that is lost is named alone, and all others are recorded."""
+    specs = [{**TINY, "seed": seed} for seed in range(40)]
+    with spawned(2) as executor, pytest.raises(RuntimeError, match="that worked on volume 7 was killed"):
+        mc.dataset(40, specs, shape=4, sink=tmp_path / "d", targets={"f": fatal}, executor=executor)
+    done = {int(path.stem) for path in (tmp_path / "d" / "cases").glob("0*.json")}
+    assert done == set(range(40)) - {7}
+
+
 def test_two_threads_of_a_process_do_two_studies_and_one_of_them_a_folder(tmp_path):
     over = {"seed": range(8)}
     right = contents(mc.study(TINY, over, then=slow, version=1, out=tmp_path / "right").out)

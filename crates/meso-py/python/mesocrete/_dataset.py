@@ -12,6 +12,7 @@ import io
 import json
 import os
 import sys
+import time
 import warnings
 import zipfile
 import zlib
@@ -47,6 +48,8 @@ _LABELS = {"0": "mortar", "1": "itz", "2": "aggregate", "3": "void", "4": "fibre
 _HDF5 = (".h5", ".hdf5", ".hdf")
 _MOST = 1_000_000
 _MOST_JOBS = 1024
+# Volumes of one call to another process, seconds after which it makes no further one, and calls for each worker at least.
+_TOGETHER, _LONG, _PIECES = 16, 0.25, 8
 
 # What is done in a case: its number, spec, seed and sampled values.
 _Job = tuple[int, Spec, "int | None", dict[str, Any]]
@@ -217,7 +220,8 @@ def dataset(
         own = len(range(part - 1, n, of))
         if left:
             jobs_left = [cases[number] for number in left]
-            for done, (number, record) in enumerate(_made(jobs_left, request, store, workers), 1 + own - len(left)):
+            made = _made(jobs_left, request, store, workers, together=executor is not None)
+            for done, (number, record) in enumerate(made, 1 + own - len(left)):
                 with _briefly(store, of):
                     store.finish(number, record, len(cases))
                 if tell is not None:
@@ -368,25 +372,44 @@ class _Request:
 
 
 def _made(
-    left: Sequence[_Job], request: _Request, store: _Store, workers: Workers
+    left: Sequence[_Job], request: _Request, store: _Store, workers: Workers, *, together: bool
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Do all cases, some at a time; yield the metadata of each as it ends."""
+    """Do all cases, some at a time; yield the metadata of each as it ends. Calls to other processes have some `together`."""
     lost = []
-    for job, ended in workers.done(deque(left), lambda job: (_make, job, request, store, _BUILD)):
-        if ended is None:
-            lost.append(job[0])
-        else:
-            yield ended
+    size = min(_TOGETHER, max(len(left) // (_PIECES * max(workers.count(), 1)), 1)) if together else 1
+    batches = deque(left[at : at + size] for at in range(0, len(left), size))
+    for batch, ended in workers.done(batches, lambda batch: (_make, batch, request, store, _BUILD)):
+        if ended is None and len(batch) == 1:
+            lost.append(batch[0][0])
+            continue
+        yield from ended or ()
+        # One by one: the call took long enough, or one of these ended its worker.
+        batches.extend([job] for job in batch[len(ended or ()) :])
     if lost:
         message = f"every process that worked on volume {', '.join(map(str, lost))} was killed; the same call tries again"
         raise RuntimeError(message)
 
 
 def _make(
-    job: _Job, request: _Request, store: _Store, driver: tuple[str, str, str]
-) -> tuple[int, dict[str, Any]]:
-    """Make a volume, on whatever machine, and write its files; return its metadata."""
+    batch: Sequence[_Job], request: _Request, store: _Store, driver: tuple[str, str, str]
+) -> list[tuple[int, dict[str, Any]]]:
+    """Make volumes, on whatever machine, until that took long enough, and write their files; return their metadata."""
     require(driver)
+    began, made = time.monotonic(), []
+    for job in batch:
+        try:
+            made.append(_made_one(job, request, store))
+        except Exception:
+            # It comes again alone.
+            if made:
+                break
+            raise
+        if time.monotonic() - began > _LONG:
+            break
+    return made
+
+
+def _made_one(job: _Job, request: _Request, store: _Store) -> tuple[int, dict[str, Any]]:
     try:
         with on_threads(1):
             packing, arrays, record = request.make(job)

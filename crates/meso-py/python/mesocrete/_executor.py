@@ -131,7 +131,7 @@ class Workers:
                 return ended.get(timeout=_COUNT)
             except Empty:
                 self.idle()
-                if self._count():
+                if self.count():
                     since = time.monotonic()
                 elif not self._is_alone and time.monotonic() - since > _NOBODY:
                     self._is_alone = True
@@ -148,7 +148,7 @@ class Workers:
             except Exception as error:
                 if type(error).__name__ != "TimeoutError":
                     raise
-                self._count()
+                self.count()
 
     def _renew(self) -> bool:
         """Replace a pool of processes that lost one; False where this cannot be done here."""
@@ -175,10 +175,11 @@ class Workers:
     def _window(self) -> int:
         now = time.monotonic()
         if now - self._counted >= _COUNT:
-            self._counted, self._most = now, _AHEAD * max(self._count(), 1)
+            self._counted, self._most = now, _AHEAD * max(self.count(), 1)
         return self._most
 
-    def _count(self) -> int:
+    def count(self) -> int:
+        """Count the calls that can run at the same time."""
         if hasattr(self._given, "nthreads"):
             _revive(self._given.cluster)
             return int(sum(self._given.nthreads().values()))
