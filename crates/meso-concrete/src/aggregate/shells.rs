@@ -1,8 +1,8 @@
 //! Shells of a grain: nested inward offsets below its ITZ, each of a phase of the specimen's own.
 //!
 //! The half-space erosion of a convex body lies within that of a smaller depth, so that shells are nested by their thicknesses
-//! alone. A shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. The volume at a depth falls, and
-//! ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
+//! alone. A shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. The volume at a depth
+//! falls, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
 
 use super::grain::{Grain, Kind, Shell};
 use super::random::{Draw, Stream};

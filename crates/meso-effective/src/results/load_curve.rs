@@ -112,12 +112,20 @@ pub(crate) fn write_plots(found: &[(Found, f64)], mut out: &mut dyn Write) -> io
     for (number, of) in first.quantities.iter().enumerate() {
         // A crack's permeability grows by powers of ten.
         let is_log = of.name == "permeability";
-        let shown = |value: f64| if is_log { libm::log10(value) } else { value };
-        let curve = |axis: usize| over(&|row| Some(shown(row.quantities.get(number)?.values[axis]?)));
+        let shown = |value: f64, sound: f64| if is_log { libm::log10(value / sound) } else { value };
+        let at = |row: &Row, axis: usize| {
+            let value = shown(row.quantities.get(number)?.values[axis]?, of.values[axis]?);
+            value.is_finite().then_some(value)
+        };
+        let curve = |axis: usize| over(&|row| at(row, axis));
         let curves = (0..3).filter(|axis| of.values[*axis].is_some());
         let curves = curves.map(|axis| Series::line(AXES[axis], curve(axis))).collect();
         let name = of.name.trim_end_matches("_mpa");
-        let title = if is_log { format!("log10 of {name}{}", of.unit) } else { format!("{name}{}", of.unit) };
+        let title = if is_log {
+            format!("log10 of {name} over that of the first frame")
+        } else {
+            format!("{name}{}", of.unit)
+        };
         plot(&title, "", curves, &mut out)?;
     }
     write!(out, "<table><tr><th>frame</th><th>strain</th><th>stress, MPa</th>")?;
