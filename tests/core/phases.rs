@@ -129,6 +129,19 @@ fn wrong_phases_are_refused_by_name_with_the_way_out() {
 }
 
 #[test]
+fn no_phase_has_the_name_of_a_key_of_materials() {
+    let all = Materials { aggregate_strength: Some(Default::default()), ..Materials::default() };
+    let keys = serde_json::to_value(all).unwrap();
+    let keys: Vec<&str> = keys.as_object().unwrap().keys().map(String::as_str).chain(["scatter"]).collect();
+    assert!(keys.len() > 10, "{keys:?}");
+    for key in keys {
+        let error =
+            Spec::from_toml(&format!("{PLAIN}[[phases]]\nname = '{key}'\nshare = 0.3")).unwrap_err().to_string();
+        assert!(error.contains(&format!("phases.name is \"{key}\"")), "{error}");
+    }
+}
+
+#[test]
 fn cells_of_grains_have_the_phases_of_their_grains_in_every_mesh() {
     let plain = packed(PLAIN);
     for (method, itz) in [

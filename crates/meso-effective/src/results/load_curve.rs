@@ -121,11 +121,8 @@ pub(crate) fn write_plots(found: &[(Found, f64)], mut out: &mut dyn Write) -> io
         let curves = (0..3).filter(|axis| of.values[*axis].is_some());
         let curves = curves.map(|axis| Series::line(AXES[axis], curve(axis))).collect();
         let name = of.name.trim_end_matches("_mpa");
-        let title = if is_log {
-            format!("log10 of {name} over that of the first frame")
-        } else {
-            format!("{name}{}", of.unit)
-        };
+        let title =
+            if is_log { format!("log10 of {name} over that of the first frame") } else { format!("{name}{}", of.unit) };
         plot(&title, "", curves, &mut out)?;
     }
     write!(out, "<table><tr><th>frame</th><th>strain</th><th>stress, MPa</th>")?;
