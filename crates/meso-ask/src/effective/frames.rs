@@ -201,10 +201,10 @@ impl RunRecord {
     /// The values of the phases; elastic constants that are not given are those of the test.
     pub fn values(&self, mut values: PhaseTables) -> PhaseTables {
         if let PhaseTables::Packing(phases) = &mut values {
+            let names = self.names();
             for phase in self.phases.iter().filter(|phase| phase.youngs_modulus_mpa > 0.0) {
-                let own = &mut phases.stiffness.own;
-                if !PhaseNames::COMMON.all().any(|common| PhaseNames::COMMON.name(common) == phase.name) {
-                    own.entry(phase.name.clone()).or_default();
+                if names.find(&phase.name).is_some() {
+                    phases.stiffness.own.entry(phase.name.clone()).or_default();
                 }
                 if let Some(moduli) = phases.stiffness.phase_mut(&phase.name) {
                     moduli.youngs_modulus_mpa.get_or_insert(phase.youngs_modulus_mpa);

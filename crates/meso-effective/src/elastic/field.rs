@@ -5,7 +5,7 @@ use crate::field::Place;
 use meso_concrete::parallel;
 use std::io::{self, Write};
 
-/// PhaseNames of strains and stresses in the order of this crate.
+/// Names of strains and stresses in the order of this crate.
 pub(crate) const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "yz", "zx", "xy"];
 /// Components in VTK's order of a symmetric tensor: xx, yy, zz, xy, yz, xz.
 pub(crate) const OF_VTK: [usize; 6] = [0, 1, 2, 5, 3, 4];

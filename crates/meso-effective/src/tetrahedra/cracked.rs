@@ -121,15 +121,14 @@ impl Cracked<'_> {
         )?;
         Ok(BYTES * (self.mesh.cell_count() * self.mesh.kind.tetrahedra().len()) as f64)
     }
-}
 
-impl Cracked<'_> {
-    /// Volumes of the phases of its mesh over the specimen's.
-    pub(super) fn volumes(&self, domain: &Domain) -> Vec<f64> {
+    /// Volumes of the phases over the specimen's, with the share of every tetrahedron that its phase has. A test leaves voids out.
+    pub(super) fn volumes(&self, domain: &Domain, share: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
         let parts = self.mesh.kind.tetrahedra().len();
         let volume = |own: Phase| {
             let is_own = |part: usize| self.mesh.phase[part / parts] == own;
-            let [volume] = domain.sums(|part| [if is_own(part) { domain.cell(part).volume } else { 0.0 }]);
+            let [volume] =
+                domain.sums(|part| [if is_own(part) { share(part) } else { 0.0 } * domain.cell(part).volume]);
             volume / domain.volume + if own == Phase::Void { 1.0 - self.filled } else { 0.0 }
         };
         self.mesh.phases.all().map(volume).collect()
@@ -180,26 +179,18 @@ pub fn effective_in_cracks(
     let mut columns = task.columns()?;
     let fields = columns.iter_mut().filter_map(|column| column.field.take()).collect();
     let share = |part: usize| of_part(part).map_or(0.0, Layers::share);
-    let volumes = names.all().map(|own| {
-        let [volume] = domain.sums(|part| {
-            let share = if phase(part) == own { 1.0 - share(part) } else { 0.0 };
-            [share * domain.cell(part).volume]
-        });
-        volume
-    });
+    let volumes = of.volumes(&domain, |part| 1.0 - share(part));
     let [cracked, opened, conducted] = domain.sums(|part| {
         let volume = domain.cell(part).volume;
         let sum = |layers: &Layers| layers.shares.iter().zip(cracks[part]).map(|(share, value)| share * value).sum();
         let opened = of_part(part).map_or(0.0, |layers| layers.shares.iter().sum());
         [share(part) * volume, opened * volume, of_part(part).map_or(0.0, sum) * volume]
     });
-    let mut shares: Vec<PhaseShare> = Vec::new();
-    for (phase, volume) in names.all().zip(volumes) {
-        // A test leaves voids out.
-        let (value, rest) = if phase == Phase::Void { (0.0, 1.0 - of.filled) } else { (values.of(phase, names), 0.0) };
-        let volume_fraction = volume / domain.volume + rest;
-        shares.push(PhaseShare { name: names.name(phase).to_owned(), value, volume_fraction });
-    }
+    let phase_share = |(phase, volume_fraction)| {
+        let value = if phase == Phase::Void { 0.0 } else { values.of(phase, names) };
+        PhaseShare { name: names.name(phase).to_owned(), value, volume_fraction }
+    };
+    let mut shares: Vec<PhaseShare> = names.all().zip(volumes).map(phase_share).collect();
     if cracked > 0.0 {
         // The flux through openings that are wider than their cells counts, too.
         let value = if resists && opened == cracked { crack } else { conducted / cracked };

@@ -102,7 +102,7 @@ pub fn moduli_in_cracks(
         youngs_modulus_mpa,
         error,
         fine,
-        phases: names.all().zip(of.volumes(&domain)).map(share).collect(),
+        phases: names.all().zip(of.volumes(&domain, |_| 1.0)).map(share).collect(),
         resolution: Resolution { iterations, solver_error, ..resolution },
         warnings: large.then_some(warning).into_iter().collect(),
     })
