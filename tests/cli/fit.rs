@@ -2,6 +2,7 @@
 
 use crate::command::Folder;
 use serde_json::Value;
+use std::process::Stdio;
 
 const SPEC: &str = "seed = 3\nfraction = 0.3\n[specimen]\nkind = 'cube'\nside_mm = 24\n\
 [grading]\nd_min_mm = 4\nd_max_mm = 10\n[placement]\nmin_gap_mm = 0.5\n";
@@ -146,7 +147,62 @@ fn a_fit_replaces_none_of_its_inputs_and_no_second_one_works_in_its_folder() {
     assert!(kept.code == 1 && kept.stderr.contains("materials.toml exists; --force replaces it"), "{}", kept.stderr);
     let input = folder.run(&[&fit[..], &["--force"]].concat());
     assert!(input.code == 2 && input.stderr.contains("materials.toml is the input"), "{}", input.stderr);
-    let _held = meso_files::lock::hold(&folder.path("")).unwrap();
+    let _held = meso_files::lock::join(&folder.path(""), "another").unwrap();
     let second = folder.run(&["fit", "curve.csv", "SPEC.toml", "-o", "."]);
     assert!(second.code == 1 && second.stderr.contains("is in use by process"), "{}", second.stderr);
+}
+
+/// Processes in one folder were refused: a fit now shares its tests as a study does, and one of them may be killed.
+#[test]
+fn processes_with_the_same_fit_share_its_tests_and_write_the_bytes_of_one() {
+    let folder = measured();
+    let flags = ["fit", "known/curve.csv", "SPEC.toml", "--seeds", "2", "--strain", "0.006", "--steps", "1"];
+    let of = |out: &str| [&flags[..], &FLAGS, &["-o", out]].concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
+    let start = |out: &str| {
+        let args = of(out);
+        folder.command(&args.iter().map(String::as_str).collect::<Vec<_>>()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    assert!(start("alone").wait().unwrap().success());
+    let mut killed = start("shared");
+    let mut others = [start("shared"), start("shared")];
+    while !folder.path("shared/cases").is_dir() {
+        std::thread::yield_now();
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(others.iter_mut().all(|other| other.wait().unwrap().success()));
+    assert_eq!(folder.names_in("shared"), folder.names_in("alone"));
+    for name in ["materials.toml", "fit.json"] {
+        assert!(folder.read(&format!("shared/{name}")) == folder.read(&format!("alone/{name}")), "{name}");
+    }
+    let cases = folder.names_in("alone/cases");
+    assert_eq!(folder.names_in("shared/cases"), cases);
+    for case in cases {
+        let curve = |fit: &str| folder.read(&format!("{fit}/cases/{case}/curve.csv"));
+        assert!(curve("shared") == curve("alone"), "{case}");
+    }
+}
+
+/// A test that failed is no reason to fail for ever: the same command does it again, and leaves the others.
+#[test]
+fn a_fit_that_begins_alone_runs_its_failed_tests_again() {
+    let folder = measured();
+    let flags = ["fit", "known/curve.csv", "SPEC.toml", "--seeds", "1", "--strain", "0.006", "--steps", "0", "--force"];
+    let fit = || folder.run(&[&flags[..], &FLAGS].concat());
+    assert_eq!(fit().code, 0);
+    let case = format!("fit/cases/{}", folder.names_in("fit/cases")[0]);
+    let (record, results) = (folder.read(&format!("{case}/case.json")), folder.read("fit/fit.json"));
+    let mut failed: meso_study::Record = serde_json::from_slice(&record).unwrap();
+    (failed.status, failed.error) = (meso_study::Status::Failed, Some("no memory".to_owned()));
+    failed.sha256 = String::new();
+    let seal = meso_study::digest(serde_json::to_string(&failed).unwrap().as_bytes());
+    folder.write(
+        &format!("{case}/case.json"),
+        serde_json::to_vec(&meso_study::Record { sha256: seal, ..failed }).unwrap(),
+    );
+    assert_eq!(fit().code, 0);
+    let again: meso_study::Record = serde_json::from_slice(&folder.read(&format!("{case}/case.json"))).unwrap();
+    let first: meso_study::Record = serde_json::from_slice(&record).unwrap();
+    assert_eq!((again.results, again.curve_sha256), (first.results, first.curve_sha256));
+    assert!(again.error.is_none() && folder.read("fit/fit.json") == results);
 }

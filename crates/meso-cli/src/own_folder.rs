@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::interrupt;
 use meso_files::lock::{self, Held};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A folder that belongs to this process.
@@ -38,8 +39,8 @@ impl Drop for Lock {
     }
 }
 
-/// A folder that was made here.
-struct Made(PathBuf);
+/// A folder that was made here. One that stays empty goes again.
+pub(crate) struct Made(PathBuf);
 
 impl Drop for Made {
     fn drop(&mut self) {
@@ -49,13 +50,14 @@ impl Drop for Made {
 }
 
 /// Makes the folder, if it is not there; it must have a place.
-fn make(path: &Path) -> Result<Option<Made>, Failure> {
+pub(crate) fn make(path: &Path) -> Result<Option<Made>, Failure> {
     match std::fs::metadata(path) {
         Ok(kind) if kind.is_dir() => Ok(None),
         Ok(_) => Err(Failure::Run(format!("{} is not a folder; name a folder for the results", path.display()))),
-        Err(_) => {
-            std::fs::create_dir(path).map_err(|error| Failure::file(path, &error))?;
-            Ok(Some(Made(path.to_owned())))
-        }
+        Err(_) => match std::fs::create_dir(path) {
+            // Another process has made it in between.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && path.is_dir() => Ok(None),
+            made => made.map(|()| Some(Made(path.to_owned()))).map_err(|error| Failure::file(path, &error)),
+        },
     }
 }

@@ -78,8 +78,19 @@ pub fn hold_as(folder: &Path, name: &str) -> Result<Held, LockError> {
 /// # Errors
 /// [`LockError::Busy`] where another process does other work there.
 pub fn join(folder: &Path, name: &str) -> Result<Held, LockError> {
+    join_after(folder, name, || Ok(()))
+}
+
+/// Takes part in a work as [`join`] does. A process that is the only one at it does `first` before others can take part.
+///
+/// # Errors
+/// See [`join`], and errors of `first`.
+pub fn join_after(folder: &Path, name: &str, first: impl FnOnce() -> io::Result<()>) -> Result<Held, LockError> {
     let (prefix, suffix) = SHARED;
     let own = format!("{prefix}{name}{suffix}");
+    if let Ok(_alone) = take(folder, &own, false) {
+        first().map_err(|error| LockError::File { path: folder.to_owned(), error })?;
+    }
     // The last holder has the file alone for a moment, while it removes it, and so has whoever takes away a killed one's.
     let held = patiently(TRIES, || take(folder, &own, true))?;
     let fail = |error| LockError::File { path: folder.to_owned(), error };

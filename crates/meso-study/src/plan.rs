@@ -50,6 +50,8 @@ pub struct Plan {
     pub keys: Vec<String>,
     /// The cases.
     pub cases: Vec<Case>,
+    /// Name of the work that plans of one fit have in common; absent where the cases are all of it.
+    pub work: Option<String>,
 }
 
 /// Why a study cannot be planned.
@@ -152,7 +154,7 @@ impl Plan {
             cases.push(Case::new(&values, spec, task, &mut texts));
         }
         distinct(&cases)?;
-        Ok(Self { keys: axes.iter().flat_map(|axis| axis.keys.clone()).collect(), cases })
+        Ok(Self { keys: axes.iter().flat_map(|axis| axis.keys.clone()).collect(), cases, work: None })
     }
 }
 

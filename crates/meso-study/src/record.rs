@@ -251,6 +251,24 @@ fn is_hidden(name: &str) -> bool {
     name.starts_with(UNFINISHED.0)
 }
 
+/// Opens the failed cases of a folder again.
+///
+/// # Errors
+/// Errors of the file system.
+pub(crate) fn reopen_failed(cases: &Path) -> io::Result<()> {
+    let entries = match std::fs::read_dir(cases) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        entries => entries?,
+    };
+    for entry in entries {
+        let folder = entry?.path();
+        if Record::read(&folder).is_some_and(|record| record.status == Status::Failed) {
+            remove(&folder.join(RECORD))?;
+        }
+    }
+    Ok(())
+}
+
 fn remove(path: &Path) -> io::Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),

@@ -28,7 +28,7 @@ const TRIES: u32 = 12_000;
 /// Time between two looks at a case that another process works on.
 const PAUSE: Duration = Duration::from_millis(50);
 /// Digits of the hash in the name of a work.
-const WORK: usize = 16;
+pub(crate) const WORK: usize = 16;
 
 /// Finished cases that run again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -213,7 +213,7 @@ impl CaseTurn {
                 return record.save(&self.path, keeper).map(|()| status).map_err(fail);
             }
             let (out, record) = (whole::folder(&self.path), record.without_files());
-            alone(out, &keeper, || journal::append(out, &record))?;
+            alone(out, &keeper, || journal::append(out, &record))?.map_err(fail)?;
             clear(&self.path).map(|()| status).map_err(fail)
         });
         self.leave(&keeper);
@@ -280,8 +280,9 @@ impl StudyRun {
         let Share { shard, of } = share;
         // The same cases by the same function; a run of all cases has none beside it but those of its parts.
         let parts = if again == Again::All { format!("all {of}") } else { String::new() };
-        let cases: Vec<&str> = plan.cases.iter().map(|case| &*case.folder).collect();
-        let mut held = vec![join(out, &digest(format!("{then} {parts} {}", cases.join(" ")).as_bytes())[..WORK])?];
+        let cases = || plan.cases.iter().map(|case| &*case.folder).collect::<Vec<_>>().join(" ");
+        let work = || digest(format!("{then} {parts} {}", cases()).as_bytes())[..WORK].to_owned();
+        let mut held = vec![join(out, &plan.work.clone().unwrap_or_else(work))?];
         if again != Again::None {
             held.push(hold_as(out, &format!("{LOCK}-{shard}-of-{of}"))?);
         }
@@ -552,7 +553,7 @@ pub fn records(plan: &Plan, then: &str, out: &Path, wanted: &dyn Fn(usize) -> bo
 /// # Errors
 /// Errors of the file system.
 pub fn save_tables(plan: &Plan, then: &str, out: &Path, keeper: impl Keeper + Copy) -> Result<Table, RunError> {
-    alone(out, &keeper, || {
+    let tables = || {
         if StudyLayout::of(out) == StudyLayout::Table {
             journal::tidy(out, keeper)?;
         }
@@ -561,16 +562,17 @@ pub fn save_tables(plan: &Plan, then: &str, out: &Path, keeper: impl Keeper + Co
         save(out, TABLES[0], Unit::new(keeper), |file| table.write_csv(file))?;
         save(out, TABLES[1], Unit::new(keeper), |file| groups.write_csv(file))?;
         Ok(table)
-    })
+    };
+    alone(out, &keeper, tables)?.map_err(|error| RunError::File { path: out.to_owned(), error })
 }
 
-/// Does short work in the folder of a study while no other process does such.
-fn alone<T>(out: &Path, keeper: &impl Keeper, work: impl FnOnce() -> io::Result<T>) -> Result<T, RunError> {
+/// Does short work in the folder of a study or a fit while no other process does such.
+pub(crate) fn alone<T>(out: &Path, keeper: &impl Keeper, work: impl FnOnce() -> T) -> Result<T, LockError> {
     let take = || keeper.hold(|hidden| hold(out).inspect(|held| hidden.push(held.path().to_owned())));
     let held = patiently(TRIES, take)?;
     let done = work();
     free(held, keeper);
-    done.map_err(|error| RunError::File { path: out.to_owned(), error })
+    Ok(done)
 }
 
 /// Gives back a lock, whose file a signal would have removed.

@@ -105,7 +105,7 @@ def fit(
     Returns
     -------
     Fit
-        After a kill the same call goes on with the next test.
+        After a kill the same call goes on with the next test, and tests that failed run again.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def fit(
     OSError
         Where a file cannot be read or written.
     BlockingIOError
-        Where another fit works in the folder `out`.
+        Where another fit works in the folder `out`. Processes with the same call share its tests.
     RuntimeError
         Where a test failed.
     """
@@ -129,7 +129,7 @@ def fit(
     state = _Fit(points, file, _tree(spec), given, _tree(materials), folder)
     try:
         while (plan := state.plan()) is not None:
-            _drive(plan, state.cases, _Way(executor=executor, threads=threads, progress=progress, retry_failed=True))
+            _drive(plan, state.cases, _Way(executor=executor, threads=threads, progress=progress))
             state.learn(plan)
         state.save("mesocrete.fit")
     finally:

@@ -6,7 +6,7 @@ use crate::boundary::{file_error, guard, raised};
 use crate::spec::{self, options};
 use crate::tree::{self, plain};
 use meso_ask::{FitAsk, Given, Giver};
-use meso_files::lock::{Held, hold};
+use meso_files::lock::Held;
 use meso_study::fit::{FitRun, curve};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -67,7 +67,7 @@ impl PyFit {
             let this = Self { fit: Mutex::new(fit), folder, out, held: Mutex::default() };
             this.plan_of(first).accept(py)?;
             std::fs::create_dir_all(&this.out).map_err(|error| file_error(&this.out, error))?;
-            let held = hold(&this.out).map_err(|error| run_error(error.into()))?;
+            let held = this.fit().begin().map_err(run_error)?;
             *this.held.lock().unwrap_or_else(PoisonError::into_inner) = Some(held);
             Ok(this)
         })

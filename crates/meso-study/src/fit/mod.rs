@@ -1,8 +1,9 @@
 //! The mortar with which a specimen's curve meets a measured one.
 //!
 //! Points of a fit are studies over the seeds, whose cases stay in one folder. A fit that is resumed takes the same points
-//! again, and finds their cases done. A front does the cases of a [`plan`](FitRun::plan), and gives their records to
-//! [`learn`](FitRun::learn), until no plan is left.
+//! again, and finds their cases done, and so do processes that share it: each learns from the records of all. A front
+//! [begins](FitRun::begin), does the cases of a [`plan`](FitRun::plan), and gives their records to [`learn`](FitRun::learn),
+//! until no plan is left.
 
 mod calibration;
 mod curve;
@@ -12,13 +13,16 @@ pub use calibration::{Calibration, Estimate, Target};
 pub use curve::curve;
 pub use materials::PARAMETERS;
 
+use crate::record::reopen_failed;
+use crate::run::{WORK, alone};
 use crate::steps::{commit, file_error, fill};
-use crate::{Axis, CURVE, Case, Keep, NamedFiles, Plan, Planning, Record, Status, Steps, digest};
+use crate::{Axis, CURVE, Case, Keep, NamedFiles, Plan, Planning, Record, RunError, Status, Steps, digest};
 use meso_ask::files::Reader;
 use meso_ask::{AskError, FitAsk, Given};
 use meso_core::Spec;
 use meso_core::materials::{LawName, Materials};
 use meso_core::spec::Files;
+use meso_files::lock::{Held, join_after};
 use meso_files::whole::{Keeper, Unit};
 use meso_solve::Test;
 use serde_json::{Map, Value, json};
@@ -102,6 +106,22 @@ impl FitRun {
         Ok(Self { ask, base, spec, target, seeds, test, points, start, calibration, steps, history, out })
     }
 
+    /// Begins the work in the folder of the fit, which is there. Processes with the same fit share its tests; one that begins
+    /// alone opens those that failed again.
+    ///
+    /// # Errors
+    /// [`RunError::Lock`] where a process does other work in the folder.
+    pub fn begin(&self) -> Result<Held, RunError> {
+        Ok(join_after(&self.out, &self.work(), || reopen_failed(&self.cases()))?)
+    }
+
+    /// A name of what is asked, for processes that share the work.
+    fn work(&self) -> String {
+        let Self { base, spec, target, seeds, test, start, .. } = self;
+        let asked = json!([base, spec, target.values(), seeds, test, start, self.ask.options.steps]);
+        digest(asked.to_string().as_bytes())[..WORK].to_owned()
+    }
+
     /// The folder of the cases.
     pub fn cases(&self) -> PathBuf {
         self.out.join(CASES)
@@ -148,7 +168,8 @@ impl FitRun {
         let task = json!({ "outputs": [], "solve": test });
         let mut named = Named(NamedFiles::beside(&self.out));
         let plan = Plan::new_while(&self.spec, axes, &task, files, &mut named);
-        plan.map_err(|error| AskError::Usage(error.to_string()))
+        let planned = plan.map_err(|error| AskError::Usage(error.to_string()))?;
+        Ok(Plan { work: Some(self.work()), ..planned })
     }
 
     /// Steps of a case.
@@ -212,17 +233,23 @@ impl FitRun {
     }
 
     /// Writes the results, both or none: `materials.toml`, which begins with a title, and `fit.json`; `replace` says whether
-    /// they may be there.
+    /// others may be there. Those of a process that shared the work are the same.
     ///
     /// # Errors
     /// Errors of the file system.
-    pub fn save<K: Keeper>(&self, title: &str, replace: bool, keeper: K) -> Result<(), AskError> {
+    pub fn save<K: Keeper + Copy>(&self, title: &str, replace: bool, keeper: K) -> Result<(), AskError> {
+        let saved = alone(&self.out, &keeper, || self.save_alone(title, replace, keeper));
+        saved.unwrap_or_else(|busy| Err(AskError::Run(busy.to_string())))
+    }
+
+    fn save_alone<K: Keeper>(&self, title: &str, replace: bool, keeper: K) -> Result<(), AskError> {
         let text = materials::file(&self.materials(), &format!("{title}\n{}", self.lines().join("\n")));
         let contents = [text, format!("{:#}\n", self.report())];
         let mut unit = Unit::new(keeper);
         for (name, content) in RESULTS.into_iter().zip(contents) {
             let path = self.out.join(name);
-            let filled = unit.fill(&path, replace, |out| out.write_all(content.as_bytes()));
+            let is_same = std::fs::read(&path).is_ok_and(|there| there == content.as_bytes());
+            let filled = unit.fill(&path, replace || is_same, |out| out.write_all(content.as_bytes()));
             filled.map_err(|error| file_error(&path, &error))?;
         }
         commit(unit)

@@ -4,7 +4,7 @@ use super::flags::Args;
 use crate::commands::study::{self, Working};
 use crate::failure::{Failure, INTERRUPTED};
 use crate::outputs::{Signals, Target};
-use crate::own_folder::OwnFolder;
+use crate::own_folder::make;
 use crate::{inputs, interrupt, outputs, stderr};
 use meso_ask::files;
 use meso_concrete::printable;
@@ -18,12 +18,13 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut beside = Beside(args.spec.parent().unwrap_or(Path::new("")));
     let mut fit = args.fit(&mut beside)?;
-    let how = Working::new(args.jobs, args.threads, Path::new("gmsh"), Again::Failed);
+    let how = Working::new(args.jobs, args.threads, Path::new("gmsh"), Again::None);
     let machine = how.machine();
     for case in fit.first(&mut beside)?.cases {
         study::settle(&case, &fit.steps(&case, &inputs::text)?, &machine)?;
     }
-    let _own = OwnFolder::open(&args.output)?;
+    let _made = make(&args.output)?;
+    let _held = fit.begin().map_err(|error| Failure::Run(error.to_string()))?;
     let [materials, report] = RESULTS.map(|name| Target::new(&args.output.join(name), args.writing.force));
     let (materials, report) = (materials?, report?);
     let read = [Some(&args.curve), Some(&args.spec), args.materials.as_ref()];
