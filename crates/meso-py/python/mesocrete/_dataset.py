@@ -383,8 +383,9 @@ def _made(
             lost.append(batch[0][0])
             continue
         yield from ended or ()
-        # One by one: the call took long enough, or one of these ended its worker.
-        batches.extend([job] for job in batch[len(ended or ()) :])
+        left_over = batch[len(ended or ()) :]
+        # Together where the call took long enough, one by one where one of these ended its worker.
+        batches.extend([left_over] if ended and left_over else ([job] for job in left_over))
     if lost:
         message = f"every process that worked on volume {', '.join(map(str, lost))} was killed; the same call tries again"
         raise RuntimeError(message)
@@ -400,7 +401,7 @@ def _make(
         try:
             made.append(_made_one(job, request, store))
         except Exception:
-            # It comes again alone.
+            # It comes again, as the first one.
             if made:
                 break
             raise
