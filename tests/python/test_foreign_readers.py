@@ -282,6 +282,23 @@ def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law
         assert (law.ft, law.fc, law.type, law.efc > 0) == (3.4, 40.0, 1.0, True)
 
 
+def test_bars_of_a_hopkinson_deck_are_dampers_from_plates_to_the_ground(tmp_path):
+    """PyDyna finds a damper a bar: from a corner of its plate to node 0, along z, with the bar's impedance."""
+    mesh = pack(False).mesh(method="lattice", element_size=4.0, itz="smeared", joined="mortar", accept_phase_error=True)
+    mesh.write(tmp_path / "bars.k", analysis="hopkinson")
+    deck = keyword_deck(tmp_path / "bars.k")
+    dampers = [block.elements.iloc[0] for block in keywords(deck, "*ELEMENT_DISCRETE")]
+    plates = [block for block in keywords(deck, "*ELEMENT_SOLID")][-1].elements
+    assert [int(damper["n1"]) for damper in dampers] == [int(node) for node in plates["n1"]]
+    assert all(damper["n2"] in (0, None) and damper["vid"] == damper["pid"] for damper in dampers)
+    along = [block.vectors.iloc[0] for block in keywords(deck, "*DEFINE_SD_ORIENTATION")]
+    assert [(vector["xt"], vector["yt"], vector["zt"]) for vector in along] == [(0.0, 0.0, 1.0)] * 2
+    impedance = 900.0 * (2.1e5 * 7.85e-9) ** 0.5
+    assert [round(material.dc / impedance, 5) for material in keywords(deck, "*MAT_DAMPER_VISCOUS")] == [1.0, 1.0]
+    # The wave of a striker of 8 m/s comes along the lower bar alone.
+    assert [(load.pid, load.dof) for load in keywords(deck, "*LOAD_RIGID_BODY")] == [(11, 3)]
+
+
 def test_decks_with_plates_keep_all_their_nodes_in_readers_that_take_one_block(tmp_path):
     """The case: meshio kept 1 of 1,123 nodes and knew no R3D4, lsdyna-mesh-reader raised IndexError."""
     meshio = pytest.importorskip("meshio")

@@ -7,6 +7,7 @@ mod conforming_decks;
 pub(crate) mod deck_reader;
 mod decks;
 mod export;
+mod fast_decks;
 mod lsdyna;
 pub(crate) mod periodic_decks;
 mod second_order;

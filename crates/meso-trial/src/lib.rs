@@ -14,7 +14,7 @@ mod sample;
 mod trial;
 
 pub use error::{TEST, TrialError};
-pub use loads::{Hold, Loads, Pressure, RigidSupport};
+pub use loads::{Hold, Loads, Motion, Pressure, RigidSupport};
 pub use meso_mesh::materials::LawName;
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use trial::{

@@ -3,7 +3,7 @@
 use crate::error::{TEST, TrialError};
 use crate::nodes;
 use crate::sample::Sample;
-use crate::trial::{Control, Rig, Rule, SupportSpec, Test, Turn, TurnOf, word};
+use crate::trial::{Control, Drive, Rig, Rule, SupportSpec, Test, Turn, TurnOf, word};
 use meso_collision::math::Aabb;
 use meso_concrete::specimen::Specimen;
 use meso_mesh::cells::Sides;
@@ -61,6 +61,31 @@ pub struct RigidSupport {
     pub force_ratio: Option<f64>,
     /// Whether it is a strip beside the middle, which the specimen turns on.
     pub is_beside: bool,
+    /// What moves it in real time, once the loads have grown.
+    pub motion: Option<Motion>,
+}
+
+/// What moves a support of a deck in real time. Speeds are positive towards the specimen; those over time are rows of s and mm/s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// Its speed.
+    Speed(Vec<[f64; 2]>),
+    /// The end of a bar: the force Z (2 v_i - v).
+    Bar {
+        /// Z, N s/mm.
+        impedance: f64,
+        /// Mass that the end has, since an explicit step needs some, tonne.
+        mass_t: f64,
+        /// Particle speed v_i of the wave that comes; empty where none does.
+        wave: Vec<[f64; 2]>,
+    },
+    /// A rigid mass that strikes.
+    Mass {
+        /// Its mass, tonne.
+        mass_t: f64,
+        /// Its speed, mm/s.
+        speed_mm_per_s: f64,
+    },
 }
 
 /// Action of a support on its nodes.
@@ -81,6 +106,18 @@ pub struct Pressure {
     pub faces: Vec<(u32, usize)>,
     /// The pressure when the path begins, MPa.
     pub mpa: f64,
+}
+
+/// Fastest waves in rocks, mm/s. The end of a bar has the mass that its impedance stops while such a wave passes an element.
+const FASTEST_WAVE: f64 = 5e6;
+/// Time of a jump of a speed in the table of a deck over the duration.
+const JUMP: f64 = 1e-4;
+
+impl Loads {
+    /// Whether supports move in real time, without a path.
+    pub fn is_fast(&self) -> bool {
+        self.supports.iter().any(|support| support.motion.is_some())
+    }
 }
 
 /// Distance of a node from the plane of its side, over the specimen's size, beyond which the side is round.
@@ -104,7 +141,9 @@ impl Test {
         let mut path_mm = self.path_mm(rig.length_mm)?;
         let (mut supports, mut members) = (Vec::new(), Vec::new());
         for (place, support) in (0..).zip(&rig.supports).filter(|(_, support)| support.rule != Rule::Pressure) {
-            let rigid = self.support(sample, &sides, &rig, support)?;
+            let mut rigid = self.support(sample, &sides, &rig, support)?;
+            let jump_s = JUMP * self.duration_s(&geometry);
+            rigid.motion = support.drive.as_ref().map(|drive| motion(drive, sample, &sides, support, jump_s));
             members.extend(rigid.nodes.iter().map(|&node| (node, place)));
             supports.push(rigid);
         }
@@ -166,11 +205,15 @@ impl Test {
             return Err(TEST.error("control", word(&self.control), why).into());
         }
         if self.is_fast() {
-            let why = "a deck has no plates in real time; take mesocrete solve";
-            let named = TEST.error("kind", word(&self.kind), why);
-            return Err(
-                if self.supports.is_empty() { named } else { TEST.error("supports.drive", "given", why) }.into()
-            );
+            let rate = "laws of a deck here have no rate; leave it out, or take mesocrete solve";
+            TEST.require("rate_effect", true, !self.rate_effect, rate)?;
+            let statics = "a deck of this law is static; take another law, or mesocrete solve";
+            TEST.require("law", word(&self.law), self.law != LawName::Elastic, statics)?;
+            let strikes = self.supports.iter().any(|support| matches!(support.drive, Some(Drive::Mass { .. })));
+            let waits = strikes && self.supports.iter().any(|support| support.rule == Rule::Pressure);
+            let at_once =
+                "a mass of a deck strikes while the pressure grows; leave the pressure out, or take mesocrete solve";
+            TEST.require("supports.drive.kind", "mass", !waits, at_once)?;
         }
         if !self.has_path() {
             return Ok(Vec::new());
@@ -217,7 +260,24 @@ impl Test {
             force_n: support.pressure_mpa * area_mm2,
             force_ratio: support.stress_ratio.map(|ratio| ratio * area_mm2 / rig.section_mm2),
             is_beside: !is_glued && support.strip.is_some_and(|strip| strip.at_mm != 0.0),
+            motion: None,
         })
+    }
+}
+
+fn motion(drive: &Drive, sample: &Sample, sides: &Sides, support: &SupportSpec, jump_s: f64) -> Motion {
+    match drive {
+        Drive::Speed { speed_m_per_s } => Motion::Speed(speed_m_per_s.rows(jump_s)),
+        Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, speed_m_per_s } => {
+            let area_mm2 = area_mm2.unwrap_or_else(|| nodes::area_mm2(sample.mesh, sides, support));
+            let impedance = area_mm2 * (youngs_modulus_mpa * density_t_per_mm3).sqrt();
+            let mass_t = impedance * sample.element_size_mm / FASTEST_WAVE;
+            let wave = if drive.fastest() == 0.0 { Vec::new() } else { speed_m_per_s.rows(jump_s) };
+            Motion::Bar { impedance, mass_t, wave }
+        }
+        Drive::Mass { mass_kg, speed_m_per_s } => {
+            Motion::Mass { mass_t: 1e-3 * mass_kg, speed_mm_per_s: 1e3 * speed_m_per_s }
+        }
     }
 }
 

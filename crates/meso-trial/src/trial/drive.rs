@@ -99,6 +99,24 @@ impl Speed {
         }
     }
 
+    /// Rows of a time, s, and the speed, mm/s, for the table of a deck: times ascend from 0, and a jump takes `jump_s`.
+    pub(crate) fn rows(&self, jump_s: f64) -> Vec<[f64; 2]> {
+        let given: &[[f64; 2]] = match self {
+            Self::Steady(speed) => &[[0.0, *speed]],
+            Self::Over(rows) => rows,
+            Self::Table(_) => &[],
+        };
+        let start = given.first().map(|row| [row[0], 0.0]);
+        let mut rows: Vec<[f64; 2]> = vec![[0.0, 0.0]];
+        for [time, speed] in start.iter().chain(given) {
+            let (last, speed) = (rows[rows.len() - 1], 1e3 * speed);
+            if last != [*time, speed] {
+                rows.push([time.max(last[0] + jump_s), speed]);
+            }
+        }
+        rows
+    }
+
     /// Speeds between which it stays, m/s.
     fn speeds(&self) -> Vec<f64> {
         match self {
@@ -190,5 +208,8 @@ mod tests {
         let at = [0.0, 1.0, 1.25, 2.0, 9.0].map(|time| speed.at(time));
         assert_eq!(at, [0.0, 0.0, 1000.0, 1000.0, 1000.0]);
         assert_eq!([7.0, -1.0].map(|time| Speed::Steady(-2.0).at(time)), [-2000.0, 0.0]);
+        let table = [[0.0, 0.0], [1.0, 0.0], [2.0, 4000.0], [2.25, 1000.0], [3.0, 1000.0]];
+        assert_eq!(speed.rows(0.25), table);
+        assert_eq!(Speed::Steady(-2.0).rows(0.25), [[0.0, 0.0], [0.25, -2000.0]]);
     }
 }

@@ -28,7 +28,7 @@ use meso_mesh::materials::{LawName, Materials, Strength};
 use meso_trial::{Loads, Sample, Test, TestKind, TrialError, word};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
-pub(crate) use supports::names as support_names;
+pub(crate) use supports::{inward, names as support_names};
 
 /// The law of the solver whose values a deck has.
 const LAW: LawName = LawName::Cdp;
@@ -294,7 +294,8 @@ impl DeckOptions {
         if !mesh.cohesive.is_empty() {
             self.validate_cohesive()?;
         }
-        if self.has_curve() && !self.allow_joined {
+        let is_fast = self.loads.as_ref().is_some_and(Loads::is_fast);
+        if (self.has_curve() || is_fast) && !self.allow_joined {
             refuse_joined(mesh, &self.analysis)?;
         }
         let has_test = matches!(self.analysis, Analysis::Test(_)) && !self.geometry_only;

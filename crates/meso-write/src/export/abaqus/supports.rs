@@ -1,7 +1,7 @@
 //! The supports of a test in a deck: by `*DYNAMIC, EXPLICIT` with rigid plates, or by `*STATIC` where all is elastic.
 //!
 //! A support is a reference node with the nodes that it meets. A plate is a rigid facet in contact with them; a glued one has
-//! them as nodes of its rigid body. Loads grow in a first step; the path follows in a second one.
+//! them as nodes of its rigid body. Loads grow in a first step; the path, or motions in real time, follow in a second one.
 
 use super::geometry::{Extra, node_set};
 use super::lines::real;
@@ -10,7 +10,7 @@ use crate::export::lines::Lines;
 use meso_collision::math::Aabb;
 use meso_concrete::OutOfRange;
 use meso_mesh::cells::Mesh;
-use meso_trial::{Hold, Loads, RigidSupport};
+use meso_trial::{Hold, Loads, Motion, RigidSupport};
 use std::io::{self, Write};
 
 /// Plates reach beyond the nodes that they meet by this share of the specimen's width, so that its sides can bulge.
@@ -98,6 +98,10 @@ pub(super) fn write(
     for (place, (name, support)) in names.iter().zip(&loads.supports).enumerate() {
         body(lines, (reference(mesh, place), name, support), &mut next)?;
     }
+    for (place, (name, support)) in names.iter().zip(&loads.supports).enumerate() {
+        let Some(motion) = &support.motion else { continue };
+        moving(lines, (reference(mesh, place), name, support), motion, &mut next)?;
+    }
     let link = link(lines, mesh, loads)?;
     let has_lead = loads.lead_s > 0.0;
     amplitudes(lines, loads)?;
@@ -105,7 +109,11 @@ pub(super) fn write(
     if has_lead {
         deck.lead(lines)?;
     }
-    if !loads.path_mm.is_empty() { deck.path(lines) } else { Ok(()) }
+    match () {
+        () if loads.is_fast() => deck.drive(lines),
+        () if loads.path_mm.is_empty() => Ok(()),
+        () => deck.path(lines),
+    }
 }
 
 /// The next free numbers of a plate's corners and elements.
@@ -136,7 +144,13 @@ pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
     let facets = loads.supports.iter().zip(&patches).filter(|(support, _)| has_facet(support));
     let corners = facets.flat_map(|(support, patch)| corners(support, patch, &whole)).map(|corner| (corner, None));
     let lead = is_linked(loads).then(|| (middle(&whole), Some("REF_PATH".to_owned())));
-    let all = places.chain(corners).chain(lead);
+    // The dashpot of a bar reaches from its end to a node that stays.
+    let grounds = names(loads).into_iter().zip(&loads.supports).zip(&patches).filter_map(|((name, support), patch)| {
+        let mut place: [f64; 3] = middle(patch);
+        place[support.axis] -= inward(support) * whole.size()[support.axis];
+        matches!(support.motion, Some(Motion::Bar { .. })).then(|| (place, Some(format!("GROUND_{name}"))))
+    });
+    let all = places.chain(corners).chain(lead).chain(grounds);
     (reference(mesh, 0)..).zip(all).map(|(number, (position, set))| Extra { number, position, set }).collect()
 }
 
@@ -185,6 +199,60 @@ fn body(
     lines.line(format!("*SURFACE INTERACTION, NAME=I_{name}"))?;
     lines.line("*FRICTION")?;
     lines.line(format!("{},", real(friction)))
+}
+
+/// Direction towards the specimen along the axis of a support.
+pub(crate) fn inward(support: &RigidSupport) -> f64 {
+    if support.is_upper { -1.0 } else { 1.0 }
+}
+
+/// Mass, dashpot, speed over time and first speed of a support in real time.
+fn moving(
+    lines: &mut Lines<impl Write>,
+    (number, name, support): (u64, &str, &RigidSupport),
+    motion: &Motion,
+    next: &mut Numbers,
+) -> io::Result<()> {
+    let mut mass = |lines: &mut Lines<_>, mass_t: f64| {
+        lines.line(format!("*ELEMENT, TYPE=MASS, ELSET=MASS_{name}"))?;
+        lines.line(format!("{}, {number}", next.element))?;
+        next.element += 1;
+        lines.line(format!("*MASS, ELSET=MASS_{name}"))?;
+        lines.line(format!("{},", real(mass_t)))
+    };
+    match motion {
+        Motion::Mass { mass_t, speed_mm_per_s } => {
+            mass(lines, *mass_t)?;
+            lines.line("*INITIAL CONDITIONS, TYPE=VELOCITY")?;
+            lines.line(format!("REF_{name}, {}, {}", along(support), real(inward(support) * speed_mm_per_s)))
+        }
+        Motion::Speed(rows) => table(lines, name, rows),
+        Motion::Bar { impedance, mass_t, wave } => {
+            mass(lines, *mass_t)?;
+            lines.line(format!("*ELEMENT, TYPE=DASHPOTA, ELSET=BAR_{name}"))?;
+            lines.line(format!("{}, {}, {number}", next.element, next.node))?;
+            (next.element, next.node) = (next.element + 1, next.node + 1);
+            lines.line(format!("*DASHPOT, ELSET=BAR_{name}"))?;
+            // The first line of a dashpot along its own axis is empty.
+            lines.line(",")?;
+            lines.line(format!("{},", real(*impedance)))?;
+            if wave.is_empty() { Ok(()) } else { table(lines, name, wave) }
+        }
+    }
+}
+
+/// A speed over the time of a step.
+fn table(lines: &mut Lines<impl Write>, name: &str, rows: &[[f64; 2]]) -> io::Result<()> {
+    lines.line(format!("*AMPLITUDE, NAME=DRIVE_{name}"))?;
+    points(lines, rows)
+}
+
+/// Rows of an amplitude, four points a line.
+fn points(lines: &mut Lines<impl Write>, rows: &[[f64; 2]]) -> io::Result<()> {
+    rows.chunks(4).try_for_each(|row| {
+        let row: Vec<String> = row.iter().flatten().map(|value| format!("{value:.9e}")).collect();
+        lines.line(row.join(", "))
+    })
 }
 
 /// The two halves of a rigid facet. Triangles, since meshio has no word for R3D4.
@@ -255,17 +323,14 @@ fn amplitudes(lines: &mut Lines<impl Write>, loads: &Loads) -> io::Result<()> {
         return Ok(());
     }
     let turns = turns(loads);
-    let points: Vec<[f64; 2]> = if loads.lead_s > 0.0 {
+    let rows: Vec<[f64; 2]> = if loads.lead_s > 0.0 {
         lines.line("*AMPLITUDE, NAME=PATH")?;
         turns.windows(2).flat_map(|leg| speeds(leg[0], leg[1])).chain([[loads.duration_s, 0.0]]).collect()
     } else {
         lines.line("*AMPLITUDE, NAME=PATH, DEFINITION=SMOOTH STEP")?;
         turns
     };
-    points.chunks(4).try_for_each(|row| {
-        let row: Vec<String> = row.iter().flatten().map(|value| format!("{value:.9e}")).collect();
-        lines.line(row.join(", "))
-    })
+    points(lines, &rows)
 }
 
 /// Speeds of a leg, by the derivative of a smooth step: 30 s^2 (1 - s)^2.
@@ -325,6 +390,30 @@ impl Steps<'_> {
         self.end(lines, self.loads.duration_s)
     }
 
+    /// Supports move in real time.
+    fn drive(&self, lines: &mut Lines<impl Write>) -> io::Result<()> {
+        let has_lead = self.loads.lead_s > 0.0;
+        self.begin(lines, self.loads.duration_s, !has_lead)?;
+        if !has_lead {
+            self.hold(lines)?;
+        }
+        for (name, support) in self.named() {
+            let (dof, inward) = (along(support), inward(support));
+            match &support.motion {
+                Some(Motion::Speed(_)) => {
+                    lines.line(format!("*BOUNDARY, TYPE=VELOCITY, AMPLITUDE=DRIVE_{name}"))?;
+                    lines.line(format!("REF_{name}, {dof}, {dof}, {}", real(inward)))?;
+                }
+                Some(Motion::Bar { impedance, wave, .. }) if !wave.is_empty() => {
+                    lines.line(format!("*CLOAD, AMPLITUDE=DRIVE_{name}"))?;
+                    lines.line(format!("REF_{name}, {dof}, {}", real(2.0 * inward * impedance)))?;
+                }
+                Some(Motion::Bar { .. } | Motion::Mass { .. }) | None => {}
+            }
+        }
+        self.end(lines, self.loads.duration_s)
+    }
+
     fn named(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
         self.names.iter().zip(&self.loads.supports)
     }
@@ -340,7 +429,9 @@ impl Steps<'_> {
         if !is_first {
             return Ok(());
         }
-        lines.line(format!("*FIXED MASS SCALING, DT={}, TYPE=BELOW MIN", real(self.loads.time_increment_s)))?;
+        if !self.loads.is_fast() {
+            lines.line(format!("*FIXED MASS SCALING, DT={}, TYPE=BELOW MIN", real(self.loads.time_increment_s)))?;
+        }
         for (name, _) in self.named().filter(|(_, support)| has_facet(support)) {
             lines.line(format!("*CONTACT PAIR, INTERACTION=I_{name}, MECHANICAL CONSTRAINT=KINEMATIC"))?;
             lines.line(format!("S_N_{name}, S_PLATE_{name}"))?;
@@ -356,10 +447,15 @@ impl Steps<'_> {
         lines.line("*BOUNDARY")?;
         for (name, support) in self.named() {
             let is_linked = self.link.is_some() && support.is_upper;
-            let goes = self.loads.lead_s == 0.0 && support.moves != 0.0;
+            let goes = support.moves != 0.0 || matches!(support.motion, Some(Motion::Speed(_)));
+            let answers = matches!(support.motion, Some(Motion::Bar { .. } | Motion::Mass { .. }));
+            let goes = answers || goes && self.loads.lead_s == 0.0;
             let free = (is_linked || is_pressed(support) || goes).then_some(along(support));
             for dof in (1..=6).filter(|dof| Some(*dof) != free) {
                 lines.line(format!("REF_{name}, {dof}, {dof}"))?;
+            }
+            if matches!(support.motion, Some(Motion::Bar { .. })) {
+                lines.line(format!("GROUND_{name}, 1, 3"))?;
             }
         }
         Ok(())

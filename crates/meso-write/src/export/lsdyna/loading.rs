@@ -1,7 +1,7 @@
 //! Loading of a `.k`: the supports and loads of a test, or a striker.
 //!
 //! A plate is a rigid block in contact with the nodes under it; a glued one holds them as a set. Loads grow by curve 2, and
-//! the path follows by curve 1, a speed over its mean.
+//! the path follows by curve 1, a speed over its mean. In real time the end of a bar is a block with a damper to a fixed point.
 
 use super::{FIELD, Field, LOWER, UPPER, block_parts, card, element, list, node, set};
 use crate::export::abaqus::{Analysis, DECK, DeckOptions};
@@ -9,7 +9,7 @@ use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::{OutOfRange, short};
 use meso_mesh::cells::{Mesh, Sides};
-use meso_trial::{Hold, LawName, Loads, RigidSupport, Rule, Test, TestKind};
+use meso_trial::{Hold, LawName, Loads, Motion, RigidSupport, Rule, Test, TestKind};
 use std::io::{self, Write};
 
 /// Plates reach beyond the nodes that they meet by this share of the specimen's width, and are as thick.
@@ -29,6 +29,8 @@ const FIRST_SET: u64 = 11;
 /// Curves of the path's speed and of the loads' growth.
 const PATH: u64 = 1;
 const GROWTH: u64 = 2;
+/// Curve of the first support in real time.
+const DRIVE: u64 = 3;
 
 /// A rigid block.
 pub(super) struct Block {
@@ -38,6 +40,8 @@ pub(super) struct Block {
     high: Vec3,
     /// Code of the translations that are held: CON1 of `*MAT_RIGID`.
     pub(super) held: i64,
+    /// Its density, tonne/mm3, where its mass counts.
+    pub(super) density: Option<f64>,
 }
 
 /// Finds out whether a `.k` can have the test.
@@ -53,7 +57,10 @@ pub(super) fn check(test: &Test, word: &str) -> Result<(), OutOfRange> {
     DECK.require("analysis", word, test.law != LawName::Elastic, elastic)?;
     let pulls = |support: &meso_trial::SupportSpec| support.rule == Rule::Glued && support.pressure_mpa != 0.0;
     let glued = "a .k presses with plates alone: write an .inp for a glued plate with a pressure";
-    DECK.require("analysis", word, !test.supports.iter().any(pulls), glued)
+    DECK.require("analysis", word, !test.supports.iter().any(pulls), glued)?;
+    let drives = |support: &meso_trial::SupportSpec| support.rule == Rule::Glued && support.drive.is_some();
+    let driven = "a .k has drives of plates alone: write an .inp for a glued one";
+    DECK.require("analysis", word, !test.supports.iter().any(drives), driven)
 }
 
 /// The rigid blocks of the deck.
@@ -72,6 +79,7 @@ pub(super) fn blocks(mesh: &Mesh, options: &DeckOptions) -> Vec<Block> {
                 low: Vec3::new(low.x, low.y, from),
                 high: Vec3::new(high.x, high.y, to),
                 held,
+                density: None,
             };
             let [lower, upper] = [whole.min.z - OVERHANG * width, whole.max.z + STRIKER * width];
             vec![block("PLATE_BOTTOM", lower, whole.min.z, 7), block("STRIKER", whole.max.z, upper, 4)]
@@ -103,10 +111,14 @@ fn plate(mesh: &Mesh, whole: &Aabb, name: String, support: &RigidSupport) -> Blo
         false => (whole.min[axis] - thick, whole.min[axis]),
     };
     (low[axis], high[axis]) = (from, to);
-    let moves = support.moves != 0.0 || is_pressed(support);
+    let moves = support.moves != 0.0 || is_pressed(support) || support.motion.is_some();
+    let density = match support.motion {
+        Some(Motion::Bar { mass_t, .. } | Motion::Mass { mass_t, .. }) => Some(mass_t / (high - low).product()),
+        Some(Motion::Speed(_)) | None => None,
+    };
     // The codes of two translations: y and z, z and x, x and y.
     let held = if moves { [5, 6, 4][axis] } else { 7 };
-    Block { name: format!("PLATE_{name}"), low, high, held }
+    Block { name: format!("PLATE_{name}"), low, high, held, density }
 }
 
 /// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
@@ -182,14 +194,19 @@ fn test(cards: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions, loads
             Hold::Glued => held(cards, number, support)?,
         }
         moved(cards, loads, support, part, number)?;
+        if let (Some(part), Some(motion)) = (part, &support.motion) {
+            driven(cards, mesh, (loads, support, part), motion)?;
+        }
     }
     pressures(cards, mesh, loads)?;
     speed(cards, loads)?;
     if loads.lead_s > 0.0 {
         growth(cards, loads)?;
     }
-    let end = loads.lead_s + if loads.path_mm.is_empty() { 0.0 } else { loads.duration_s };
-    control(cards, end, -loads.time_increment_s / SCALE)?;
+    let is_fast = loads.is_fast();
+    let end = loads.lead_s + if loads.path_mm.is_empty() && !is_fast { 0.0 } else { loads.duration_s };
+    // In real time no mass is added.
+    control(cards, end, if is_fast { 0.0 } else { -loads.time_increment_s / SCALE })?;
     let has_glued = loads.supports.iter().any(|support| !is_plate(support));
     let glued: &[&str] = if has_glued { &["*DATABASE_SPCFORC", "*DATABASE_BNDOUT"] } else { &[] };
     let rubbing: &[&str] = if parts.is_empty() { &[] } else { &["*DATABASE_RCFORC", "*DATABASE_RBDOUT"] };
@@ -238,6 +255,77 @@ fn moved(
     let birth = (loads.lead_s > 0.0).then_some([Field::Blank, Field::Real(1e28), Field::Real(loads.lead_s)]);
     let fields = [what.into(), dof, Field::Integer(0), PATH.into(), mean.into()];
     card(cards, &fields.into_iter().chain(birth.into_iter().flatten()).collect::<Vec<_>>())
+}
+
+/// A plate in real time: its speed over time, its first speed, or the damper and the force of a bar, all towards the specimen.
+fn driven(
+    cards: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    (loads, support, part): (&Loads, &RigidSupport, u64),
+    motion: &Motion,
+) -> io::Result<()> {
+    let inward = crate::export::abaqus::inward(support);
+    let (dof, number) = (Field::Integer(support.axis as i64 + 1), part - super::PLATE);
+    let id = DRIVE + number;
+    match motion {
+        Motion::Speed(rows) => {
+            over_time(cards, id, loads.lead_s, rows)?;
+            cards.line("*BOUNDARY_PRESCRIBED_MOTION_RIGID")?;
+            card(cards, &[part.into(), dof, Field::Integer(0), id.into(), inward.into()])
+        }
+        Motion::Mass { speed_mm_per_s, .. } => {
+            cards.line("*INITIAL_VELOCITY_RIGID_BODY")?;
+            let speeds = [0, 1, 2].map(|axis| if axis == support.axis { inward * speed_mm_per_s } else { 0.0 });
+            card(cards, &[Field::from(part)].into_iter().chain(speeds.map(Field::Real)).collect::<Vec<_>>())
+        }
+        Motion::Bar { impedance, wave, .. } => {
+            if !wave.is_empty() {
+                over_time(cards, id, loads.lead_s, wave)?;
+                cards.line("*LOAD_RIGID_BODY")?;
+                card(cards, &[part.into(), dof, id.into(), (2.0 * inward * impedance).into()])?;
+            }
+            damper(cards, mesh, (loads, support.axis, number), *impedance)
+        }
+    }
+}
+
+/// A speed over time, which begins once the loads have grown and keeps its last value.
+fn over_time(cards: &mut Lines<impl Write>, number: u64, lead_s: f64, rows: &[[f64; 2]]) -> io::Result<()> {
+    curve(cards, number)?;
+    if lead_s > 0.0 {
+        point(cards, 0.0, 0.0)?;
+    }
+    rows.iter().try_for_each(|[time, speed]| point(cards, lead_s + time, *speed))?;
+    point(cards, 1e28, rows[rows.len() - 1][1])
+}
+
+/// A damper between the first corner of a plate and a fixed point: its part has a number behind those of all plates.
+fn damper(
+    cards: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    (loads, axis, plate): (&Loads, usize, u64),
+    impedance: f64,
+) -> io::Result<()> {
+    let plates = plates(loads).count() as u64;
+    let part = super::PLATE + plates + plate;
+    cards.line("*PART")?;
+    cards.line(format!("DAMPER_{}", plate + 1))?;
+    card(cards, &[part.into(), part.into(), part.into()])?;
+    cards.line("*SECTION_DISCRETE")?;
+    card(cards, &[part.into()])?;
+    card(cards, &[Field::Blank])?;
+    cards.line("*MAT_DAMPER_VISCOUS")?;
+    card(cards, &[part.into(), impedance.into()])?;
+    cards.line("*DEFINE_SD_ORIENTATION")?;
+    let along = [0, 1, 2].map(|other| Field::Real(f64::from(u8::from(other == axis))));
+    card(cards, &[&[Field::from(part), Field::Integer(0)], &along[..]].concat())?;
+    cards.line("*ELEMENT_DISCRETE")?;
+    let element = (mesh.cell_count() + mesh.cohesive().len()) as u64 + plates + plate + 1;
+    // EID PID N1 N2 VID, in eight columns each; N2 is the ground.
+    for number in [element, part, mesh.points.len() as u64 + 8 * plate + 1, 0, part] {
+        cards.integer(8, number);
+    }
+    cards.end()
 }
 
 /// The output that has the force of the support at a place among all, and the number of its contact or node set there.

@@ -228,12 +228,13 @@ fn cohesive(cards: &mut Lines<impl Write>, materials: &Materials, is_strong: boo
 
 /// Plates of steel: each is held, or moves along one axis, and turns about none.
 fn plates(cards: &mut Lines<impl Write>, blocks: &[Block]) -> io::Result<()> {
-    for (Block { name, held, .. }, number) in blocks.iter().zip(block_parts(blocks)) {
+    for (Block { name, held, density, .. }, number) in blocks.iter().zip(block_parts(blocks)) {
         one_part(cards, name, number)?;
         section(cards, number, 1)?;
         let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = STEEL;
         cards.line("*MAT_RIGID")?;
-        card(cards, &[number.into(), density_t_per_mm3.into(), youngs_modulus_mpa.into(), poisson_ratio.into()])?;
+        let density = density.unwrap_or(density_t_per_mm3);
+        card(cards, &[number.into(), density.into(), youngs_modulus_mpa.into(), poisson_ratio.into()])?;
         card(cards, &[Field::Real(1.0), Field::Integer(*held), Field::Integer(7)])?;
         card(cards, &[Field::Blank])?;
     }
