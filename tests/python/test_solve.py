@@ -414,12 +414,13 @@ def test_named_tests_are_keywords_of_solve(mesh):
         mc.Test.shear(),
         mc.Test.expansion(mortar=-1e-4),
         mc.Test.hopkinson(),
+        mc.Test.hopkinson_splitting(),
         mc.Test.spall(),
         mc.Test.drop(),
         mc.Test.impact(),
     ]
     names = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"]
-    names += ["hopkinson", "spall", "drop", "impact"]
+    names += ["hopkinson", "hopkinson-splitting", "spall", "drop", "impact"]
     assert [test["test"] for test in made] == names
     pressed = mesh.solve(**mc.Test.triaxial(5.0, strain=0.001))
     assert pressed.result["test"] == "triaxial" and pressed.result["peak_mpa"] > 5.0
@@ -477,7 +478,7 @@ def test_a_test_that_is_not_quasi_static_warns_and_has_a_flag(mesh):
 
 
 KINDS = ["compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear", "expansion"]
-KINDS += ["hopkinson", "spall", "drop", "impact"]
+KINDS += ["hopkinson", "hopkinson-splitting", "spall", "drop", "impact"]
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ use meso_solve::{
     Along, Control, Drive, Frame, Gauge, LawName, Observer, Response, Rule, Side, Speed, SupportSpec, Test, TestKind,
 };
 use std::cell::RefCell;
+use std::f64::consts::PI;
 
 const MODULUS_MPA: f64 = 3e4;
 const DENSITY: f64 = 2.4e-9;
@@ -371,6 +372,24 @@ fn named_tests_in_real_time_run_with_and_without_rates() {
 }
 
 /// The case: a mass struck before its pressure had grown.
+/// A Brazilian test between bars: once waves have settled, both have the force Z v_i of the wave, and 2 F / (pi l d) is the stress.
+#[test]
+fn a_cube_that_is_split_between_bars_carries_the_force_of_the_wave() {
+    let cube = Meshed::mortar([12.0; 3], Method::VOXEL, 1.0);
+    let (kind, law) = (TestKind::HopkinsonSplitting, LawName::Elastic);
+    let test =
+        Test { kind, law, speed_m_per_s: Some(0.5), pulse_s: Some(3e-4), strip_mm: Some(4.0), ..Test::default() };
+    let response = cube.solve(&mortar(0.2), &test);
+    let force = 0.25 * PI * 144.0 * (2.1e5 * 7.85e-9_f64).sqrt() * 250.0;
+    for name in ["input_n", "output_n"] {
+        let found = mean(&response, &column(&response, name), [1.5e-4, 2.9e-4]);
+        assert!((found / force - 1.0).abs() < 0.01, "{name}: {found} for {force}");
+    }
+    let stress: Vec<f64> = response.curve.iter().map(|row| row.stress_mpa).collect();
+    let found = mean(&response, &stress, [1.5e-4, 2.9e-4]);
+    assert!((found / (2.0 * force / (PI * 144.0)) - 1.0).abs() < 0.01, "{found}");
+}
+
 #[test]
 fn a_mass_and_a_steady_wave_wait_for_the_pressure() {
     let cube = Meshed::mortar([12.0; 3], Method::FITTED, 4.0);

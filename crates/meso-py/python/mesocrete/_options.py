@@ -358,6 +358,11 @@ class Test:
         return _checked_test({"test": "hopkinson", "speed_m_per_s": speed_m_per_s, **options})
 
     @staticmethod
+    def hopkinson_splitting(speed_m_per_s: float = 8.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
+        """Return strips that split a cylinder or a cube between two steel bars, along one of which a striker sends a pulse."""
+        return _checked_test({"test": "hopkinson-splitting", "speed_m_per_s": speed_m_per_s, **options})
+
+    @staticmethod
     def spall(speed_m_per_s: float = 1.0, /, **options: Unpack[_types.SolveOptions]) -> _types.NamedTest:
         """Return a steel bar that sends a triangular pulse, whose reflection from the free end tears the specimen."""
         return _checked_test({"test": "spall", "speed_m_per_s": speed_m_per_s, **options})

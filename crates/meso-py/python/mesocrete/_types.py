@@ -612,7 +612,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "spall", "drop"]
+    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "hopkinson-splitting", "spall", "drop"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
     """Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]"""
@@ -964,7 +964,7 @@ class StatisticsOptions(TypedDict, total=False):
 class NamedTest(SolveOptions, total=False):
     """A test and its name, as `Test` returns it."""
 
-    test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "spall", "drop", "impact"]
+    test: Literal["compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "hopkinson-splitting", "spall", "drop", "impact"]
     """The named test."""
 
 

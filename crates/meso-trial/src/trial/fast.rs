@@ -9,6 +9,7 @@ use crate::trial::setup::word;
 use crate::trial::{Control, Test, TestKind};
 use meso_concrete::OutOfRange;
 use meso_mesh::materials::LawName;
+use std::f64::consts::FRAC_PI_4;
 
 /// Modulus, MPa, and density, tonne/mm3, of steel bars.
 const STEEL: [f64; 2] = [2.1e5, 7.85e-9];
@@ -30,9 +31,19 @@ fn bends(geometry: &Geometry) -> bool {
 }
 
 impl TestKind {
+    /// Whether a pulse comes along a bar.
+    fn has_pulse(self) -> bool {
+        matches!(self, Self::Hopkinson | Self::HopkinsonSplitting | Self::Spall)
+    }
+
+    /// Whether strips press a specimen apart.
+    pub(super) fn splits(self) -> bool {
+        matches!(self, Self::Splitting | Self::HopkinsonSplitting)
+    }
+
     /// Whether it is one in real time.
     pub(super) fn is_fast(self) -> bool {
-        matches!(self, Self::Hopkinson | Self::Spall | Self::Drop | Self::Impact)
+        self.has_pulse() || matches!(self, Self::Drop | Self::Impact)
     }
 }
 
@@ -55,14 +66,14 @@ impl Test {
     pub fn rise_s(&self) -> f64 {
         self.rise_s.unwrap_or(match self.kind {
             TestKind::Spall => 5e-6,
-            TestKind::Hopkinson => 2e-5,
+            TestKind::Hopkinson | TestKind::HopkinsonSplitting => 2e-5,
             _ => 1e-5,
         })
     }
 
     /// Time of a named test in real time, s.
     pub(super) fn fast_duration_s(&self, geometry: &Geometry) -> f64 {
-        let [.., height] = geometry.size_mm;
+        let height = geometry.size_mm[if self.kind.splits() { 0 } else { 2 }];
         let (transit, pulse) = (height / SLOWEST, self.pulse_s() + self.rise_s());
         match self.kind {
             TestKind::Impact => self.rise_s() + CRUSHED * height / (1e3 * self.speed_m_per_s()),
@@ -76,19 +87,30 @@ impl Test {
         let (friction, v) = (self.friction(), self.speed_m_per_s());
         let driven = |name, on, drive| SupportSpec { friction, drive: Some(drive), ..SupportSpec::new(name, on) };
         let [pulse, rise] = [self.pulse_s(), self.rise_s()];
+        // Bars of a split specimen have its diameter.
+        let area_mm2 = self.kind.splits().then(|| FRAC_PI_4 * geometry.size_mm[0] * geometry.size_mm[0]);
         let bar = |speed_m_per_s| {
             let [youngs_modulus_mpa, density_t_per_mm3] = STEEL;
-            Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2: None, speed_m_per_s }
+            Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, speed_m_per_s }
         };
         let base = SupportSpec { friction, ..SupportSpec::new("base", Side::ZMin) };
         // A striker of the same bar gives it half of its speed.
+        let wave = || Speed::Over(vec![[0.0, 0.0], [rise, 0.5 * v], [pulse, 0.5 * v], [pulse + rise, 0.0]]);
         let supports = match self.kind {
+            TestKind::HopkinsonSplitting => {
+                let split = self.split(geometry)?;
+                let ends = [("input", wave()), ("output", Speed::default())];
+                let supports = split.supports.into_iter().zip(ends).map(|(strip, (name, speed))| SupportSpec {
+                    name: name.to_owned(),
+                    moves: 0.0,
+                    drive: Some(bar(speed)),
+                    ..strip
+                });
+                return Ok(Rig { supports: supports.collect(), ..split });
+            }
             TestKind::Hopkinson => {
-                let rows = vec![[0.0, 0.0], [rise, 0.5 * v], [pulse, 0.5 * v], [pulse + rise, 0.0]];
-                let mut all = vec![
-                    driven("input", Side::ZMin, bar(Speed::Over(rows))),
-                    driven("output", Side::ZMax, bar(Speed::default())),
-                ];
+                let mut all =
+                    vec![driven("input", Side::ZMin, bar(wave())), driven("output", Side::ZMax, bar(Speed::default()))];
                 if let Some(pressure_mpa) = self.pressure_mpa {
                     let mantle = SupportSpec::new("mantle", Side::Mantle);
                     all.push(SupportSpec { rule: Rule::Pressure, pressure_mpa, ..mantle });
@@ -123,13 +145,19 @@ impl Test {
 
     /// Checks the values of a named test in real time, which others do not have.
     pub(super) fn validate_named_fast(&self) -> Result<(), OutOfRange> {
-        use TestKind::{Drop, Hopkinson, Impact, Spall};
+        use TestKind::{Drop, Impact};
         let (kind, is_own) = (self.kind, !self.supports.is_empty());
-        let pulsed = matches!(kind, Hopkinson | Spall);
+        let pulsed = kind.has_pulse();
         for (key, value, most, has, of) in [
-            ("speed_m_per_s", self.speed_m_per_s, 100.0, kind.is_fast(), "hopkinson, spall, drop and impact"),
-            ("pulse_s", self.pulse_s, 1.0, pulsed, "hopkinson and spall"),
-            ("rise_s", self.rise_s, 1.0, pulsed || kind == Impact, "hopkinson, spall and impact"),
+            (
+                "speed_m_per_s",
+                self.speed_m_per_s,
+                100.0,
+                kind.is_fast(),
+                "hopkinson, hopkinson-splitting, spall, drop and impact",
+            ),
+            ("pulse_s", self.pulse_s, 1.0, pulsed, "hopkinson, hopkinson-splitting and spall"),
+            ("rise_s", self.rise_s, 1.0, pulsed || kind == Impact, "hopkinson, hopkinson-splitting, spall and impact"),
             ("mass_kg", self.mass_kg, 1e6, kind == Drop, "drop"),
         ] {
             let Some(value) = value else { continue };
@@ -173,8 +201,9 @@ impl SupportSpec {
         drive.validate(&named)?;
         let held = "a pressure has no plate that a drive moves; take rule = \"plate\" or \"glued\"";
         TEST.require(named("drive"), "given", self.rule != Rule::Pressure, held)?;
-        let is_bar = matches!(drive, Drive::Bar { .. });
-        TEST.require(named("strip"), "given", !is_bar || self.strip.is_none(), "a bar stands on a whole side")
+        let is_bar = matches!(drive, Drive::Bar { area_mm2: None, .. });
+        let whole = "a bar stands on a whole side; give its area_mm2 for one on a strip";
+        TEST.require(named("strip"), "given", !is_bar || self.strip.is_none(), whole)
     }
 }
 

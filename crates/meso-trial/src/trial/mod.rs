@@ -135,6 +135,8 @@ pub enum TestKind {
     Shear,
     /// Pressed between two steel bars by a pulse that a striker sends along one of them.
     Hopkinson,
+    /// Split across strips between two such bars.
+    HopkinsonSplitting,
     /// A pulse comes along a steel bar, and its reflection from the free end tears the specimen.
     Spall,
     /// A beam on rollers, or a specimen on a base, that a falling mass strikes.
@@ -260,7 +262,7 @@ impl Test {
             TestKind::Splitting => 0.0015,
             TestKind::Bending | TestKind::FourPoint => 0.006,
             TestKind::Shear => 0.002,
-            TestKind::Hopkinson | TestKind::Spall | TestKind::Drop | TestKind::Impact => Self::LARGEST_STRAIN,
+            _ => Self::LARGEST_STRAIN,
         })
     }
 
@@ -423,11 +425,11 @@ impl Test {
     /// Refuses values that the named test does not have.
     fn validate_kind(&self) -> Result<(), OutOfRange> {
         let pressed = matches!(self.kind, TestKind::Triaxial | TestKind::Hopkinson);
-        let (split, bent) = (self.kind == TestKind::Splitting, self.kind.is_beam() || self.kind == TestKind::Drop);
+        let (split, bent) = (self.kind.splits(), self.kind.is_beam() || self.kind == TestKind::Drop);
         for (key, value, has, of) in [
             ("pressure_mpa", self.pressure_mpa, pressed, "triaxial and hopkinson"),
             ("stress_ratio", self.stress_ratio, self.kind == TestKind::Biaxial, "biaxial"),
-            ("strip_mm", self.strip_mm, bent || split, "splitting, bending and drop"),
+            ("strip_mm", self.strip_mm, bent || split, "splitting, hopkinson-splitting, bending and drop"),
             ("span_mm", self.span_mm, bent, "bending and drop"),
         ] {
             let accepted = format!("only {of} tests take it; leave it out, or take that kind of test");

@@ -81,7 +81,11 @@ impl Test {
             TestKind::Bending | TestKind::FourPoint => self.bent(geometry)?,
             TestKind::Expansion => along_z(Vec::new()),
             TestKind::Shear => self.sheared(geometry),
-            TestKind::Hopkinson | TestKind::Spall | TestKind::Drop | TestKind::Impact => self.fast_rig(geometry)?,
+            TestKind::Hopkinson
+            | TestKind::HopkinsonSplitting
+            | TestKind::Spall
+            | TestKind::Drop
+            | TestKind::Impact => self.fast_rig(geometry)?,
         })
     }
 
@@ -91,9 +95,9 @@ impl Test {
     /// A specimen without the notch, the room or the sides that the test needs, with a remedy.
     pub fn suits(&self, specimen: &Specimen) -> Result<(), TrialError> {
         let geometry = Geometry::of(specimen);
-        if self.kind == TestKind::Splitting && self.supports.is_empty() && geometry.notch_mm > 0.0 {
+        if self.kind.splits() && self.supports.is_empty() && geometry.notch_mm > 0.0 {
             let why = "the specimen has a notch where it splits; take a cylinder, cube or box";
-            return Err(TEST.error("kind", "splitting", why).into());
+            return Err(TEST.error("kind", word(&self.kind), why).into());
         }
         let is_round = matches!(specimen, Specimen::Cylinder { .. } | Specimen::Sphere { .. });
         let is_flat = matches!(self.kind, TestKind::Biaxial | TestKind::Shear) || self.kind.is_beam();
@@ -187,7 +191,7 @@ impl Test {
     }
 
     /// Strips along y on the sides across x: 2 F / (pi l d) is the stress.
-    fn split(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
+    pub(super) fn split(&self, geometry: &Geometry) -> Result<Rig, TrialError> {
         let [x, y, z] = geometry.size_mm;
         let width_mm = self.strip_mm.unwrap_or(STRIP * x);
         let accepted = format!("a strip must leave half of the side free; take {} mm at most", 0.5 * y);
@@ -268,13 +272,13 @@ impl Test {
 
     /// Width of the strips of a splitting test, mm; none for other tests and supports of a file.
     pub fn splitting_strip_mm(&self, geometry: &Geometry) -> Option<f64> {
-        let is_split = self.kind == TestKind::Splitting && self.supports.is_empty();
+        let is_split = self.kind.splits() && self.supports.is_empty();
         is_split.then(|| self.strip_mm.unwrap_or(STRIP * geometry.size_mm[0]))
     }
 
     /// Coulomb's coefficient between plates and specimen.
     pub fn friction(&self) -> f64 {
-        self.friction.unwrap_or(if self.kind == TestKind::Splitting { STICKING } else { PLATES })
+        self.friction.unwrap_or(if self.kind.splits() { STICKING } else { PLATES })
     }
 
     /// Lateral pressure, MPa.
@@ -317,7 +321,7 @@ pub(super) fn gauges(kind: TestKind) -> Vec<Gauge> {
         TestKind::Bending | TestKind::FourPoint => vec![Gauge::mouth()],
         TestKind::Spall => vec![Gauge::Side { name: "face".to_owned(), on: Side::ZMax }],
         TestKind::Compression | TestKind::Tension | TestKind::Splitting | TestKind::Shear => Vec::new(),
-        TestKind::Hopkinson | TestKind::Drop | TestKind::Impact => Vec::new(),
+        TestKind::Hopkinson | TestKind::HopkinsonSplitting | TestKind::Drop | TestKind::Impact => Vec::new(),
     }
 }
 

@@ -22,6 +22,10 @@ impl TestKind {
             Self::Cyclic => "Plates press along z and make the turns that are listed.",
             Self::Expansion => "Phases swell or shrink in a specimen without supports.",
             Self::Hopkinson => "A pulse in a steel bar presses the specimen along z against another one.",
+            Self::HopkinsonSplitting => {
+                "A pulse in a steel bar presses a strip of a cylinder's mantle, or of a cube, along x against another bar. The stress \
+                 is 2 F / (pi l d)."
+            }
             Self::Spall => {
                 "A pulse comes along a steel bar below; its reflection from the free upper end tears the specimen."
             }
@@ -48,10 +52,13 @@ impl TestKind {
             Self::Triaxial => "pressure_mpa = 5.0\n".to_owned(),
             Self::Biaxial => "stress_ratio = 1.0          # lateral over axial stress\n".to_owned(),
             Self::Cyclic => turns(strain),
-            Self::Hopkinson | Self::Spall => {
+            Self::Hopkinson | Self::HopkinsonSplitting | Self::Spall => {
                 let [speed, pulse, rise] = [test.speed_m_per_s(), test.pulse_s(), test.rise_s()];
-                let pressed =
-                    if self == Self::Hopkinson { "# pressure_mpa = 5.0        # on the mantle\n" } else { "" };
+                let pressed = match self {
+                    Self::Hopkinson => "# pressure_mpa = 5.0        # on the mantle\n",
+                    Self::HopkinsonSplitting => "# strip_mm = 10.0           # absent: a tenth of the diameter\n",
+                    _ => "",
+                };
                 format!(
                     "# speed_m_per_s = {speed:?}         # of the striker\n# pulse_s = {pulse:?}\n# rise_s = {rise:?}\n{pressed}{RATED}"
                 )
@@ -123,7 +130,7 @@ mod tests {
     use crate::sample::Geometry;
     use crate::trial::{Test, TestKind};
 
-    const ALL: [TestKind; 14] = [
+    const ALL: [TestKind; 15] = [
         TestKind::Compression,
         TestKind::Tension,
         TestKind::Splitting,
@@ -135,6 +142,7 @@ mod tests {
         TestKind::Expansion,
         TestKind::Shear,
         TestKind::Hopkinson,
+        TestKind::HopkinsonSplitting,
         TestKind::Spall,
         TestKind::Drop,
         TestKind::Impact,
