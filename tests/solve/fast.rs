@@ -293,11 +293,15 @@ fn a_triangular_pulse_breaks_a_bar_where_its_tension_first_reaches_the_strength(
     materials.mortar_strength.fracture_energy_n_per_mm = Some(5e-4);
     let strength = materials.mortar_strength.of(LawName::Meso).tensile_mpa;
     let speed = 1e-3 * stress / (DENSITY * sound());
-    let rise = 3e-6;
+    let (rise, thrown) = (3e-6, 0.5 * wave * strength / stress);
     let pulse = [[0.0, 0.0], [rise, speed], [rise + wave / sound(), 0.0]];
     let test = Test {
         law: LawName::Meso,
-        gauges: vec![Gauge::Side { name: "face".to_owned(), on: Side::ZMax }],
+        gauges: vec![
+            Gauge::Side { name: "face".to_owned(), on: Side::ZMax },
+            Gauge::Part { name: "ejecta".to_owned(), axis: Along::Z, from_mm: length - thrown, to_mm: length },
+            Gauge::Part { name: "all".to_owned(), axis: Along::Z, from_mm: 0.0, to_mm: length },
+        ],
         ..elastic(vec![bar("input", Side::ZMin, 1.0, &pulse)], length / sound() + 4e-5)
     };
     struct Last(RefCell<Vec<f32>>);
@@ -326,8 +330,21 @@ fn a_triangular_pulse_breaks_a_bar_where_its_tension_first_reaches_the_strength(
         .filter(|&cell| damage[cell] > 0.9)
         .map(|cell| prism.mesh.cell(cell).iter().map(|&node| prism.mesh.points[node as usize].z).sum::<f64>() / 8.0);
     let depth = length - place.fold(0.0, f64::max);
-    let expected = 0.5 * wave * strength / stress;
-    assert!((depth / expected - 1.0).abs() < 0.05, "{depth} for {expected}");
+    assert!((depth / thrown - 1.0).abs() < 0.05, "{depth} for {thrown}");
+    // The piece takes along the front of the pulse that it holds when it breaks off; all that moves has the bar's impulse.
+    let [first, end] = [response.curve.len() - 60, response.curve.len() - 1];
+    let slope = |name: &str| {
+        let values = column(&response, name);
+        (values[end] - values[first]) / (response.curve[end].time_s - response.curve[first].time_s)
+    };
+    let trapped = SECTION_MM2 * stress * 2.0 * thrown / sound() * (1.0 - thrown / wave);
+    let found = slope("ejecta");
+    assert!((found / trapped - 1.0).abs() < 0.05, "{found} for {trapped}");
+    let (force, time) = (column(&response, "input_n"), |row: usize| response.curve[row].time_s);
+    let until = usize::midpoint(first, end);
+    let impulse: f64 = (1..=until).map(|row| 0.5 * (force[row - 1] + force[row]) * (time(row) - time(row - 1))).sum();
+    let found = slope("all");
+    assert!((found / impulse - 1.0).abs() < 0.01, "{found} for {impulse}");
 }
 
 #[test]

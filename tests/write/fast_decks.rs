@@ -78,7 +78,7 @@ fn a_mass_strikes_with_its_speed_and_a_plate_follows_its_own() {
 }
 
 #[test]
-fn what_a_deck_of_a_test_in_real_time_cannot_have_is_refused() {
+fn a_deck_of_a_test_in_real_time_has_neither_rates_nor_statics() {
     let refused = |test: Test| DeckOptions { analysis: Analysis::from(test), ..Default::default() }.follows();
     let fast = || Test { kind: TestKind::Hopkinson, ..Test::default() };
     assert!(refused(fast()).is_ok());

@@ -752,6 +752,21 @@ class SideSolveGauge(TypedDict, total=False):
     """The side, not the mantle."""
 
 
+class PartSolveGauge(TypedDict, total=False):
+    """Mass of the part between two planes across an axis times its mean displacement along the axis, tonne mm. Its slope over time is the momentum of the part, N s, e.g. of what a pulse throws off."""
+
+    axis: Literal["x", "y", "z"]
+    """The axis."""
+    from_mm: float
+    """The lower plane, mm from the lower side."""
+    kind: Literal["part"]
+    """Name of this form: 'part'."""
+    name: str
+    """Name of the column."""
+    to_mm: float
+    """The upper plane, mm from the lower side."""
+
+
 class LateralStrainSolveGauge(TypedDict, total=False):
     """Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height."""
 
@@ -772,7 +787,7 @@ class CrackMouthSolveGauge(TypedDict, total=False):
     """Gauge length along the lower side, mm; absent, it is the notch's, or the depth of a beam without one."""
 
 
-SolveGauge = LvdtSolveGauge | SidesSolveGauge | SideSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
+SolveGauge = LvdtSolveGauge | SidesSolveGauge | SideSolveGauge | PartSolveGauge | LateralStrainSolveGauge | CrackMouthSolveGauge
 
 
 class SolveInterface(TypedDict, total=False):

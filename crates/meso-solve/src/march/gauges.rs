@@ -65,6 +65,8 @@ pub(crate) struct Setter<'a> {
     pub(crate) has_path: bool,
     /// The engine's numbers of the mesh's nodes.
     pub(crate) number: &'a [u32],
+    /// Masses by these numbers, tonne.
+    pub(crate) mass: &'a [f64],
 }
 
 impl Setter<'_> {
@@ -83,6 +85,7 @@ impl Setter<'_> {
             Gauge::Lvdt { axis, from_mm, to_mm, .. } => self.lvdt(name, axis as usize, [from_mm, to_mm]),
             Gauge::Sides { axis, .. } => self.sides(name, axis as usize),
             Gauge::Side { on, .. } => self.side(name, on.bit().unwrap_or_default()),
+            Gauge::Part { axis, from_mm, to_mm, .. } => self.part(name, axis as usize, [from_mm, to_mm]),
             Gauge::LateralStrain { .. } => self.lateral(name),
             Gauge::CrackMouth { over_mm, .. } => self.mouth(name, over_mm),
         };
@@ -159,6 +162,23 @@ impl Setter<'_> {
         let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
         let outward = if bit % 2 == 1 { 1.0 } else { -1.0 };
         reader.weigh(nodes, bit / 2, outward);
+        Ok(reader)
+    }
+
+    /// Displacement along `axis` of all nodes between two planes, times their masses.
+    fn part(&self, name: &str, axis: usize, [from, to]: [f64; 2]) -> Result<Reader, SolveError> {
+        let aabb = Aabb::around(&self.mesh().points);
+        let slack = 1e-9 * aabb.size()[axis];
+        let within = |place: f64| from - slack <= place - aabb.min[axis] && place - aabb.min[axis] <= to + slack;
+        let nodes = (0..).zip(&self.mesh().points).filter(|(_, point)| within(point[axis]));
+        let masses: Vec<(u32, f64)> =
+            nodes.map(|(node, _): (u32, _)| (node, self.mass[self.number[node as usize] as usize])).collect();
+        if masses.is_empty() {
+            let why = "no node lies between its planes; take planes further apart than the elements";
+            return Err(TEST.error(format!("gauges.{name}"), format!("{from} to {to}"), why).into());
+        }
+        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false };
+        reader.weigh(masses, axis, 1.0);
         Ok(reader)
     }
 

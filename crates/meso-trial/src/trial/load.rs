@@ -238,6 +238,18 @@ pub enum Gauge {
         /// The side, not the mantle.
         on: Side,
     },
+    /// Mass of the part between two planes across an axis times its mean displacement along the axis, tonne mm. Its slope over
+    /// time is the momentum of the part, N s, e.g. of what a pulse throws off.
+    Part {
+        /// Name of the column.
+        name: String,
+        /// The axis.
+        axis: Along,
+        /// The lower plane, mm from the lower side.
+        from_mm: f64,
+        /// The upper plane, mm from the lower side.
+        to_mm: f64,
+    },
     /// Lateral strain: the mean of both axes across the load, from the sides' nodes in the middle half of the height.
     LateralStrain {
         /// Name of the column.
@@ -287,7 +299,9 @@ impl Gauge {
             let why = format!("the specimen is {} mm long; take a gauge that lies on it", size_mm[0]);
             return TEST.require(format!("gauges.{name}.over_mm"), *over, *over > 0.0 && *over < size_mm[0], why);
         }
-        let Self::Lvdt { name, axis, from_mm, to_mm } = self else { return Ok(()) };
+        let (Self::Lvdt { name, axis, from_mm, to_mm } | Self::Part { name, axis, from_mm, to_mm }) = self else {
+            return Ok(());
+        };
         let size = size_mm[*axis as usize];
         if 0.0 <= *from_mm && from_mm < to_mm && *to_mm <= size {
             return Ok(());
@@ -302,6 +316,7 @@ impl Gauge {
         let (Self::Lvdt { name, .. }
         | Self::Sides { name, .. }
         | Self::Side { name, .. }
+        | Self::Part { name, .. }
         | Self::LateralStrain { name }
         | Self::CrackMouth { name, .. }) = self;
         name

@@ -210,6 +210,7 @@ impl<'a> Run<'a> {
             sign: supports.sign,
             has_path: test.has_path() || test.is_fast(),
             number: &number,
+            mass: &mass,
         };
         let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
         sample.validate_volume()?;
