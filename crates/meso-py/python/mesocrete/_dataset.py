@@ -53,6 +53,8 @@ _TOGETHER, _LONG, _PIECES = 16, 0.25, 8
 
 # What is done in a case: its number, spec, seed and sampled values.
 _Job = tuple[int, Spec, "int | None", dict[str, Any]]
+# Number of a volume, shapes and kinds of its arrays, and the text of its metadata.
+_Made = tuple[int, dict[str, Any], str]
 
 
 class Dataset(Sequence[dict[str, Any]]):
@@ -221,9 +223,9 @@ def dataset(
         if left:
             jobs_left = [cases[number] for number in left]
             made = _made(jobs_left, request, store, workers, together=executor is not None)
-            for done, (number, record) in enumerate(made, 1 + own - len(left)):
+            for done, one in enumerate(made, 1 + own - len(left)):
                 with _briefly(store, of):
-                    store.finish(number, record, len(cases))
+                    store.finish(one, len(cases))
                 if tell is not None:
                     tell(done, own, "dataset")
         with _briefly(store, of):
@@ -373,7 +375,7 @@ class _Request:
 
 def _made(
     left: Sequence[_Job], request: _Request, store: _Store, workers: Workers, *, together: bool
-) -> Iterator[tuple[int, dict[str, Any]]]:
+) -> Iterator[_Made]:
     """Do all cases, some at a time; yield the metadata of each as it ends. Calls to other processes have some `together`."""
     lost = []
     size = min(_TOGETHER, max(len(left) // (_PIECES * max(workers.count(), 1)), 1)) if together else 1
@@ -393,7 +395,7 @@ def _made(
 
 def _make(
     batch: Sequence[_Job], request: _Request, store: _Store, driver: tuple[str, str, str]
-) -> list[tuple[int, dict[str, Any]]]:
+) -> list[_Made]:
     """Make volumes, on whatever machine, until that took long enough, and write their files; return their metadata."""
     require(driver)
     began, made = time.monotonic(), []
@@ -410,7 +412,7 @@ def _make(
     return made
 
 
-def _made_one(job: _Job, request: _Request, store: _Store) -> tuple[int, dict[str, Any]]:
+def _made_one(job: _Job, request: _Request, store: _Store) -> _Made:
     try:
         with on_threads(1):
             packing, arrays, record = request.make(job)
@@ -420,7 +422,12 @@ def _made_one(job: _Job, request: _Request, store: _Store) -> tuple[int, dict[st
     except (ValueError, TypeError) as error:
         message = f"volume {job[0]}: {error}"
         raise type(error)(message) from error
-    return job[0], record
+    # The text is made here: the driver has the records of all workers to write.
+    return _told(record)
+
+
+def _told(record: Mapping[str, Any]) -> _Made:
+    return record["number"], record["arrays"], json.dumps({**record, "sum": _sum(record)}, indent=1, default=_plain)
 
 
 class _Store:
@@ -521,9 +528,9 @@ class _Store:
         packing.write(self.root / name)
         return {name: _hash(self.root / name) or ""}
 
-    def finish(self, number: int, record: dict[str, Any], _count: int) -> None:
+    def finish(self, made: _Made, _count: int) -> None:
         """Write the metadata of a case, after its arrays."""
-        text = json.dumps({**record, "sum": _sum(record)}, indent=1, default=_plain)
+        number, _, text = made
         with _whole(self.root / _CASES / f"{number:06}.json") as part:
             part.write_text(text + "\n", encoding="utf-8")
 
@@ -532,11 +539,11 @@ class _Store:
 
     def cases(self) -> list[dict[str, Any]]:
         """Read the metadata of all cases."""
-        paths = [self.root / _CASES / f"{number:06}.json" for number in self._records()]
-        if not paths:
+        records = self._records()
+        if not records:
             message = f"{self.root} has no data set: mc.dataset(..., sink={str(self.root)!r}) makes one"
             raise FileNotFoundError(message)
-        return [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+        return list(records.values())
 
     def read(self, case: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
         """Read the arrays of a case."""
@@ -569,13 +576,14 @@ class _Zarr(_Store):
             files[name] = hashlib.sha256(data).hexdigest()
         return files
 
-    def finish(self, number: int, record: dict[str, Any], count: int) -> None:
+    def finish(self, made: _Made, count: int) -> None:
         """Describe the arrays with the first case; refuse others of another shape."""
         # Folders that zarr does not know would be warned about.
         for folder in (self.root, self.root / _CASES, self.root / "models"):
             if folder.is_dir() and not (folder / ".zgroup").exists():
                 _write_json(folder / ".zgroup", {"zarr_format": 2})
-        for key, array in record["arrays"].items():
+        number, arrays, _ = made
+        for key, array in arrays.items():
             described = self._described(array, count)
             path = self.root / key / ".zarray"
             there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
@@ -590,7 +598,7 @@ class _Zarr(_Store):
                     "as sink takes volumes of all shapes"
                 )
                 raise ValueError(message)
-        super().finish(number, record, count)
+        super().finish(made, count)
 
     def _described(self, array: Mapping[str, Any], count: int) -> dict[str, Any]:
         return {
@@ -666,14 +674,14 @@ class _Hdf5(_Store):
             for name, data in chunks.items():
                 (self._parts.root / name).parent.mkdir(exist_ok=True)
                 (self._parts.root / name).write_bytes(data)
-            self._parts.finish(number, records[number], len(identity))
+            self._parts.finish(_told(records[number]), len(identity))
         return self._parts.begin(request, asked, identity)
 
     def write(self, number: int, arrays: Mapping[str, NDArray[Any]]) -> dict[str, str]:
         return self._parts.write(number, arrays)
 
-    def finish(self, number: int, record: dict[str, Any], count: int) -> None:
-        self._parts.finish(number, record, count)
+    def finish(self, made: _Made, count: int) -> None:
+        self._parts.finish(made, count)
 
     def close(self) -> None:
         """Put the chunks together, the whole file or none, and remove them."""
