@@ -177,7 +177,7 @@ fn a_label_that_surrounds_others_is_asked_about_and_a_flag_is_named_that_works()
         folder.run(&[&["import", "scan.npy", "--voxel-size-mm", "1", "-qfo", "m.json"][..], flags].concat())
     };
     let run = import(&[]);
-    let said = "label 1 is 38 % of the volume in one part and surrounds 2 grains: is it mortar?; --mortar=0,1 if so";
+    let said = "label 1 is 38 % of the volume in one part and surrounds 2 grains: is it mortar? --mortar=0,1 if so";
     assert!(run.code == 1 && run.stderr.contains(said), "{}", run.stderr);
     assert_eq!(import(&["--mortar=0,1", "--strict"]).code, 0);
     // A grain of a third of the volume is taken on request.
@@ -186,6 +186,46 @@ fn a_label_that_surrounds_others_is_asked_about_and_a_flag_is_named_that_works()
     assert!(run.code == 1 && run.stderr.contains("or --largest-grain 0.42 if it is a grain"), "{}", run.stderr);
     assert_eq!(import(&["--largest-grain", "0.42"]).code, 0);
     assert_eq!(folder.run(&["check", "m.json"]).code, 0);
+}
+
+/// No flag took a grain at two or three walls, whose box is the whole volume, and the message named none.
+#[test]
+fn each_question_names_the_flag_of_either_answer_and_both_work() {
+    let folder = Folder::new();
+    let import = |flags: &[&str]| {
+        folder.run(&[&["import", "scan.npy", "--voxel-size-mm", "1", "-qfo", "m.json"][..], flags].concat())
+    };
+    let is_wall = |at: f64| at < 5.0;
+    // An L, a tripod of three rods along the edges, and three plates in a corner; each beside a ball.
+    let shapes: [&dyn Fn([f64; 3]) -> bool; 3] =
+        [&|[x, y, _]| is_wall(x) || is_wall(y), &|p| p.iter().filter(|at| is_wall(**at)).count() > 1, &|p| {
+            p.iter().any(|at| is_wall(*at))
+        }];
+    for is_odd in shapes {
+        labelled(&folder, "scan.npy", 24, &[([15.0; 3], 5.0)], &[2]);
+        let mut bytes = folder.read("scan.npy");
+        for (voxel, label) in bytes[128..].iter_mut().enumerate() {
+            if is_odd([voxel % 24, voxel / 24 % 24, voxel / 576].map(|at| at as f64)) {
+                *label = 1;
+            }
+        }
+        let share = bytes[128..].iter().filter(|label| **label > 0).count() as f64 / 24_f64.powi(3);
+        folder.write("scan.npy", bytes);
+        let run = import(&[]);
+        assert!(run.code == 1 && run.stderr.contains("is it mortar? --mortar=0,1 if so, or "), "{}", run.stderr);
+        assert!(run.stderr.contains("--largest-grain 1 if it is a grain; grains that touch"), "{}", run.stderr);
+        assert_eq!(import(&["--mortar=0,1"]).code, 0);
+        assert_eq!(import(&["--largest-grain", "1", "--strict"]).code, 0);
+        let model: serde_json::Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+        let found = model["report"]["fraction"].as_f64().unwrap();
+        assert!((found / share - 1.0).abs() < 0.01, "{found} {share}");
+    }
+    // A core within its ITZ is one phase.
+    labelled(&folder, "scan.npy", 24, &[([12.0; 3], 4.5), ([12.0; 3], 7.0)], &[2, 1]);
+    let run = import(&[]);
+    let phase = "--mortar=0,1 if so, or --aggregate=1,2 if these labels are one phase, as core and ITZ are";
+    assert!(run.code == 1 && run.stderr.contains(phase), "{}", run.stderr);
+    assert_eq!(import(&["--aggregate=1,2"]).code, 0, "{}", import(&["--aggregate=1,2"]).stderr);
 }
 
 /// Mortar of a tenth of the volume became a grain with a warning of the loss: all its grains were below 64 voxels, and the air
@@ -201,7 +241,7 @@ fn mortar_in_air_is_asked_about_however_small_it_and_its_grains_are() {
     };
     let run = import(&[]);
     let said = "label 1 is 10 % of the volume in one part, most of what is labelled, and nearly all other labels lie in its box: is it \
-                mortar?; --mortar=0,1 if so, or --largest-grain 1 if it is a grain";
+                mortar? --mortar=0,1 if so, or --largest-grain 1 if it is a grain";
     assert!(run.code == 1 && run.stderr.contains(said), "{}", run.stderr);
     assert_eq!(import(&["--mortar=0,1", "--least-voxels", "16"]).code, 0);
     assert_eq!(import(&["--largest-grain", "1"]).code, 0);

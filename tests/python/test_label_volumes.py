@@ -49,6 +49,17 @@ def test_a_slab_of_two_voxels_in_a_side_keeps_its_volume():
     assert packing.report()["labels"]["farthest_mm"] < 0.1
 
 
+def test_a_question_names_the_keyword_of_either_answer():
+    """The case: a grain at two walls was asked about, and nothing took it."""
+    walls = np.zeros((24, 24, 24), np.uint8)
+    walls[14:20, 14:20, 14:20] = 2
+    walls[:5] = walls[:, :5] = 1
+    with pytest.raises(ValueError, match=r"is it mortar\? mortar=\[0, 1\] if so, or largest_grain=1 if it is a grain"):
+        mc.from_labels(walls, 1.0)
+    assert len(mc.from_labels(walls, 1.0, largest_grain=1)) == 2
+    assert len(mc.from_labels(walls, 1.0, mortar=[0, 1])) == 1
+
+
 def test_wrong_labels_and_options_are_named(labels):
     for arguments, kind, said in [
         ((labels * 0.5,), TypeError, "labels has dtype float64"),
@@ -66,3 +77,20 @@ def test_wrong_labels_and_options_are_named(labels):
             mc.from_labels(labels, 0.5, **options)
     with pytest.raises(OSError):
         mc.from_labels("missing.npy")
+
+
+def test_an_image_of_phases_is_read_back_by_the_numbers_of_its_grains_and_their_itz():
+    """The case: the docs named the numbers of mortar and ITZ, which made one grain of the mortar."""
+    spec = {
+        "fraction": 0.15,
+        "specimen": {"kind": "cube", "side_mm": 30},
+        "grading": {"d_min_mm": 8, "d_max_mm": 12},
+        "placement": {"min_gap_mm": 1.5},
+    }
+    packing = mc.pack(spec, seed=1)
+    image = packing.voxelize(0.5, what="phase")
+    with pytest.raises(ValueError, match=r"or aggregate=\[1, 2\] if these labels are one phase, as core and ITZ are"):
+        mc.from_labels(image, 0.5)
+    found = mc.from_labels(image, 0.5, aggregate=[1, 2])
+    assert len(found) == len(packing)
+    assert found.fraction == pytest.approx(packing.fraction, rel=0.02)

@@ -2,6 +2,7 @@
 
 use crate::flags::of_schema;
 use meso_concrete::OutOfRange;
+use std::fmt::Display;
 
 /// A front that fills a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +42,27 @@ impl Giver<'_> {
             Self::Flags => format!("{option} {value}"),
             Self::Keywords | Self::Keyword(_) => format!("{option}=\"{value}\""),
             Self::Section(_) | Self::Table(_) => format!("{option} = \"{value}\""),
+        }
+    }
+
+    /// A number for the option with this key, as its user types it.
+    pub fn number(self, key: &str, value: impl Display) -> String {
+        let option = self.option(key);
+        match self {
+            Self::Flags => format!("{option} {value}"),
+            Self::Keywords | Self::Keyword(_) => format!("{option}={value}"),
+            Self::Section(_) | Self::Table(_) => format!("{option} = {value}"),
+        }
+    }
+
+    /// Labels for the option with this key, as its user types them; negative ones, too.
+    pub fn labels(self, key: &str, labels: &[i64]) -> String {
+        match self {
+            Self::Flags => {
+                let list = labels.iter().map(i64::to_string).collect::<Vec<_>>().join(",");
+                format!("{}={list}", self.option(key))
+            }
+            _ => self.number(key, format_args!("{labels:?}")),
         }
     }
 

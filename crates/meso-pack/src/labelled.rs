@@ -17,6 +17,7 @@ use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
 use meso_place::{CoreReport, LabelReport, Report, StopReason};
 use meso_spec::{Spec, SpecError};
+use std::collections::BTreeSet;
 
 /// How a label volume becomes a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,8 +122,10 @@ pub enum LabelsError {
         is_open: bool,
         /// Whether it has most of what is labelled, and nearly all the rest lies in its box.
         embeds: bool,
-        /// Roles that the labels probably have.
-        roles: Roles,
+        /// Labels that are mortar if this is.
+        mortar: Vec<i64>,
+        /// What the labels are if this is no mortar.
+        otherwise: Otherwise,
     },
     /// Grains of which no surface is left.
     #[error(
@@ -138,6 +141,17 @@ pub enum LabelsError {
     /// Surfaces that could not be made.
     #[error(transparent)]
     Surfaces(#[from] SurfacesError),
+}
+
+/// What labels are that were asked about, where the answer is no.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Otherwise {
+    /// Grains: `largest_grain` of this share of the volume takes them.
+    Grains(f64),
+    /// One phase of these labels, such as core and ITZ.
+    Phase(Vec<i64>),
+    /// Nothing: a grain cannot surround others of many labels.
+    Nothing,
 }
 
 /// Says that there is no core, or how much of it lies off its cylinder.
@@ -159,7 +173,7 @@ fn question(surrounds: usize, is_open: bool, embeds: bool) -> String {
         }
         0 => {
             let open = if is_open { ", which reaches all faces of the volume" } else { "" };
-            format!("{open}: is it mortar? Grains that touch are one part; separate them first, by a watershed")
+            format!("{open}: is it mortar?")
         }
         1 => " and surrounds a grain: is it mortar?".to_owned(),
         _ => format!(" and surrounds {surrounds} grains: is it mortar?"),
@@ -170,12 +184,12 @@ fn question(surrounds: usize, is_open: bool, embeds: bool) -> String {
 const LEAST_COUNT: usize = 4;
 /// More values than this, most of them in specks, are a grey image.
 const GREY: usize = 20;
+/// Most labels that a phase probably has.
+const PHASE: usize = 4;
 /// Least share of all labelled voxels that mortar in air has.
 const MOST: f64 = 0.5;
 /// Least share of the other labels' voxels that lie in its box.
 const NEARLY: f64 = 0.9;
-/// Labels of mesocrete's own images of phases: aggregate, ITZ, mortar, outside.
-const OWN_PHASES: [i64; 4] = [0, 1, 2, 255];
 /// Bytes a voxel: labels as they are read and as numbers, those about a core, roots and sizes of grains.
 const VOXEL_BYTES: f64 = 21.0;
 /// Least digits of a limit of sizes, 1/mm.
@@ -231,23 +245,38 @@ impl LabelOptions {
 
     /// Asks about labels that are hardly grains, before any surface is made.
     fn ask(&self, volume: &Volume<u16>, roles: &Roles, voxels: f64, parts: &LabelledGrains) -> Result<(), LabelsError> {
-        let surrounds = parts.surrounded();
+        let around = parts.surrounded();
+        let mut surrounds = vec![0; parts.grains.len()];
+        around.iter().flatten().for_each(|&number| surrounds[number as usize - 1] += 1);
         let embeds = |grain: &LabelledGrain| self.embeds(volume, roles, parts, grain);
-        let is_open = |grain: &LabelledGrain| grain.from == [0; 3] && grain.to == volume.counts;
+        let is_open =
+            |grain: &LabelledGrain| self.largest_grain < 1.0 && grain.from == [0; 3] && grain.to == volume.counts;
         let is_large = |grain: &LabelledGrain| grain.voxels as f64 > self.largest_grain * voxels;
         let all = || parts.grains.iter().zip(&surrounds);
         let asked = all().filter(|(grain, count)| **count > 0 || is_open(grain) || is_large(grain) || embeds(grain));
         let Some((grain, count)) = asked.clone().max_by_key(|(grain, count)| (**count, grain.voxels)) else {
             return Ok(());
         };
+        let is_of_any_size = asked.clone().any(|(grain, _)| is_open(grain) || !is_large(grain));
         let asked: Vec<i64> = asked.map(|(grain, _)| grain.label).collect();
+        let percent = 100.0 * grain.voxels as f64 / voxels;
+        // The label with those that it surrounds anywhere.
+        let within = parts.grains.iter().zip(&around).filter_map(|(inner, &outer)| Some((inner.label, outer?)));
+        let within = within.filter(|(_, outer)| parts.grains[*outer as usize - 1].label == grain.label);
+        let phase: BTreeSet<i64> = within.map(|(label, _)| label).chain([grain.label]).collect();
         Err(LabelsError::Mortar {
             label: grain.label,
-            percent: 100.0 * grain.voxels as f64 / voxels,
+            percent,
             surrounds: *count,
             is_open: is_open(grain),
             embeds: !is_large(grain) && embeds(grain),
-            roles: self.probable(&volume.labels, &asked),
+            mortar: self.with_mortar(&volume.labels, &asked),
+            otherwise: match count {
+                0 if is_of_any_size => Otherwise::Grains(1.0),
+                0 => Otherwise::Grains(((percent + 1.0).ceil() / 100.0).min(1.0)),
+                _ if phase.len() <= PHASE => Otherwise::Phase(phase.into_iter().collect()),
+                _ => Otherwise::Nothing,
+            },
         })
     }
 
@@ -271,19 +300,14 @@ impl LabelOptions {
         others().filter(|(counts, _)| counts[1] > 0).count() > 1 && inside as f64 >= NEARLY * (out + inside) as f64
     }
 
-    /// The roles of labels of which some are mortar after all.
-    fn probable(&self, labels: &[i64], asked: &[i64]) -> Roles {
-        let is_own = asked.contains(&2) && labels.iter().all(|label| OWN_PHASES.contains(label));
-        if is_own {
-            let aggregate = labels.iter().copied().filter(|label| *label < 2).collect();
-            return Roles { mortar: Vec::new(), aggregate };
-        }
+    /// The labels of the mortar if those asked about belong to it.
+    fn with_mortar(&self, labels: &[i64], asked: &[i64]) -> Vec<i64> {
         let is_left = |label: &&i64| !self.roles.mortar.contains(label) && !asked.contains(label);
         let given = if labels.iter().any(|label| is_left(&label)) { &self.roles.mortar[..] } else { &[] };
         let mut mortar: Vec<i64> = given.iter().chain(asked).copied().filter(|label| labels.contains(label)).collect();
         mortar.sort_unstable();
         mortar.dedup();
-        Roles { mortar, aggregate: Vec::new() }
+        mortar
     }
 
     /// Refuses a volume that is no specimen.

@@ -5,9 +5,9 @@ use crate::boundary::{accept_in_memory, guard, wrong_value};
 use crate::effective::{spacing, volume};
 use crate::files;
 use crate::run::{Plan, in_stages, listener};
-use meso_ask::Giver;
+use meso_ask::{Giver, labels_refusal};
 use meso_core::import::grains::{Roles, SmoothOptions};
-use meso_core::labelled::{LabelOptions, LabelsError};
+use meso_core::labelled::{LabelOptions, of_labels};
 use meso_core::watch::Stage;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -98,7 +98,7 @@ pub(crate) fn from_labels(
             itz_thickness_mm: itz_thickness,
             surfaces: SmoothOptions { step, smoothing, tolerance },
         };
-        options.validate().map_err(|error| raised(&error.into()))?;
+        options.validate().map_err(|error| wrong_value(Giver::Keywords.refusal(&error)))?;
         let volume = match labels.extract::<PathBuf>() {
             Ok(path) => files::volume(&path, array)?,
             Err(_) if array.is_some() => {
@@ -113,9 +113,10 @@ pub(crate) fn from_labels(
         let plan = Plan::new(&[(Stage::Take, 1.0)], Some(1.0));
         let model = in_stages(py, progress.as_ref(), plan, move |watch| {
             watch.stops_soon();
-            meso_core::labelled::of_labels(&volume, &options, watch)
+            let model = of_labels(&volume, &options, watch);
+            model.map_err(|error| labels_refusal(&error, &options, Giver::Keywords))
         })?;
-        Ok(PyPacking(Arc::new(model.map_err(|error| raised(&error))?)))
+        Ok(PyPacking(Arc::new(model.map_err(wrong_value)?)))
     })
 }
 
@@ -123,19 +124,4 @@ pub(crate) fn from_labels(
 fn warn(py: Python<'_>, remarks: impl IntoIterator<Item = String>) -> PyResult<()> {
     let category = py.get_type::<PyUserWarning>();
     remarks.into_iter().try_for_each(|remark| PyErr::warn(py, &category, &CString::new(remark)?, 1))
-}
-
-fn raised(error: &LabelsError) -> PyErr {
-    match error {
-        LabelsError::Option(wrong) => wrong_value(Giver::Keywords.refusal(wrong)),
-        LabelsError::Negative { label } => wrong_value(format!("{error}, as in mortar=[{label}]")),
-        LabelsError::Mortar { roles, .. } => {
-            let (key, labels) = match &roles.aggregate[..] {
-                [] => ("mortar", &roles.mortar),
-                _ => ("aggregate", &roles.aggregate),
-            };
-            wrong_value(format!("{error}; {key}={labels:?} if so, or largest_grain if it is a grain"))
-        }
-        _ => wrong_value(error.to_string()),
-    }
 }

@@ -6,12 +6,12 @@ use crate::formats::Named;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
 use crate::{inputs, room, stderr};
-use meso_ask::Giver;
+use meso_ask::{Giver, labels_refusal};
 use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::formats::SurfaceOptions;
 use meso_core::import::grains::{Roles, SmoothOptions};
-use meso_core::labelled::{LabelOptions, LabelsError, of_labels};
+use meso_core::labelled::{LabelOptions, of_labels};
 use meso_core::packing::LabelReport;
 use meso_core::watch::Stage;
 
@@ -30,7 +30,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = of_labels(&volume, &options, &watch);
     watch.finish();
     let model = model.map_err(|error| {
-        Failure::Run(format!("{}: {error}{}", args.volume.display(), remedy(&error, options.least_voxels)))
+        Failure::Run(format!("{}: {}", args.volume.display(), labels_refusal(&error, &options, Giver::Flags)))
     })?;
     drop(volume);
     let mut unit = Unit::default();
@@ -78,28 +78,6 @@ impl Args {
 const SHORT: u8 = 3;
 /// Share of the labels' volume whose loss is worth a warning.
 const LOSS: f64 = 0.02;
-
-/// Flags that mend what is wrong.
-fn remedy(error: &LabelsError, least: usize) -> String {
-    let list = |labels: &[i64]| labels.iter().map(i64::to_string).collect::<Vec<_>>().join(",");
-    match error {
-        LabelsError::Negative { label } => format!(", as in --mortar={label}"),
-        LabelsError::NoGrains { dropped, .. } if *dropped > 0 && least > 1 => {
-            "; --least-voxels takes smaller ones".to_owned()
-        }
-        LabelsError::Mortar { surrounds, is_open, embeds, percent, roles, .. } => {
-            let flag = match &roles.aggregate[..] {
-                [] => format!("--mortar={}", list(&roles.mortar)),
-                phase => format!("--aggregate {}", list(phase)),
-            };
-            let insists = *surrounds == 0 && !is_open;
-            let share = if *embeds { 1.0 } else { ((percent + 1.0).ceil() / 100.0).min(1.0) };
-            let other = if insists { format!(", or --largest-grain {share} if it is a grain") } else { String::new() };
-            format!("; {flag} if so{other}")
-        }
-        _ => String::new(),
-    }
-}
 
 /// Warns where the aggregates have much less volume than the labels.
 fn is_short(labels: &LabelReport, gap_mm: f64) -> bool {

@@ -78,8 +78,9 @@ impl LabelledGrains {
         pairs
     }
 
-    /// For every grain the number of others whose voxels have faces with it alone, and none with the mortar or a wall.
-    pub fn surrounded(&self) -> Vec<usize> {
+    /// For every grain the number, from 1, of the one that surrounds it: its voxels have faces with that one alone, and none
+    /// with the mortar or a wall.
+    pub fn surrounded(&self) -> Vec<Option<u32>> {
         // The only neighbour so far: none is 0, several or the mortar are NONE.
         let mut around = vec![0_u32; self.grains.len() + 1];
         let mut meet = |grain: u32, other: u32| {
@@ -94,14 +95,11 @@ impl LabelledGrains {
                 }
             }
         }
-        let mut count = vec![0; self.grains.len()];
-        for (grain, other) in self.grains.iter().zip(&around[1..]) {
+        let outer = |(grain, other): (&LabelledGrain, &u32)| {
             let is_at_a_wall = (0..3).any(|axis| grain.from[axis] == 0 || grain.to[axis] == self.counts[axis]);
-            if !is_at_a_wall && *other != NONE && *other > 0 {
-                count[*other as usize - 1] += 1;
-            }
-        }
-        count
+            (!is_at_a_wall && *other != NONE && *other > 0).then_some(*other)
+        };
+        self.grains.iter().zip(&around[1..]).map(outer).collect()
     }
 
     /// Gives every grain its hollows, mortar that it encloses alone, in parts whose voxels share faces: the number of grains
@@ -250,7 +248,7 @@ mod tests {
         assert_eq!((grains.grains[0].label, grains.grains[0].from, grains.grains[0].to), (7, [2, 0, 0], [4, 2, 1]));
         let all = cut(&[5, 0, 7, 7, 5, 0, 7, 0, 0, 0, 9, 0, 0, 0, 9, 0], 1);
         assert_eq!((all.grains.len(), all.touching_pairs().len()), (3, 1));
-        assert_eq!(all.surrounded(), [0; 3]);
+        assert_eq!(all.surrounded(), [None; 3]);
     }
 
     #[test]
