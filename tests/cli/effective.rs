@@ -329,3 +329,24 @@ fn a_folder_without_frames_or_with_foreign_ones_is_refused_by_name() {
     folder.write("run/result.json", format!("{}1{}", &result[..elements], &result[elements..]));
     refused("cells, and those of this test have 1");
 }
+
+/// Fields of other properties lay beside the figures of a result that had none of them.
+#[test]
+fn fields_of_a_result_go_when_another_replaces_it() {
+    let folder = Folder::with_model();
+    let run = |flags: &[&str]| {
+        let run = folder.run(&[&["effective", "small.json", "--voxel-size-mm", "8", "-qo", "out"][..], flags].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let mut names: Vec<String> = std::fs::read_dir(folder.path("out"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(run(&["--what", "all"]).len(), 2 + 6 + 6);
+    folder.write("out/notes.vti", "mine");
+    let left = run(&["--axes", "z", "-f"]);
+    assert_eq!(left, ["diffusivity_z.vti", "effective.html", "effective.json", "notes.vti"]);
+    assert_eq!(run(&["--no-fields", "-f"]), ["effective.html", "effective.json", "notes.vti"]);
+}

@@ -282,6 +282,14 @@ fn pieces_of_a_pvtu_appear_beside_it_and_are_kept_like_any_file() {
     assert_eq!(again.code, 1);
     assert!(again.stderr.contains("large_0.vtu exists; --force replaces it"), "{}", again.stderr);
     assert_eq!(folder.run(&["mesh", "model.json", "-o", "large.pvtu", "--force"]).code, 0);
+    // Pieces that the replaced index lists go with it; others stay.
+    let piece = folder.read("large_0.vtu");
+    ["large_1.vtu", "large_2.vtu", "large_3.vtu"].iter().for_each(|name| folder.write(name, &piece));
+    let source = |k: usize| format!("<Piece Source=\"large_{k}.vtu\"/>");
+    let index = String::from_utf8(folder.read("large.pvtu")).unwrap();
+    folder.write("large.pvtu", index.replace(&source(0), &[0, 1, 2].map(source).concat()));
+    assert_eq!(folder.run(&["mesh", "model.json", "-o", "large.pvtu", "--force"]).code, 0);
+    assert_eq!(folder.names(), ["large.pvtu", "large_0.vtu", "large_3.vtu", "model.json", "small.toml"]);
 }
 
 #[test]

@@ -90,10 +90,51 @@ fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
 fn a_script_that_would_be_in_the_way_is_kept_and_named() {
     let folder = Folder::with_model();
     folder.write("m_curve.py", "mine");
-    let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--analysis", "tension", "--element-size-mm", "4"]);
-    assert!(run.code == 1 && run.stderr.contains("m_curve.py exists; --force replaces it"), "{}", run.stderr);
+    let flags = ["mesh", "small.json", "-o", "m.inp", "--analysis", "tension", "--element-size-mm", "4", "--force"];
+    let run = folder.run(&flags);
+    assert!(run.code == 1 && run.stderr.contains("m_curve.py is no script of mesocrete"), "{}", run.stderr);
     assert_eq!(text(&folder, "m_curve.py"), "mine");
     assert!(!folder.names().contains(&"m.inp".to_owned()));
+}
+
+/// A deck without a test had the script of the deck before it beside it, which reads another job's results.
+#[test]
+fn a_script_goes_with_the_deck_it_belongs_to() {
+    let folder = Folder::with_model();
+    let mesh = |output: &str, flags: &[&str]| {
+        let common = [
+            "mesh",
+            "small.json",
+            "-o",
+            output,
+            "--element-size-mm",
+            "4",
+            "--itz",
+            "none",
+            "--accept-phase-error",
+            "-q",
+        ];
+        folder.run(&[&common[..], flags].concat())
+    };
+    for (deck, script) in [("m.inp", "m_curve.py"), ("m.k", "m_binout.py")] {
+        assert_eq!(mesh(deck, &["--analysis", "tension"]).code, 0);
+        assert!(folder.names().contains(&script.to_owned()));
+        std::fs::remove_file(folder.path(deck)).unwrap();
+        let run = mesh(deck, &[]);
+        let said = format!("{script} is of an earlier {deck}; --force removes it");
+        assert!(run.code == 1 && run.stderr.contains(&said), "{}", run.stderr);
+        let run = mesh(deck, &["--force"]);
+        assert_eq!((run.code, folder.names().contains(&script.to_owned())), (0, false), "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("{script} is of the earlier {deck}, and goes with it")), "{}", run.stderr);
+        // One that a user wrote stays, and so does that of another deck.
+        folder.write(script, "mine");
+        assert_eq!(mesh(deck, &["--force"]).code, 0);
+        assert_eq!(text(&folder, script), "mine");
+        std::fs::remove_file(folder.path(script)).unwrap();
+        assert_eq!(mesh(&format!("n{deck}"), &["--analysis", "tension"]).code, 0);
+        assert_eq!(mesh(deck, &["--force"]).code, 0);
+        assert!(folder.names().contains(&format!("n{script}")));
+    }
 }
 
 #[test]

@@ -123,6 +123,19 @@ def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp", "impact.k"]
 
 
+def test_a_script_goes_with_its_deck_and_no_script_of_a_user_does(mesh, tmp_path):
+    """The case: a deck without a test had the script of the one before it; a user's own was replaced without a word."""
+    mesh.write(tmp_path / "a.inp", analysis="tension", allow_joined=True)
+    assert (tmp_path / "a_curve.py").exists()
+    mesh.write(tmp_path / "a.inp")
+    assert [file.name for file in tmp_path.iterdir()] == ["a.inp"]
+    (tmp_path / "a_curve.py").write_text("mine")
+    mesh.write(tmp_path / "a.inp")
+    with pytest.raises(FileExistsError, match="a_curve.py is no script of mesocrete"):
+        mesh.write(tmp_path / "a.inp", analysis="tension", allow_joined=True)
+    assert (tmp_path / "a_curve.py").read_text() == "mine"
+
+
 def test_an_analysis_of_joined_aggregates_is_refused(tmp_path, packing):
     joined = packing.mesh(method="lattice", element_size=4, itz="none")
     with pytest.raises(ValueError, match="an elastic skeleton that never breaks"):

@@ -192,6 +192,11 @@ impl Unit {
         self.0.fill(path, force, write).map_err(|error| Failure::file(shown, &error))
     }
 
+    /// Removes a file that belonged to a replaced one.
+    pub(crate) fn remove(&mut self, leftover: PathBuf) {
+        self.0.remove(leftover);
+    }
+
     /// Gives every file its name. If one fails, those before it get their old contents back.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.0.commit().map_err(|(path, error)| Failure::file(&path, &error))?;

@@ -20,6 +20,11 @@ pub enum Property {
     Permeability,
 }
 
+impl Property {
+    /// All properties.
+    pub const ALL: [Self; 3] = [Self::Diffusivity, Self::Conductivity, Self::Permeability];
+}
+
 /// Value of each phase, in one unit; mortar must conduct.
 pub type PhaseValues = ByPhase<f64>;
 

@@ -4,7 +4,7 @@
 //! are complete. Where one cannot get its name, those before it get their old contents back.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
@@ -48,6 +48,7 @@ pub struct Unit<K> {
     keeper: K,
     is_forced: bool,
     complete: Vec<Complete>,
+    leftovers: Vec<PathBuf>,
 }
 
 /// A file that waits for its name.
@@ -60,7 +61,7 @@ struct Complete {
 impl<K: Keeper> Unit<K> {
     /// A unit without files.
     pub fn new(keeper: K) -> Self {
-        Self { keeper, is_forced: true, complete: Vec::new() }
+        Self { keeper, is_forced: true, complete: Vec::new(), leftovers: Vec::new() }
     }
 
     /// One whose files are not forced to disk: the system writes them within half a minute. For files that a power failure
@@ -84,7 +85,12 @@ impl<K: Keeper> Unit<K> {
         Ok(())
     }
 
-    /// Gives every file its name, in the order in which they were filled.
+    /// Removes a file beside the others when these have their names: one that belonged to what they replace.
+    pub fn remove(&mut self, leftover: PathBuf) {
+        self.leftovers.push(leftover);
+    }
+
+    /// Gives every file its name, in the order in which they were filled, and removes what is left of replaced ones.
     ///
     /// All slow work comes before the first renaming: a process that is killed between two names leaves new files
     /// beside old ones, and between them lies one call of the system.
@@ -92,16 +98,20 @@ impl<K: Keeper> Unit<K> {
     /// # Errors
     /// A file cannot be renamed; the files renamed before it are restored. The error names the file.
     pub fn commit(self) -> Result<(), (PathBuf, io::Error)> {
-        let Self { keeper, is_forced, complete } = self;
+        let Self { keeper, is_forced, complete, leftovers } = self;
         keeper.hold(|temporary_files| {
             let mut ready = Vec::new();
             for file in complete {
                 let path = file.path.clone();
-                ready.push(file.ready(&keeper, temporary_files).map_err(|error| (path, error))?);
+                ready.push((path.clone(), file.ready(&keeper, temporary_files).map_err(|error| (path, error))?));
+            }
+            for path in leftovers {
+                let before = second_name(&path).map_err(|error| (path.clone(), error))?;
+                temporary_files.extend(before.as_deref().map(Path::to_owned));
+                ready.push((path.clone(), Ready { file: None, renamed: Renamed { path, before } }));
             }
             let mut done = Vec::new();
-            for next in ready {
-                let path = next.file.path.clone();
+            for (path, next) in ready {
                 match keeper.step().and_then(|()| next.rename(temporary_files)) {
                     Ok(renamed) => done.push(renamed),
                     Err(error) => {
@@ -116,10 +126,10 @@ impl<K: Keeper> Unit<K> {
     }
 }
 
-/// A file ready to be renamed: the file that it replaces has a second name.
+/// A name that is ready to be given to a file, or to none: the file that has it now has a second name.
 struct Ready {
-    file: Complete,
-    before: Option<TempPath>,
+    file: Option<Complete>,
+    renamed: Renamed,
 }
 
 /// A file that has its name. The file that it replaced is deleted on drop, unless it is put back.
@@ -133,17 +143,21 @@ impl Complete {
         keeper.step()?;
         let before = if self.replace { second_name(&self.path)? } else { None };
         temporary_files.extend(before.as_deref().map(Path::to_owned));
-        Ok(Ready { file: self, before })
+        Ok(Ready { renamed: Renamed { path: self.path.clone(), before }, file: Some(self) })
     }
 }
 
 impl Ready {
     fn rename(self, temporary_files: &mut Vec<PathBuf>) -> io::Result<Renamed> {
-        let Self { file: Complete { temporary, path, replace }, before } = self;
+        let Self { file, renamed } = self;
+        let Some(Complete { temporary, path, replace }) = file else {
+            std::fs::remove_file(&renamed.path)?;
+            return Ok(renamed);
+        };
         temporary_files.retain(|other| other != &*temporary);
-        let renamed = if replace { temporary.persist(&path) } else { temporary.persist_noclobber(&path) };
-        renamed.map_err(|failed| failed.error)?;
-        Ok(Renamed { path, before })
+        let done = if replace { temporary.persist(&path) } else { temporary.persist_noclobber(&path) };
+        done.map_err(|failed| failed.error)?;
+        Ok(renamed)
     }
 }
 
@@ -230,6 +244,14 @@ pub fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<
 /// The folder that a file lies in.
 pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The first megabyte of a file that is there, no link or device.
+pub fn beginning(path: &Path) -> Option<Vec<u8>> {
+    let is_file = std::fs::symlink_metadata(path).is_ok_and(|there| there.is_file());
+    let mut bytes = Vec::new();
+    let read = is_file.then(|| File::open(path).and_then(|file| file.take(1 << 20).read_to_end(&mut bytes)));
+    read?.ok().map(|_| bytes)
 }
 
 /// A temporary file in `folder`, with the permissions that any new file gets. Errors keep the system's number.

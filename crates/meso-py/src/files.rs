@@ -10,9 +10,9 @@ use meso_core::mesh::{CellKind, Mesh, MeshTable, Purpose, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
 use meso_files::free;
-use meso_files::whole::{self, Keeper, Unit};
+use meso_files::whole::{self, Keeper, Unit, beginning};
 use meso_solve::footing::Footing;
-use meso_solve::results::{Outcome, ResultFile, Snapshot};
+use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
@@ -78,7 +78,7 @@ pub(crate) fn write_model(
     watch: &Watch,
 ) -> PyResult<()> {
     if let Some(format) = Format::from_path(path) {
-        return write_together(&[path], overwrite, watch, |_, out| format.write(model, surfaces, out));
+        return write_together(&[path], &[], overwrite, watch, |_, out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let options = MeshTable::default().resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
@@ -100,7 +100,7 @@ fn is_page(path: &Path) -> bool {
 fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyResult<()> {
     let figures =
         Statistics::of(model, &StatisticsOptions::default()).map_err(|error| wrong_value(error.to_string()))?;
-    write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
+    write_together(&[path], &[], overwrite, watch, |_, out| page::write(model, &figures, None, out))
 }
 
 /// Refuses keywords of a deck without effect: on this mesh, or in another format.
@@ -141,14 +141,30 @@ pub(crate) fn write_mesh(
     }
     let mut files = format.map(|format| format.files(path, mesh, deck));
     // Nothing lies beside a stream.
-    if let (Some(files), true) = (&mut files, std::fs::metadata(path).is_ok_and(|there| !there.is_file())) {
+    if let (Some(files), true) = (&mut files, is_stream(path)) {
         files.retain(|file| file.path == path);
     }
-    let Some(files) = files else {
+    let (Some(format), Some(files)) = (format, files) else {
         return Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension)));
     };
     let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
-    write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, compress, out))
+    if let Some(script) = format.script(path).filter(|script| paths.contains(&&*script.path))
+        && beginning(&script.path).is_some_and(|own| !script.is_ours(&own))
+    {
+        let message = "is no script of mesocrete, so nothing replaces it; move it, or name the deck otherwise";
+        return Err(PyFileExistsError::new_err(format!("{} {message}", script.path.display())));
+    }
+    // A stream replaces nothing.
+    let before = (!is_stream(path)).then(|| beginning(path).unwrap_or_default());
+    let left = before.map(|before| format.leftovers(path, &files, &before)).unwrap_or_default();
+    let left = left.into_iter().filter(|left| beginning(&left.path).is_some_and(|own| left.is_ours(&own)));
+    let left: Vec<PathBuf> = left.map(|left| left.path).collect();
+    write_together(&paths, &left, overwrite, watch, |i, out| files[i].write(mesh, deck, compress, out))
+}
+
+/// Whether a device or a pipe is there.
+fn is_stream(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file())
 }
 
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
@@ -174,17 +190,25 @@ pub(crate) fn write_results(
     let names = frames.iter().map(|frame| frame.moment.file());
     let names = names.chain(ResultFile::ALL.map(|file| file.name().to_owned()));
     let paths: Vec<PathBuf> = names.map(|name| folder.join(name)).collect();
+    let there = std::fs::read_dir(folder).map_err(|error| file_error(folder, error))?;
+    let there =
+        there.filter_map(Result::ok).filter(|entry| Moment::number_of(&entry.file_name().to_string_lossy()).is_some());
+    // Frames of a longer list than this one.
+    let left: Vec<PathBuf> =
+        there.map(|entry| folder.join(entry.file_name())).filter(|path| !paths.contains(path)).collect();
     let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
     let still = RefCell::default();
-    write_together(&paths, overwrite, watch, |i, out| match frames.get(i) {
+    write_together(&paths, &left, overwrite, watch, |i, out| match frames.get(i) {
         Some(frame) => frame.write(outcome.mesh, &mut still.borrow_mut(), out),
         None => ResultFile::ALL[i - frames.len()].write(outcome, out),
     })
 }
 
 /// Lets `write` fill all files, by their numbers, beside where they go, and gives them their names when all are complete.
+/// What replaced files have `left` beside them goes.
 fn write_together(
     paths: &[&Path],
+    left: &[PathBuf],
     overwrite: bool,
     watch: &Watch,
     write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
@@ -193,10 +217,15 @@ fn write_together(
         let message = format!("{} exists; overwrite=True replaces it", there.display());
         return Err(PyFileExistsError::new_err(message));
     }
+    if let (Some(left), false) = (left.first(), overwrite) {
+        let message = format!("{} is of an earlier file; overwrite=True removes it", left.display());
+        return Err(PyFileExistsError::new_err(message));
+    }
     let mut unit = Unit::new(Stop(watch));
     for (i, path) in paths.iter().enumerate() {
         fill(&mut unit, path, overwrite, |out| write(i, out)).map_err(|error| file_error(path, error))?;
     }
+    left.iter().for_each(|left| unit.remove(left.clone()));
     unit.commit().map_err(|(path, error)| file_error(&path, error))
 }
 

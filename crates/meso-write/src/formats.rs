@@ -249,6 +249,28 @@ impl MeshFormat {
         files
     }
 
+    /// Files beside `path` that may be of an earlier mesh there, and that a mesh with these `files` has not. `before` is what
+    /// `path` holds so far.
+    pub fn leftovers(self, path: &Path, files: &[MeshFile], before: &[u8]) -> Vec<Companion> {
+        let is_left = |path: &PathBuf| files.iter().all(|file| file.path != *path);
+        if self == Self::Pvtu {
+            let index = String::from_utf8_lossy(before);
+            let is_listed = |piece: &PathBuf| {
+                index.contains(&pvtu::entry(&piece.file_name().unwrap_or_default().to_string_lossy()))
+            };
+            let pieces = (0..).map(|index| Self::piece_path(path, index)).take_while(is_listed);
+            return pieces.filter(is_left).map(|path| Companion { path, opening: String::new() }).collect();
+        }
+        self.script(path).filter(|script| is_left(&script.path)).into_iter().collect()
+    }
+
+    /// The script of a deck at `path`.
+    pub fn script(self, path: &Path) -> Option<Companion> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let path = || abaqus::DeckOptions::curve_path(path);
+        self.is_deck().then(|| Companion { path: path(), opening: script::opening(&name) })
+    }
+
     /// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
     pub fn piece_path(path: &Path, index: usize) -> PathBuf {
         path.with_file_name(format!("{}_{index}.vtu", path.file_stem().unwrap_or_default().to_string_lossy()))
@@ -261,6 +283,21 @@ pub struct MeshFile {
     /// Path of the file.
     pub path: PathBuf,
     content: Content,
+}
+
+/// A file beside a mesh, which an earlier mesh of its name may have left.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Companion {
+    /// Path of the file.
+    pub path: PathBuf,
+    opening: String,
+}
+
+impl Companion {
+    /// Whether a file that begins so was written beside a mesh; others are the user's.
+    pub fn is_ours(&self, beginning: &[u8]) -> bool {
+        beginning.starts_with(self.opening.as_bytes())
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -37,6 +37,17 @@ pub fn stress_file(component: usize, ending: &str) -> String {
     format!("stiffness_{}.{ending}", COMPONENTS[component])
 }
 
+/// Names of all files that results may have, but for the figures and the page.
+pub fn further_files() -> Vec<String> {
+    let of_ending = |in_tetrahedra| {
+        let ending = field_ending(in_tetrahedra);
+        let fluxes =
+            Property::ALL.into_iter().flat_map(move |what| (0..3).map(move |axis| field_file(what, axis, ending)));
+        fluxes.chain((0..COMPONENTS.len()).map(move |component| stress_file(component, ending)))
+    };
+    [false, true].into_iter().flat_map(of_ending).chain([CURVE.to_owned()]).collect()
+}
+
 /// A field of a computed property.
 pub enum PropertyField {
     /// Potential and flux of diffusivity or conductivity.

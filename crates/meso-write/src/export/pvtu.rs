@@ -53,11 +53,16 @@ pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::R
         writeln!(out, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"1\"/>")?;
     }
     writeln!(out, "</PCellData>")?;
-    names.iter().try_for_each(|name| writeln!(out, "<Piece Source=\"{}\"/>", escaped(name)))?;
+    names.iter().try_for_each(|name| writeln!(out, "{}", entry(name)))?;
     writeln!(out, "</PUnstructuredGrid>\n</VTKFile>")
 }
 
 /// Escapes the characters of a file's name that XML does not allow.
+/// The entry of a piece with this name.
+pub(crate) fn entry(name: &str) -> String {
+    format!("<Piece Source=\"{}\"/>", escaped(name))
+}
+
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

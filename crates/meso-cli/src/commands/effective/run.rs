@@ -10,8 +10,9 @@ use meso_ask::{Giver, Input, PhaseTables, Properties, RunRecord, Subject};
 use meso_core::Model;
 use meso_core::mesh::Tools;
 use meso_core::watch::Stage;
-use meso_effective::results::{Found, figure};
+use meso_effective::results::{FIGURES, Found, figure, further_files};
 use meso_effective::{At, Effective, LabelSpecimen, Stiffness, Unloading};
+use meso_files::whole::beginning;
 use meso_solve::results::{Moment, ResultFile};
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -43,6 +44,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let properties = properties?;
     let mut unit = Unit::default();
     properties.write(|name, write| unit.fill(&target(name)?, force, write))?;
+    if args.output.join(FIGURES).is_file() {
+        // Fields of the result that is replaced.
+        let left = further_files().into_iter().filter(|name| !names.contains(name)).map(|name| args.output.join(name));
+        left.filter(|path| beginning(path).is_some()).for_each(|path| unit.remove(path));
+    }
     unit.commit()?;
     properties.found.iter().for_each(|(of, _)| tell(of, args.writing.quiet));
     if !args.writing.quiet {

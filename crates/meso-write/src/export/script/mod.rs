@@ -39,6 +39,12 @@ pub(crate) fn write(is_k: bool, mesh: &Mesh, options: &DeckOptions, name: &str, 
     out.write_all(whole.replace("@AXIS@", &(loads.axis + 1).to_string()).as_bytes())
 }
 
+/// How the script of the deck with this name opens.
+pub(crate) fn opening(name: &str) -> String {
+    let first = ODB.split("@DECK@").next().unwrap_or_default();
+    format!("{first}{}, from the job's results.\n", plain(name))
+}
+
 /// A deck's name in words: Python 2 takes ASCII alone.
 fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._- ".contains(c) { c } else { '_' }).collect()
