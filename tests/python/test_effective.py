@@ -136,6 +136,25 @@ def test_labels_that_cannot_be_solved_are_refused(labels, options, error, said):
         mc.effective(labels, **options)
 
 
+def test_strains_of_phases_that_are_not_there_are_refused_by_name():
+    """The case: strains of an ITZ without thickness, or of a label that a volume has not, were left out without a word."""
+    bare = mc.pack({"fraction": 0.1, "specimen": {"kind": "cube", "side_mm": 20}, "itz": {"thickness_mm": [0, 0]}}, seed=1)
+    coarse = {"what": "stiffness", "voxel_size": 4.0}
+    with pytest.raises(ValueError, match=r"stiffness.itz.eigenstrain is .* no such phase, it has mortar, aggregate; leave it out"):
+        bare.effective(eigenstrain={"itz": 1e-4}, **coarse)
+    assert bare.effective(eigenstrain={"mortar": 1e-4, "itz": 1e-4}, **coarse).expansion[0] > 0
+    labels = np.zeros((6, 6, 6), np.uint8)
+    labels[2:4, 2:4, 2:4] = 2
+    for phases, strain in [
+        ({}, "fibre"),
+        ({"mortar": {"eigenstrain": 1e-4}, "aggregate": {"poisson_ratio": 0.2}}, "itz"),
+        ({0: {"youngs_modulus_mpa": 2e4}, 2: {"youngs_modulus_mpa": 6e4}, 7: {"eigenstrain": 1e-4}}, ""),
+    ]:
+        eigenstrain = {strain: 1e-4} if strain else {}
+        with pytest.raises(ValueError, match=rf"stiffness.{strain or 7}.eigenstrain is 0.0001; the specimen has no such phase"):
+            mc.effective(labels, what="stiffness", phases=phases, eigenstrain=eigenstrain)
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -39,15 +39,35 @@ const INCOMPRESSIBLE: f64 = 0.49;
 /// Constants by [`Phase::index`].
 pub(crate) type Table = Vec<Moduli>;
 
-/// Refuses the strain of a phase that no body has. An ITZ without thickness has the mortar's place.
+/// Refuses the strain of a phase that a packing has not.
 pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate], names: &PhaseNames) -> Result<(), OutOfRange> {
-    for (phase, Moduli { eigenstrain, .. }) in names.all().zip(table) {
-        let has = |body: &Aggregate| body.phase() == phase;
-        let is_there = *eigenstrain == 0.0 || matches!(phase, Phase::Mortar | Phase::Itz) || bodies.iter().any(has);
-        let key = format!("{}.eigenstrain", names.name(phase));
-        Ranges("stiffness").require(key, eigenstrain, is_there, "the specimen has no such phase; leave it out")?;
+    let has = |phase: Phase| match phase {
+        Phase::Mortar => true,
+        Phase::Itz => bodies.iter().any(|body| body.itz_thickness_mm > 0.0),
+        _ => bodies.iter().any(|body| body.phase() == phase),
+    };
+    let there: Vec<&str> = names.all().filter(|phase| has(*phase)).map(|phase| names.name(phase)).collect();
+    let of_mortar = table[Phase::Mortar.index()].eigenstrain;
+    // An ITZ without thickness is mortar, which may have its strain.
+    let is_met = |phase: Phase, strain: f64| has(phase) || phase == Phase::Itz && strain == of_mortar;
+    let strain =
+        |(phase, moduli): (Phase, &Moduli)| (names.name(phase), is_met(phase, moduli.eigenstrain), moduli.eigenstrain);
+    let strains = names.all().zip(table).map(strain);
+    refuse_absent(strains, &there.join(", "))
+}
+
+/// Refuses the first strain, by its name, of a phase that is not there; `there` lists those that are.
+pub(crate) fn refuse_absent<'a>(
+    mut strains: impl Iterator<Item = (&'a str, bool, f64)>,
+    there: &str,
+) -> Result<(), OutOfRange> {
+    match strains.find(|(_, is_there, strain)| !is_there && *strain != 0.0) {
+        None => Ok(()),
+        Some((name, _, strain)) => {
+            let accepted = format!("the specimen has no such phase, it has {there}; leave it out");
+            Ranges("stiffness").require(format!("{name}.eigenstrain"), strain, false, accepted)
+        }
     }
-    Ok(())
 }
 
 impl PhaseModuli {

@@ -11,7 +11,7 @@ use crate::error::EffectiveError;
 use crate::field::{Flow, FluxField};
 use crate::grid::{End, Grid, Space};
 use crate::links::Links;
-use crate::moduli::{GivenModuli, Moduli, PhaseModuli};
+use crate::moduli::{GivenModuli, Moduli, PhaseModuli, refuse_absent};
 use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
 use meso_concrete::import::volume::Volume;
@@ -134,6 +134,14 @@ impl LabelPhases {
             Ok(moduli)
         };
         let moduli = by_label("stiffness", &self.stiffness, volume, numbered, named)?;
+        // Phases with names are those of mesocrete's own images.
+        let own = |name: &str| Phase::ALL.into_iter().position(|phase| PhaseNames::COMMON.name(phase) == name);
+        let label = |name: &str| name.parse().ok().or_else(|| i64::try_from(own(name)?).ok());
+        let is_there = |name: &str| label(name).is_some_and(|label| volume.labels.contains(&label));
+        let strains =
+            self.stiffness.iter().filter_map(|(name, given)| Some((&**name, is_there(name), given.eigenstrain?)));
+        let there: Vec<&str> = self.stiffness.keys().map(String::as_str).filter(|name| is_there(name)).collect();
+        refuse_absent(strains, &there.join(", "))?;
         if moduli.iter().all(|moduli| moduli.youngs_modulus_mpa == 0.0) {
             return Err(EffectiveError::Nothing("stiffness"));
         }
