@@ -160,6 +160,22 @@ def test_arrays_are_sieve_tables():
         mc.Grading.sieves(table, table[:, 1], 4, 16)
 
 
+def test_a_mortar_is_known_by_its_name_and_strengths_name_the_unit_that_fits():
+    """The case: `for_mortar("M40")` was a TypeError, and a mortar of 38e6 was called an fcm of 4.1e7."""
+    assert mc.Materials.for_mortar("M40") == mc.Materials.for_mortar(40) == mc.Materials.for_concrete("M40")
+    for name, given, said in [
+        ("for_mortar", 38e6, r"mortar is 38000000; it must be .* MPa: 3.8e7 Pa are 38 MPa"),
+        ("for_mortar", "M400", r'mortar "M400" is 400; it must be '),
+        ("for_mortar", "C30", r'mortar "C30" is no mortar, as "M40"'),
+        ("for_mortar", "40", "mortar .* is no mortar"),
+        ("for_concrete", 38e6, "fcm is 38000000; it must be 20 to 128 MPa: 3.8e7 Pa are 38 MPa"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            getattr(mc.Materials, name)(given)
+    with pytest.raises(ValueError, match="pressure_mpa is 10000000; it must be -100 to 1000 MPa: 1e7 Pa are 10 MPa"):
+        mc.Test.triaxial(1e7)
+
+
 def test_per_cent_pans_and_tables_with_headings_are_sieve_tables():
     """The cases: 'Pan' could not be converted to a float, and 100 was refused as a share only when packing."""
 
@@ -190,8 +206,19 @@ def test_per_cent_pans_and_tables_with_headings_are_sieve_tables():
             mc.Grading.sieves(pandas.DataFrame({"mm": sizes, heading: [0, 40, 40, 20]}))
     with pytest.raises(ValueError, match=r"passing goes up to 100: per cent\? Write Grading.sieves\(sieves, passing_percent="):
         mc.Grading.sieves([16, 8, 4], [100, 60, 20])
-    with pytest.raises(ValueError, match=r"could not convert string .*Soil.*; Grading.table\(file\) reads the sheet"):
+    with pytest.raises(ValueError, match=r"sieve_mm has 'Soil' in row 2, which is no number; .*; Grading.table\(file\) reads the sheet"):
         mc.Grading.sieves([16, "Soil"], [1, 0.5])
+    # Missing values became NaN in the spec, and those of pandas a TypeError.
+    for missing in [None, float("nan"), pandas.NA, float("inf"), "NA", "", "-"]:
+        frame = pandas.DataFrame({"mm": [16.0, 8.0, 4.0, 2.0, "Pan"], "%": [100.0, 60.0, missing, 20.0, 0.0]}, dtype=object)
+        with pytest.raises(ValueError, match="column '%' has .* in row 3, which is no number; fill it"):
+            mc.Grading.sieves(frame)
+        with pytest.raises(ValueError, match="the table, with its headings as line 1: .*line 4: "):
+            mc.Grading.table(frame, 4, 16)
+        with pytest.raises(ValueError, match="column 'mm' has .* in row 1, which is no number"):
+            mc.Grading.sieves(pandas.DataFrame({"mm": [missing, 8.0], "%": [100.0, 60.0]}, dtype=object))
+        with pytest.raises(ValueError, match="passing has .* in row 2"):
+            mc.Grading.sieves([2, 4, 8], [0.2, missing, 1])
     with pytest.raises(ValueError, match="the table has 3 columns; give two"):
         mc.Grading.sieves(Frame({"mm": sizes, "a": shares, "b": shares}))
 

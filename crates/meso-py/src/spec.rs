@@ -352,7 +352,7 @@ enum Fcm {
 #[serde(deny_unknown_fields)]
 struct Concrete {
     fcm: Option<Fcm>,
-    mortar: Option<f64>,
+    mortar: Option<Fcm>,
     rock: Option<Rock>,
     fraction: f64,
     law: LawName,
@@ -367,15 +367,24 @@ pub(crate) fn concrete_materials<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     guard(|| {
         let Concrete { fcm, mortar, rock, fraction, law } = self::options(given)?;
+        let refused = |error: &meso_concrete::OutOfRange| wrong_value(format!("{} {}", error.key, error.fault()));
         let mix = match (fcm, mortar) {
             (Some(Fcm::Mpa(fcm_mpa)), None) => Mix { fcm_mpa, rock, fraction, law },
             (Some(Fcm::Class(class)), None) => Mix::parse(class.trim(), rock, fraction, law).map_err(|error| {
                 wrong_value(format!("fcm {error}; a number is the mean strength in MPa, 38 for C30"))
             })?,
-            (None, Some(mpa)) => Mix::of_mortar(mpa, rock, fraction, law),
+            (None, Some(Fcm::Mpa(mpa))) => Mix::of_mortar(mpa, rock, fraction, law).map_err(|error| refused(&error))?,
+            (None, Some(Fcm::Class(class))) => {
+                let class = class.trim();
+                if !class.starts_with(['M', 'm']) {
+                    let message = "is no mortar, as \"M40\" of 40 MPa; for_concrete takes a class of concrete";
+                    return Err(wrong_value(format!("mortar {class:?} {message}")));
+                }
+                Mix::parse(class, rock, fraction, law).map_err(|error| wrong_value(format!("mortar {error}")))?
+            }
             _ => return Err(wrong_value("give the concrete's mean strength or the mortar's, not both")),
         };
-        let sourced = mix.materials().map_err(|error| wrong_value(format!("{} {}", error.key, error.fault())))?;
+        let sourced = mix.materials().map_err(|error| refused(&error))?;
         tree::plain(py, &sourced.materials)
     })
 }

@@ -7,7 +7,7 @@
 
 use super::rock::Rock;
 use super::{Elastic, LawName, MATERIALS, Materials, Strength};
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhysicalRange};
 use std::fmt::Write;
 
 /// A concrete, by its mean strength, its rock and its share of coarse aggregate.
@@ -38,7 +38,8 @@ pub struct Sourced {
 /// Difference of mean and characteristic strength, MPa: EN 1992-1-1, Table 3.1; fib Model Code 2010, eq. 5.1-1.
 const MARGIN_MPA: f64 = 8.0;
 /// Range of mean strengths, MPa, that the codes' rules are meant for: C12 to C120.
-const STRENGTHS: [f64; 2] = [20.0, 128.0];
+const STRENGTHS: PhysicalRange =
+    PhysicalRange { least: 20.0, most: 128.0, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Least peak strain over the elastic strain of the strength: the curve needs some way to bend.
 const LEAST_BEND: f64 = 1.2;
 
@@ -56,10 +57,18 @@ impl Mix {
     }
 
     /// The concrete with a mortar of this compressive strength, MPa.
-    pub fn of_mortar(mpa: f64, rock: Option<Rock>, fraction: f64, law: LawName) -> Self {
+    ///
+    /// # Errors
+    /// Names a strength outside its range.
+    pub fn of_mortar(mpa: f64, rock: Option<Rock>, fraction: f64, law: LawName) -> Result<Self, OutOfRange> {
         let usual = Materials::default().mortar_strength.of(law);
-        let fcm_mpa = mpa * Self::default_peak_mpa(law) / usual.compressive_mpa;
-        Self { fcm_mpa, rock, fraction, law }
+        let ratio = Self::default_peak_mpa(law) / usual.compressive_mpa;
+        let own = |mpa: f64| (1e3 * mpa / ratio).round() / 1e3;
+        let range = PhysicalRange { least: own(STRENGTHS.least), most: own(STRENGTHS.most), ..STRENGTHS };
+        let accepted = format!("{}; the codes' rules hold there", range.refusal(mpa));
+        MATERIALS.require("mortar", mpa, range.has(mpa), accepted)?;
+        let fcm_mpa = (mpa * ratio).clamp(STRENGTHS.least, STRENGTHS.most);
+        Ok(Self { fcm_mpa, rock, fraction, law })
     }
 
     /// The concrete of a class, `C30` or `C30/37`, or of a mortar's strength, `M40`.
@@ -76,7 +85,8 @@ impl Mix {
             return Ok(Self { fcm_mpa: fck + MARGIN_MPA, rock, fraction, law });
         }
         if let Some(mpa) = text.strip_prefix(['M', 'm']).and_then(number) {
-            return Ok(Self::of_mortar(mpa, rock, fraction, law));
+            let mix = Self::of_mortar(mpa, rock, fraction, law);
+            return mix.map_err(|error| format!("{text:?} {}", error.fault()));
         }
         Err(format!("{text:?} is no class of concrete, as C30 or C30/37, and no mortar, as M40 of 40 MPa"))
     }
@@ -87,9 +97,8 @@ impl Mix {
     /// Names a strength or a fraction outside its range.
     pub fn materials(&self) -> Result<Sourced, OutOfRange> {
         let Self { fcm_mpa: fcm, fraction, .. } = *self;
-        let [least, most] = STRENGTHS;
-        let accepted = format!("it must be {least} to {most} MPa, where the codes' rules hold");
-        MATERIALS.require("fcm", fcm, fcm >= least && fcm <= most, accepted)?;
+        let accepted = format!("{}; the codes' rules hold there", STRENGTHS.refusal(fcm));
+        MATERIALS.require("fcm", fcm, STRENGTHS.has(fcm), accepted)?;
         MATERIALS.require("fraction", fraction, (0.0..=0.8).contains(&fraction), "it must be 0 to 0.8")?;
         let usual = Materials::default();
         let mut sourced = Sourced { materials: usual.clone(), tables: Vec::new() };

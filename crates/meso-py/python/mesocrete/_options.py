@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Sequence
+from math import isfinite, nan
 from os import PathLike, fspath
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -95,7 +96,9 @@ class Grading:
         if passing is not None and passing_percent is not None:
             message = "passing and passing_percent are both given; keep one"
             raise ValueError(message)
+        headings: list[str] = []
         if passing is None and passing_percent is None and hasattr(sieve_mm, "columns"):
+            headings = [f"column {str(name)!r}" for name in sieve_mm.columns]
             sieve_mm, passing, passing_percent = _framed(sieve_mm)
         key: Literal["passing", "passing_percent"] = "passing" if passing_percent is None else "passing_percent"
         passing = passing if passing_percent is None else passing_percent
@@ -105,8 +108,9 @@ class Grading:
                 message = f"passing is missing, and sieve_mm has shape {table.shape}; give two rows, or one table of shape (n, 2)"
                 raise ValueError(message)
             sieve_mm, passing = table[:, 0], table[:, 1]
-        sieve_mm, passing = _without_pan(sieve_mm, passing)
-        sieves, shares = _row("sieve_mm", sieve_mm), _row(key, passing)
+        headings = headings or ["sieve_mm", key]
+        sieve_mm, passing, numbers = _without_pan(sieve_mm, passing)
+        sieves, shares = _row(headings[0], sieve_mm, numbers), _row(headings[1], passing, numbers)
         if key == "passing" and max(shares, default=0.0) > _PER_CENT:
             message = (
                 f"passing goes up to {max(shares):g}: per cent? Write Grading.sieves(sieves, passing_percent=...), or "
@@ -140,8 +144,13 @@ class Grading:
         """
         if not isinstance(file, (str, PathLike)):
             with TemporaryDirectory() as folder:
-                saved = Grading.table(_saved(file, folder), d_min_mm, d_max_mm, choices=choices, **options)
-                return Spec({"grading": saved}).to_dict()["grading"]
+                path = _saved(file, folder)
+                saved = Grading.table(path, d_min_mm, d_max_mm, choices=choices, **options)
+                try:
+                    return Spec({"grading": saved}).to_dict()["grading"]
+                except ValueError as error:
+                    where = f'grading.curve.file is "{path}"'
+                    raise ValueError(str(error).replace(where, "the table, with its headings as line 1")) from None
         curve = cast("_types.SievesFileCurve", {"kind": "sieves", "file": fspath(file), **(choices or {})})
         return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
@@ -246,7 +255,7 @@ _NO_PASSING = ("retain", "mass", "weight", "residue", "(g)", "(kg)", "rückstand
 def _saved(table: _Frame, folder: str) -> Path:
     """Return the file of a DataFrame; a missing value is a blank cell."""
     path, names = Path(folder) / "DataFrame.csv", list(table.columns)
-    rows = zip(*(["" if value is None or value != value else value for value in table[name]] for name in names), strict=True)
+    rows = zip(*(["" if _is_missing(value) else value for value in table[name]] for name in names), strict=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([names, *rows])
     return path
@@ -269,25 +278,45 @@ def _framed(table: Any) -> tuple[Any, Any, Any]:
     return (sizes, None, passing) if is_percent else (sizes, passing, None)
 
 
-def _without_pan(sizes: Any, passing: Any) -> tuple[Any, Any]:
-    """Return both rows without the one of the pan, which has no opening."""
+def _without_pan(sizes: Any, passing: Any) -> tuple[Any, Any, Sequence[int]]:
+    """Return both rows without the one of the pan, which has no opening, and the numbers of what is left."""
     sizes, passing = np.asarray(sizes), np.asarray(passing)
     if sizes.ndim != 1 or sizes.dtype.kind not in "OU" or len(sizes) != len(passing):
-        return sizes, passing
-    kept = [str(size).strip().lower() not in _PANS for size in sizes]
-    return sizes[kept], passing[kept]
+        return sizes, passing, range(1, 1 + sizes.size)
+    kept = [place for place, size in enumerate(sizes) if str(size).strip().lower() not in _PANS]
+    return sizes[kept], passing[kept], [1 + place for place in kept]
 
 
-def _row(name: str, values: ArrayLike) -> list[float]:
-    try:
-        row = np.asarray(values, float)
-    except ValueError as error:
-        message = f"{name}: {error}; Grading.table(file) reads the sheet of a laboratory"
-        raise ValueError(message) from error
+def _row(name: str, values: ArrayLike, numbers: Sequence[int]) -> list[float]:
+    row = np.asarray(values)
     if row.ndim != 1:
         message = f"{name} has shape {row.shape}; it must be one row of numbers"
         raise ValueError(message)
-    return [float(value) for value in row]
+    found = [_number(value) for value in row]
+    if wrong := [place for place, value in enumerate(found) if not isfinite(value)]:
+        number = numbers[wrong[0]] if wrong[0] < len(numbers) else 1 + wrong[0]
+        message = (
+            f"{name} has {str(row[wrong[0]])!r} in row {number}, which is no number; fill it, or leave the row out; "
+            "Grading.table(file) reads the sheet of a laboratory"
+        )
+        raise ValueError(message)
+    return found
+
+
+def _number(value: Any) -> float:
+    """Return a cell's number, NaN where it has none."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return nan
+
+
+def _is_missing(value: Any) -> bool:
+    """Return whether a cell is empty: the missing value of pandas is not even unequal to itself."""
+    try:
+        return value is None or bool(value != value)
+    except TypeError:
+        return True
 
 
 def _periodic(axes: Axes) -> _types.Periodic:
@@ -416,7 +445,7 @@ class Materials:
 
     @staticmethod
     def for_mortar(
-        strength: float, *, rock: _Rock | None = None, fraction: float = 0.4, law: _Law = "meso"
+        strength: float | str, *, rock: _Rock | None = None, fraction: float = 0.4, law: _Law = "meso"
     ) -> _types.DeckMaterials:
-        """Return the values of the concrete that a mortar of this mean strength, MPa, makes; the others as in `for_concrete`."""
+        """Return the values of the concrete that a mortar of this mean strength, MPa or "M40", makes; the others as in `for_concrete`."""
         return _concrete_materials(mortar=strength, rock=rock, fraction=fraction, law=law)

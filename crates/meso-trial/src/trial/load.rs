@@ -2,7 +2,7 @@
 
 use crate::error::TEST;
 use crate::trial::drive::Drive;
-use meso_concrete::OutOfRange;
+use meso_concrete::{OutOfRange, PhysicalRange};
 use serde::{Deserialize, Serialize};
 
 /// A side of the specimen.
@@ -128,6 +128,10 @@ fn column(key: &str, name: &str) -> Result<(), OutOfRange> {
     TEST.require(key, name, met, "it must be letters, digits and _: a column has it")
 }
 
+/// Pressure on a side; tension is negative.
+const PRESSURE: PhysicalRange =
+    PhysicalRange { least: -1000.0, most: 1000.0, unit: "MPa", others: PhysicalRange::STRESSES };
+
 impl SupportSpec {
     /// Checks every value against its range.
     pub fn validate(&self) -> Result<(), OutOfRange> {
@@ -145,7 +149,7 @@ impl SupportSpec {
             TEST.require(named("strip.width_mm"), width_mm, met, "it must be 1e-3 to 1e4")?;
         }
         let pressure = self.pressure_mpa;
-        TEST.require(named("pressure_mpa"), pressure, pressure.abs() <= 1000.0, "it must be -1000 to 1000")?;
+        TEST.require(named("pressure_mpa"), pressure, PRESSURE.has(pressure), PRESSURE.refusal(pressure))?;
         self.validate_drive()?;
         self.validate_effects()?;
         let on_faces = self.rule == Rule::Pressure || self.on != Side::Mantle;

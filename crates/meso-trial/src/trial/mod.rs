@@ -19,7 +19,7 @@ pub use setup::word;
 
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
-use meso_concrete::{OutOfRange, written};
+use meso_concrete::{OutOfRange, PhysicalRange, written};
 use meso_mesh::CellKind;
 use meso_mesh::materials::LawName;
 use serde::{Deserialize, Serialize};
@@ -249,6 +249,10 @@ const LEAST_STRAIN: f64 = 1e-12;
 /// Time step per element size, s/mm.
 const STEP_PER_MM: f64 = 1e-7;
 
+/// Lateral pressure of a test; tension is negative.
+const LATERAL: PhysicalRange =
+    PhysicalRange { least: -100.0, most: 1000.0, unit: "MPa", others: PhysicalRange::STRESSES };
+
 impl Test {
     /// Strain at the end.
     pub fn strain(&self) -> f64 {
@@ -472,7 +476,9 @@ impl Test {
             let met = value.is_none_or(|value| (least..=most).contains(&value));
             TEST.require(key, value.unwrap_or_default(), met, format!("it must be {least} to {most}"))
         };
-        within("pressure_mpa", self.pressure_mpa, -100.0, 1000.0)?;
+        if let Some(pressure) = self.pressure_mpa {
+            TEST.require("pressure_mpa", pressure, LATERAL.has(pressure), LATERAL.refusal(pressure))?;
+        }
         within("stress_ratio", self.stress_ratio, 0.0, 10.0)?;
         for (key, value) in [("strip_mm", self.strip_mm), ("span_mm", self.span_mm)] {
             within(key, value, 1e-3, load::WIDEST_MM)?;

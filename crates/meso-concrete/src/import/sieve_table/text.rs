@@ -64,7 +64,10 @@ pub(super) fn rows(text: &str, separator: char) -> Vec<Row> {
     kept.map(|(line, number)| Row { line: number, cells: cells(line, separator) }).collect()
 }
 
-/// A line that begins with `#` is a comment, but for a sieve number with a value behind it.
+/// What a spreadsheet writes into a cell that it cannot compute.
+const NO_VALUE: [&str; 7] = ["#n/a", "#div/0!", "#ref!", "#value!", "#name?", "#num!", "#null!"];
+
+/// A line that begins with `#` is a comment, but for a sieve number with a value behind it, and a spreadsheet's error.
 fn is_comment(line: &str, separator: char) -> bool {
     let line = line.trim_start();
     if line.starts_with("//") {
@@ -72,7 +75,8 @@ fn is_comment(line: &str, separator: char) -> bool {
     }
     let Some(rest) = line.strip_prefix('#') else { return false };
     let first = split(rest, separator).first().map(|cell| cell.trim().to_owned()).unwrap_or_default();
-    !first.chars().next().is_some_and(|c| c.is_ascii_digit())
+    let is_error = NO_VALUE.iter().any(|error| first.to_lowercase() == error[1..]);
+    !is_error && !first.chars().next().is_some_and(|c| c.is_ascii_digit())
 }
 
 fn cells(line: &str, separator: char) -> Vec<String> {
