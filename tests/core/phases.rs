@@ -30,7 +30,7 @@ fn own() -> &'static Model {
 }
 
 fn materials() -> Materials {
-    let own = [("limestone", LIMESTONE), ("brick", BRICK)].map(|(name, values)| (name.to_owned(), values));
+    let own = [("limestone", LIMESTONE), ("brick", BRICK)].map(|(name, values)| (name.to_owned(), values.into()));
     Materials { own: BTreeMap::from(own), ..Materials::default() }
 }
 
@@ -191,6 +191,18 @@ fn decks_have_a_set_a_section_and_a_material_for_each_phase_and_refuse_one_witho
     let geometry = DeckOptions { geometry_only: true, ..DeckOptions::default() };
     assert!(text(&geometry).unwrap().contains("ELSET=LIMESTONE"));
 
+    let mut strong = materials();
+    strong.own.get_mut("brick").unwrap().strength_ratio = Some(0.25);
+    let damaged = DeckOptions { with_damage: true, ..with(strong.clone(), Analysis::None) };
+    let of_brick = text(&damaged).unwrap();
+    let of_brick = of_brick.split("*MATERIAL, NAME=BRICK").nth(1).unwrap().split("*MATERIAL").next().unwrap();
+    // A quarter of the 3.4 MPa of the mortar.
+    assert!(of_brick.contains("*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT\n8.500000e-1, 0"), "{of_brick}");
+    let cards = file(&mesh, MeshFormat::K, &damaged);
+    assert!(cards.contains("*MAT_CDPM\n       102    1.8e-9   10000.0      0.15"), "{cards}");
+    strong.own.get_mut("brick").unwrap().strength_ratio = Some(f64::NAN);
+    let refused = text(&with(strong, Analysis::None)).unwrap_err().to_string();
+    assert!(refused.starts_with("deck.materials.brick.strength_ratio is NaN; it must be 0.01 to 100"), "{refused}");
     let cards = file(&mesh, MeshFormat::K, &with(materials(), Analysis::None));
     assert!(cards.contains("*PART\nBRICK\n"), "{cards}");
     assert!(cards.contains("*MAT_ELASTIC\n       102    1.8e-9   10000.0      0.15"), "{cards}");
@@ -198,7 +210,7 @@ fn decks_have_a_set_a_section_and_a_material_for_each_phase_and_refuse_one_witho
 
 #[test]
 fn values_of_other_phases_and_slips_of_keys_are_refused() {
-    let more = Materials { own: BTreeMap::from([("marble".to_owned(), BRICK)]), ..Materials::default() };
+    let more = Materials { own: BTreeMap::from([("marble".to_owned(), BRICK.into())]), ..Materials::default() };
     let said = more.suits(&own().spec.phases()).unwrap_err().to_string();
     assert!(said.starts_with("materials.limestone is missing;"), "{said}");
     let said = more.suits(&packed(PLAIN).spec.phases()).unwrap_err().to_string();
@@ -210,6 +222,10 @@ fn values_of_other_phases_and_slips_of_keys_are_refused() {
     assert_eq!(read(&toml::to_string(&materials()).unwrap()).unwrap(), materials());
     for (text, said) in [
         ("[limestone]\nyoungs_modulus_mpa = 1e4", "limestone.poisson_ratio is missing"),
+        (
+            "[limestone]\nyoungs_modulus_mpa = 1e4\npoisson_ratio = 0.2\ndensity_t_per_mm3 = 2e-9\nstrength = 1",
+            "limestone.strength is not a known key; did you mean strength_ratio?",
+        ),
         ("limestone = 3", "limestone is 3; it must be a table"),
         ("mortar_strenght = { tensile_mpa = 3 }", "mortar_strenght is not a known key; did you mean mortar_strength?"),
         ("[aggregates]\nyoungs_modulus_mpa = 1e4", "aggregates is not a known key; did you mean aggregate?"),

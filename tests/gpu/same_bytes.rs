@@ -1,8 +1,10 @@
 //! A device gives the bytes of the processor.
 
 use meso_core::aggregate::Grading;
-use meso_core::materials::{Covariance, Materials, Scatter, ScatteredPhase, Stone, StoneKind, StrengthDistribution};
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
+use meso_core::materials::{
+    Covariance, Materials, OwnMaterial, Scatter, ScatteredPhase, Stone, StoneKind, StrengthDistribution,
+};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Phase, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach, devices};
@@ -302,6 +304,19 @@ fn stone_that_breaks_has_the_bytes_of_the_processor_on_a_device() {
         let response = same(&cube, &cube.within(400.0, test), &device);
         dissipates(&response, "aggregate");
     }
+}
+
+#[test]
+fn grains_of_a_phase_of_its_own_with_a_strength_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let mut cube = cube(20.0, 4.0);
+    let own = OwnMaterial { strength_ratio: Some(0.4), ..cube.materials.mortar.into() };
+    cube.materials.own = [("weak".to_owned(), own)].into_iter().collect();
+    cube.mesh.phases = ["weak".to_owned()].into_iter().collect();
+    for (phase, owner) in cube.mesh.phase.iter_mut().zip(&cube.mesh.owner) {
+        *phase = if *phase == Phase::Aggregate && owner % 2 == 0 { Phase::Own(0) } else { *phase };
+    }
+    dissipates(&same(&cube, &cube.within(400.0, Test::default()), &device), "weak");
 }
 
 /// A specimen whose strengths scatter.

@@ -8,6 +8,7 @@ use meso_concrete::{OutOfRange, PhaseNames};
 use meso_mesh::Phase;
 use meso_mesh::materials::{Cdpm2Parameters, Elastic, MATERIALS, Materials, Mesoscale, Plasticity, Stone, Strength};
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -116,6 +117,7 @@ fn validate_stone(materials: &Materials, name: LawName) -> Result<(), OutOfRange
             itz_strength_ratio: 1.0,
             mortar_strength: mortar_strength.into(),
             aggregate_strength: None,
+            own: BTreeMap::new(),
             ..materials.clone()
         };
         let renamed =
@@ -131,7 +133,7 @@ const CARRIED: [f64; 2] = [1e-12, 1e12];
 fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
     let Materials { aggregate, itz, mortar, fibre, own, .. } = materials;
     let common = [("aggregate", aggregate), ("itz", itz), ("mortar", mortar), ("fibre", fibre)];
-    let own = own.iter().map(|(name, values)| (name.as_str(), values));
+    let own = own.iter().map(|(name, own)| (name.as_str(), &own.elastic));
     let stiffness =
         |(name, values): (&str, &Elastic)| (format!("{name}.youngs_modulus_mpa"), values.youngs_modulus_mpa);
     let given = materials.mortar_strength.of(law);
@@ -163,9 +165,9 @@ pub trait LawTask<R: Real> {
 }
 
 impl Matter {
-    /// Material of one of the `phases`; mortar and ITZ follow the law `name`.
+    /// Material of one of the `phases`; those with a strength follow the law `name`.
     pub fn new(materials: &Materials, phase: Phase, phases: &PhaseNames, name: LawName) -> Self {
-        Self::with(materials, *materials.elastic(phase, phases), materials.strength(phase, name), name)
+        Self::with(materials, *materials.elastic(phase, phases), materials.strength(phase, phases, name), name)
     }
 
     /// Materials of stone that breaks, in the order of [`Stone::strengths`].

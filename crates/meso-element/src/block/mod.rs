@@ -16,6 +16,7 @@ use crate::law::{Hooke, Law, PointResponse, Tensor};
 use crate::real::Real;
 use crate::uniform::{Tets, Uniform};
 use meso_collision::prefetch::prefetch;
+use meso_concrete::PhaseNames;
 use meso_mesh::Phase;
 pub use meso_trial::{PHASES, STRAINS};
 
@@ -217,9 +218,9 @@ impl Common {
         self.free.as_ref().map(|free| R::splat(free.over[usize::from(number)]))
     }
 
-    /// Widest bands of cracking and crushing that dissipate their energy in every material of `phase`, mm.
-    pub fn widest_mm(&self, phase: Phase) -> [f64; 2] {
-        let stones = if phase == Phase::Aggregate { &self.matter[PHASES..] } else { &[] };
+    /// Widest bands of cracking and crushing that dissipate their energy in every material of one of the `phases`, mm.
+    pub fn widest_mm(&self, phase: Phase, phases: &PhaseNames) -> [f64; 2] {
+        let stones = if phase == Phase::Aggregate { &self.matter[phases.count()..] } else { &[] };
         let all = std::iter::once(&self.matter[phase.index()]).chain(stones);
         all.map(Matter::widest_mm).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
     }

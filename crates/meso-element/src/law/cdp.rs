@@ -29,7 +29,6 @@ use super::invariants::Invariants;
 use super::{Hooke, Law, LawName, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
-use meso_mesh::Phase;
 use meso_mesh::materials::{self, MATERIALS, Materials, Plasticity, Strength};
 
 /// Parameters, as registers.
@@ -72,9 +71,7 @@ const STEPS: usize = 2;
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
     materials.validate_strength(LawName::Cdp)?;
-    [Phase::Mortar, Phase::Itz]
-        .into_iter()
-        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Cdp))?;
+    materials.validate_peak_strains(LawName::Cdp)?;
     let Plasticity { dilation_angle_deg: angle, eccentricity, biaxial_ratio, meridian_ratio, .. } =
         materials.plasticity;
     let accepted = "it must lie above 0 and below 60; 15 to 40 is usual";

@@ -29,7 +29,6 @@ use super::invariants::{Invariants, split};
 use super::{Hooke, Law, LawName, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
-use meso_mesh::Phase;
 use meso_mesh::materials::{self, MATERIALS, Materials, Strength};
 
 /// The paper's parameters that the strengths do not give.
@@ -42,9 +41,7 @@ pub use meso_mesh::materials::Cdpm2Parameters as Options;
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
     materials.validate_strength(LawName::Cdpm2)?;
-    [Phase::Mortar, Phase::Itz]
-        .into_iter()
-        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Cdpm2))?;
+    materials.validate_peak_strains(LawName::Cdpm2)?;
     let given = materials.mortar_strength.of(LawName::Cdpm2);
     let biaxial = materials.plasticity.biaxial_ratio;
     let accepted = "it must lie above 1 and at most at 1.5; 1.16 is usual";

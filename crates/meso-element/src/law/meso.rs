@@ -52,7 +52,6 @@ use super::invariants::{Invariants, split};
 use super::{Hooke, Law, LawName, PointResponse, State, Tensor, cdp, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
-use meso_mesh::Phase;
 use meso_mesh::materials::{self, Materials, Mesoscale, Strength};
 
 /// Parameters, as registers.
@@ -134,9 +133,7 @@ const WIDEST_SECTION: f64 = 1.154_700_538_379_251_6;
 pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
     materials.validate_elastic()?;
     materials.validate_strength(LawName::Meso)?;
-    [Phase::Mortar, Phase::Itz]
-        .into_iter()
-        .try_for_each(|phase| materials.validate_peak_strain(phase, LawName::Meso))?;
+    materials.validate_peak_strains(LawName::Meso)?;
     materials.validate_mesoscale()
 }
 

@@ -292,7 +292,7 @@ mod tests {
                 let materials = mix(fcm_mpa, rock).materials;
                 materials.validate_elastic().unwrap();
                 materials.validate_strength(LawName::Meso).unwrap();
-                materials.validate_peak_strain(crate::cells::Phase::Mortar, LawName::Meso).unwrap();
+                materials.validate_peak_strains(LawName::Meso).unwrap();
                 let factor = rock.map_or(1.0, |rock| rock.values().concrete.0);
                 let made = composite_modulus(&materials.mortar, &materials.aggregate, 0.4);
                 assert!((made / (factor * secant_modulus(fcm_mpa)) - 1.0).abs() < 1e-9, "{rock:?} {fcm_mpa}");

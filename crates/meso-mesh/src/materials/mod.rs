@@ -16,6 +16,7 @@ mod stone;
 pub use cdpm2::Cdpm2Parameters;
 pub use concrete::{Mix, Sourced};
 pub use mortar::{LawName, MortarStrength};
+pub use own::OwnMaterial;
 pub use ranges::MATERIALS;
 #[doc(hidden)]
 pub use ranges::{DENSITY, MODULUS};
@@ -33,7 +34,7 @@ use std::collections::BTreeMap;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(
     rename = "Materials",
-    extend("additionalProperties" = { "$ref": "#/$defs/Elastic", "description": "Values of a phase of the packing's own." })
+    extend("additionalProperties" = own::schema())
 ))]
 #[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct Materials {
@@ -49,9 +50,9 @@ pub struct Materials {
     /// Fibres, which stay elastic: steel.
     #[serde(deserialize_with = "fibre")]
     pub fibre: Elastic,
-    /// Values of the specimen's own phases, which stay elastic, by their names: `[materials.NAME]`.
+    /// Values of the specimen's own phases by their names: `[materials.NAME]`.
     #[serde(skip)]
-    pub own: BTreeMap<String, Elastic>,
+    pub own: BTreeMap<String, OwnMaterial>,
     /// Strength of the aggregates in a test; absent, they stay elastic, as they do in decks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aggregate_strength: Option<Stone>,
@@ -303,10 +304,15 @@ impl Materials {
         }
     }
 
-    /// The strength of `phase` as `law` has it; aggregates and fibres have none, those of [`Stone`] are the test's own.
-    pub fn strength(&self, phase: Phase, law: LawName) -> Option<Strength> {
+    /// The strength of one of the `phases` as `law` has it; aggregates and fibres have none, those of [`Stone`] are the test's
+    /// own.
+    pub fn strength(&self, phase: Phase, phases: &PhaseNames, law: LawName) -> Option<Strength> {
         match phase {
-            Phase::Aggregate | Phase::Void | Phase::Fibre | Phase::Own(_) => None,
+            Phase::Aggregate | Phase::Void | Phase::Fibre => None,
+            Phase::Own(_) => {
+                let ratio = self.own.get(phases.name(phase))?.strength_ratio?;
+                Some(self.mortar_strength.of(law).scaled(ratio))
+            }
             Phase::Mortar => Some(self.mortar_strength.of(law)),
             Phase::Itz => Some(self.itz_strength(law)),
         }

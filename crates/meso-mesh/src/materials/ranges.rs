@@ -42,11 +42,11 @@ impl Materials {
     pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
         let common =
             [("aggregate", &self.aggregate), ("itz", &self.itz), ("mortar", &self.mortar), ("fibre", &self.fibre)];
-        let own = self.own.iter().map(|(name, values)| (name.as_str(), values));
+        let own = self.own.iter().map(|(name, own)| (name.as_str(), &own.elastic));
         common.into_iter().chain(own).try_for_each(|(name, values)| elastic(name, values))
     }
 
-    /// Checks the strengths and energies of the mortar, and the ITZ's share of them.
+    /// Checks the strengths and energies of the mortar, and the shares of them that the ITZ and phases of one's own have.
     ///
     /// # Errors
     /// Names the first value outside its range.
@@ -63,23 +63,45 @@ impl Materials {
         }
         let ratio = self.itz_strength_ratio;
         let met = ratio > 0.0 && ratio <= 1.0;
-        MATERIALS.require("itz_strength_ratio", ratio, met, "it must lie above 0 and at most at 1")
+        MATERIALS.require("itz_strength_ratio", ratio, met, "it must lie above 0 and at most at 1")?;
+        self.own.iter().filter_map(|(name, own)| Some((name, own.strength_ratio?))).try_for_each(|(name, ratio)| {
+            let accepted = "it must be 0.01 to 100, over the mortar's strengths; without it the phase stays elastic";
+            MATERIALS.require(format!("{name}.strength_ratio"), ratio, (0.01..=100.0).contains(&ratio), accepted)
+        })
     }
 
-    /// Checks that the curve of `phase` rises from its elastic strain to its peak strain; elastic phases have no curve.
+    /// [Checks](Self::validate_peak_strain) all phases.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn validate_peak_strains(&self, law: LawName) -> Result<(), OutOfRange> {
+        let names = self.own_phases();
+        let all = [Phase::Mortar, Phase::Itz].into_iter().chain(names.own());
+        all.into_iter().try_for_each(|phase| self.validate_peak_strain(phase, &names, law))
+    }
+
+    /// Checks that the curve of one of the `phases` rises from its elastic strain to its peak strain; elastic phases have no curve.
     ///
     /// # Errors
     /// The mortar's peak strain is too small for the phase's strength and stiffness.
-    pub fn validate_peak_strain(&self, phase: Phase, law: LawName) -> Result<(), OutOfRange> {
-        let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase, law) else { return Ok(()) };
-        let modulus = self.elastic(phase, PhaseNames::COMMON).youngs_modulus_mpa;
+    pub fn validate_peak_strain(&self, phase: Phase, phases: &PhaseNames, law: LawName) -> Result<(), OutOfRange> {
+        let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase, phases, law) else {
+            return Ok(());
+        };
+        let modulus = self.elastic(phase, phases).youngs_modulus_mpa;
         let least = PEAK_OVER_ELASTIC * compressive_mpa / modulus;
+        if let Some(ratio) = self.own.get(phases.name(phase)).and_then(|own| own.strength_ratio) {
+            let most = ratio * peak_strain / least;
+            let accepted = format!(
+                "it must be {most:.4} at most: {compressive_mpa} MPa over {modulus} MPa is an elastic strain of too much for \
+                 mortar_strength.peak_strain, {peak_strain}"
+            );
+            let key = format!("{}.strength_ratio", phases.name(phase));
+            return MATERIALS.require(key, ratio, peak_strain >= least, accepted);
+        }
         let accepted = || {
             let elastic = format!("its strength of {compressive_mpa} MPa over its modulus of {modulus} MPa");
-            format!(
-                "{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}",
-                PhaseNames::COMMON.set_name(phase)
-            )
+            format!("{} needs {least:.3e} or more, 5 % above its elastic strain: {elastic}", phases.set_name(phase))
         };
         MATERIALS.require("mortar_strength.peak_strain", peak_strain, peak_strain >= least, accepted())
     }

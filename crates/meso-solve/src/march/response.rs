@@ -6,7 +6,7 @@ use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
-use meso_concrete::{PhaseNames, exceeds};
+use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_mesh::materials::Scatter;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
@@ -547,9 +547,10 @@ impl Summary {
                  compressive_mpa"
             ));
         }
-        for phase in Phase::SOLID {
-            let (width, limits) = (run.outline.widest_mm[phase.index()], run.common.widest_mm(phase));
-            let name = PhaseNames::COMMON.name(phase);
+        let phases = &run.sample.mesh.phases;
+        for phase in phases.solid() {
+            let (width, limits) = (run.outline.widest_mm[phase.index()], run.common.widest_mm(phase, phases));
+            let name = phases.name(phase);
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {
                     self.warnings.push(format!(

@@ -9,6 +9,8 @@ use meso_view::section::{ACROSS, sort_around};
 const PIXELS: f64 = 680.0;
 /// Steps of damage from 0 to 1.
 const STEPS: usize = 64;
+/// Damage beyond which a cell of an aggregate shows it.
+const BROKEN: f32 = 0.5;
 /// Places in the palette, before the steps of damage.
 const AGGREGATE: u8 = 1;
 const FIBRE: u8 = 2;
@@ -32,9 +34,9 @@ pub(super) fn picture(mesh: &Mesh, damage: &[f32], axis: usize, place: f64) -> P
 
 fn colour(phase: Phase, damage: f32) -> u8 {
     match phase {
-        Phase::Aggregate | Phase::Void | Phase::Own(_) => AGGREGATE,
+        Phase::Aggregate | Phase::Void | Phase::Own(_) if damage <= BROKEN => AGGREGATE,
         Phase::Fibre => FIBRE,
-        Phase::Mortar | Phase::Itz => DAMAGE + (damage.clamp(0.0, 1.0) * (STEPS - 1) as f32).round() as u8,
+        _ => DAMAGE + (damage.clamp(0.0, 1.0) * (STEPS - 1) as f32).round() as u8,
     }
 }
 

@@ -420,7 +420,7 @@ fn sections(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) ->
     writeln!(
         out,
         "<p class=\"note\">Damage 0 <span class=\"ramp\"></span> 1: the share of its stiffness that mortar or ITZ has \
-         lost. Grey are aggregates, which stay elastic. {}</p>",
+         lost. Grey are aggregates that are not broken. {}</p>",
         result.test.description()
     )
 }

@@ -80,11 +80,11 @@ fn exceeded(nodal: &[f32]) -> f32 {
     *sorted.select_nth_unstable_by(place, f32::total_cmp).1
 }
 
-/// Mean opening of the cells of mortar and ITZ around every node; 0 inside bodies.
+/// Mean opening of the cells of mortar, ITZ and broken bodies around every node; 0 inside sound bodies.
 fn at_nodes(mesh: &Mesh, opening_mm: &[f32]) -> Vec<f32> {
     let (mut sum, mut count) = (vec![0.0_f32; mesh.points.len()], vec![0_u32; mesh.points.len()]);
     for ((cell, opening), phase) in mesh.cells().zip(opening_mm).zip(&mesh.phase) {
-        if matches!(phase, Phase::Mortar | Phase::Itz) {
+        if matches!(phase, Phase::Mortar | Phase::Itz) || *opening > 0.0 {
             for &node in cell {
                 sum[node as usize] += opening;
                 count[node as usize] += 1;

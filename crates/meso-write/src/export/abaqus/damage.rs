@@ -122,8 +122,10 @@ mod tests {
     fn inelastic_strain_and_damage_rise_and_plastic_strain_never_falls() {
         let materials = Materials::default();
         for phase in [Phase::Mortar, Phase::Itz] {
-            let (elastic, strength) =
-                (materials.elastic(phase, PhaseNames::COMMON), materials.strength(phase, LAW).unwrap());
+            let (elastic, strength) = (
+                materials.elastic(phase, PhaseNames::COMMON),
+                materials.strength(phase, PhaseNames::COMMON, LAW).unwrap(),
+            );
             for (rows, length) in [(compression(elastic, &strength, 2.0), 1.0), (tension(&strength, 0.35), 1.0)] {
                 let plastic = |r: &Row| {
                     r.inelastic - r.damage / (1.0 - r.damage) * r.stress / elastic.youngs_modulus_mpa * length

@@ -86,14 +86,18 @@ fn in_deck(error: OutOfRange) -> OutOfRange {
 /// Finds out whether Abaqus takes the curves of `phase`: it refuses plastic strains that fall. The curves of compression
 /// ensure that themselves. `opening` is the deck's share of a crack's opening; a crack's plastic opening grows by that share
 /// of G / (4 f) where it loses f / (5 E).
-pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Result<(), OutOfRange> {
-    let Some(strength) = materials.strength(phase, LAW) else { return Ok(()) };
-    materials.validate_peak_strain(phase, LAW).map_err(in_deck)?;
-    let (e, ft) = (materials.elastic(phase, PhaseNames::COMMON).youngs_modulus_mpa, strength.tensile_mpa);
+pub(super) fn curves(
+    materials: &Materials,
+    (phase, phases): (Phase, &PhaseNames),
+    opening: f64,
+) -> Result<(), OutOfRange> {
+    let Some(strength) = materials.strength(phase, phases, LAW) else { return Ok(()) };
+    materials.validate_peak_strain(phase, phases, LAW).map_err(in_deck)?;
+    let (e, ft) = (materials.elastic(phase, phases).youngs_modulus_mpa, strength.tensile_mpa);
     let given = materials.mortar_strength.of(LAW).fracture_energy_n_per_mm;
     let share = opening * strength.fracture_energy_n_per_mm / given;
     let least = 0.8 * ft * ft / e / share;
-    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", PhaseNames::COMMON.set_name(phase));
+    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phases.set_name(phase));
     MATERIALS.require("mortar_strength.fracture_energy_n_per_mm", given, given >= least, accepted).map_err(in_deck)
 }
 

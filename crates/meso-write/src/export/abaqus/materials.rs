@@ -6,10 +6,10 @@ use super::limits;
 use super::lines::real;
 use super::{DeckOptions, LAW};
 use crate::export::lines::Lines;
-use meso_concrete::{OutOfRange, PhaseNames};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
-use meso_mesh::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
+use meso_mesh::materials::{Elastic, Materials, Plasticity, Strength, characteristic_mm, width_mm};
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.
@@ -25,8 +25,13 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
                 real(strains[if phase.is_aggregate() { Phase::Aggregate } else { phase }.index()])
             ))?;
         }
-        if let (true, Some(strength)) = (options.damages(), materials.strength(phase, LAW)) {
-            plasticity(lines, materials, phase, &strength, crack_band(mesh))?;
+        if let (true, Some(strength)) = (options.damages(), materials.strength(phase, &mesh.phases, LAW)) {
+            plasticity(
+                lines,
+                materials.elastic(phase, &mesh.phases),
+                &strength,
+                (&materials.plasticity, crack_band(mesh)),
+            )?;
         }
     }
     if !mesh.cohesive.is_empty() {
@@ -53,10 +58,10 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 
 /// Finds out whether Abaqus takes the curves of every phase in the elements it has.
 pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange> {
-    let mut strong = present(mesh).filter(|&phase| materials.strength(phase, LAW).is_some());
+    let mut strong = present(mesh).filter(|&phase| materials.strength(phase, &mesh.phases, LAW).is_some());
     let materials = materials.in_mesh(mesh);
     let opening = crack_band(mesh).opening;
-    strong.try_for_each(|phase| limits::curves(&materials, phase, opening))
+    strong.try_for_each(|phase| limits::curves(&materials, (phase, &mesh.phases), opening))
 }
 
 /// Warns of crack bands so wide that they dissipate more crushing energy than was asked for.
@@ -100,12 +105,10 @@ pub(super) fn crack_band(mesh: &Mesh) -> Band {
 
 fn plasticity(
     lines: &mut Lines<impl Write>,
-    materials: &Materials,
-    phase: Phase,
+    elastic: &Elastic,
     strength: &Strength,
-    band: Band,
+    (p, band): (&Plasticity, Band),
 ) -> io::Result<()> {
-    let (elastic, p) = (materials.elastic(phase, PhaseNames::COMMON), &materials.plasticity);
     let values = [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
     lines.line("*CONCRETE DAMAGED PLASTICITY")?;
     lines.line(values.map(real).join(", "))?;

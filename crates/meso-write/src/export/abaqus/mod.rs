@@ -446,7 +446,9 @@ impl DeckOptions {
     pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), OutOfRange> {
         limits::check(self)?;
         if self.has_curves() {
-            limits::curves(&self.materials, Phase::Mortar, 1.0)?;
+            let names = self.materials.own_phases();
+            let mut strong = std::iter::once(Phase::Mortar).chain(names.own());
+            strong.try_for_each(|phase| limits::curves(&self.materials, (phase, &names), 1.0))?;
         }
         if !self.periodic_equations {
             return Ok(());

@@ -23,7 +23,7 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={frames}"))?;
     lines.line("*NODE OUTPUT")?;
     lines.line("U")?;
-    for phase in present(mesh).filter(|phase| options.materials.strength(*phase, LAW).is_some()) {
+    for phase in present(mesh).filter(|phase| options.materials.strength(*phase, &mesh.phases, LAW).is_some()) {
         element_output(lines, mesh, phase, "PEEQ, PEEQT, DAMAGEC, DAMAGET, SDEG")?;
     }
     if !mesh.cohesive.is_empty() {
@@ -31,7 +31,7 @@ pub(super) fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckO
     }
     lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={}", frames.min(STRESS_FRAMES)))?;
     for phase in present(mesh) {
-        let plastic = if options.materials.strength(phase, LAW).is_some() { ", PE" } else { "" };
+        let plastic = if options.materials.strength(phase, &mesh.phases, LAW).is_some() { ", PE" } else { "" };
         element_output(lines, mesh, phase, &format!("S, LE{plastic}"))?;
     }
     Ok(())

@@ -4,7 +4,7 @@ use super::loading::Block;
 use super::{Field, LsdynaLaw, block_parts, card, formulation, part, present};
 use crate::export::abaqus::{DECK, DeckOptions};
 use crate::export::lines::Lines;
-use meso_concrete::{OutOfRange, PhaseNames};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Elastic, LawName, Materials, Strength, characteristic_mm, width_mm};
@@ -33,12 +33,13 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
         return Ok(());
     }
     let [low, high] = CSCM_MPA;
-    for phase in [Phase::Mortar, Phase::Itz] {
-        let strength = options.materials.strength(phase, LAW).map_or(low, |strength| strength.compressive_mpa);
+    let names = options.materials.own_phases();
+    for phase in [Phase::Mortar, Phase::Itz].into_iter().chain(names.own()) {
+        let strength = options.materials.strength(phase, &names, LAW).map_or(low, |strength| strength.compressive_mpa);
         if strength < low || strength > high {
             let accepted = format!(
                 "*MAT_159 generates parameters for {low} to {high} MPa, and {} has {strength} MPa; take cdpm or rel3",
-                PhaseNames::COMMON.set_name(phase)
+                names.set_name(phase)
             );
             return Err(DECK.error("lsdyna_law", "cscm", accepted));
         }
@@ -59,7 +60,7 @@ pub(super) fn write(
         one_part(cards, &mesh.phases.set_name(phase), part(phase))?;
         let own = if is_solid(phase) { formulation(mesh.kind, options.reduced_integration) } else { joint(mesh.kind) };
         section(cards, part(phase), own)?;
-        match materials.strength(phase, LAW).filter(|_| options.has_curves()) {
+        match materials.strength(phase, &mesh.phases, LAW).filter(|_| options.has_curves()) {
             _ if !is_solid(phase) => cohesive(cards, &materials, options.has_curves())?,
             Some(strength) => strong(cards, phase, &materials, &strength, mesh, options)?,
             None => elastic(cards, part(phase), materials.elastic(phase, &mesh.phases))?,
