@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# opensection 1.0.0: contours lose their signs; a clockwise hole attracts the centroid, and I_yz is never negative.
+# opensection 1.0.0: contours lose their signs; a clockwise hole attracts the centroid; I_yz of one is never negative.
 # The documentation wants outer contours counterclockwise and holes clockwise. The area is taken without its sign, the sums
 # for the centroid with it, so that the centroid of a clockwise hole is mirrored at the origin.
 # Seen: a square of 4 with a hole of 1 around (2.5, 2.5) has its centroid at (2.3, 2.3) and second moments of -25.35; right
