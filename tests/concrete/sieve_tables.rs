@@ -276,7 +276,7 @@ fn tables_of_laboratories_are_read_as_they_are_meant() {
 }
 
 /// Name of the sheet, its text, and words of the refusal.
-const REFUSED: [(&str, &str, &[&str]); 61] = [
+const REFUSED: [(&str, &str, &[&str]); 63] = [
     (
         "a loss of 1.1 %",
         "Sieve (mm),Mass retained (g)\n16,0\n11.2,150\n8,250\n4,400\nPan,189\nInitial mass,1000\n",
@@ -478,6 +478,17 @@ const REFUSED: [(&str, &str, &[&str]); 61] = [
     ),
     ("a range for a number", "Sieve (mm);Passing (%)\n16;100\n8;75-85\n4;0\n", &["line 3: \"75-85\""]),
     ("no number at all", "Sieve (mm);Passing (%)\n16;100\n8;NaN\n4;0\n", &["line 3: \"nan\" is not a number"]),
+    // The line was taken for a comment, and its sieve was lost.
+    (
+        "an error of a spreadsheet for a sieve",
+        "Sieve (mm),Passing (%)\n16,100\n#N/A,70\n4,20\n",
+        &["line 3: \"#n/a\" is no sieve"],
+    ),
+    (
+        "a division by nothing",
+        "Sieve (mm);Passing (%)\n16;100\n#DIV/0!;70\n4;20\n",
+        &["line 3: \"#div/0!\" is no sieve"],
+    ),
 ];
 
 #[test]

@@ -94,3 +94,23 @@ def test_an_image_of_phases_is_read_back_by_the_numbers_of_its_grains_and_their_
     found = mc.from_labels(image, 0.5, aggregate=[1, 2])
     assert len(found) == len(packing)
     assert found.fraction == pytest.approx(packing.fraction, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("spacing", "said"),
+    [
+        (float("nan"), "the file has the `spacing` `nan`, which is no length: slices are 1 mm apart, pixels 1 mm"),
+        (float("inf"), "the file has the `spacing` `inf`, which is no length"),
+        (0, "the file has the `spacing` `0`, which is no length"),
+        (1e300, r"the file has voxels of 1 x 1 x 1e300 mm, which no specimen has, so it is 1 mm"),
+        (1e-300, "which no specimen has, so it is 1 mm"),
+    ],
+)
+def test_slices_without_a_length_apart_are_warned_of(tmp_path, labels, spacing, said):
+    """The case: they were 1 mm apart without a word, and 1e300 mm ended in a bug."""
+    tifffile = pytest.importorskip("tifffile")
+    metadata = {"spacing": spacing, "unit": "mm", "axes": "ZYX"}
+    tifffile.imwrite(tmp_path / "s.tif", labels, imagej=True, resolution=(1, 1), metadata=metadata)
+    with pytest.warns(UserWarning, match=said):
+        packing = mc.from_labels(tmp_path / "s.tif")
+    assert packing.report()["labels"]["voxel_size_mm"] == [1.0, 1.0, 1.0]

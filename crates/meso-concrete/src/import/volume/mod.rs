@@ -9,7 +9,9 @@ mod vti;
 mod xml;
 
 use super::{ending, list, misnamed};
+use crate::written;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// Endings of the names of files that are read, in lower case.
 pub const ENDINGS: [&str; 4] = ["tif", "tiff", "npy", "vti"];
@@ -291,18 +293,24 @@ impl<N: LabelNumber> Values<N> {
         if (0..).zip(&places).any(|(number, place)| number != (*place).into()) {
             of.iter_mut().for_each(|number| *number = places[(*number).into()]);
         }
-        let is_length = |h: &f64| h.is_finite() && *h > 0.0;
-        let spacing_mm = spacing_mm.filter(|spacing| spacing.iter().all(is_length));
+        let kept = spacing_mm.filter(|spacing| spacing.iter().all(|h| LENGTHS.contains(h)));
+        let size_note = spacing_mm.filter(|_| kept.is_none()).map(|spacing| {
+            let [x, y, z] = spacing.map(written);
+            format!("the file has voxels of {x} x {y} x {z} mm, which no specimen has")
+        });
         Ok(Volume {
             counts,
-            spacing_mm,
-            size_note: None,
+            spacing_mm: kept,
+            size_note,
             array_note: None,
             labels: self.numbers.into_keys().collect(),
             of,
         })
     }
 }
+
+/// Edges that a voxel of a file may have, mm.
+const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Number of voxels, if it can be one.
 fn voxels(counts: [usize; 3]) -> Option<usize> {

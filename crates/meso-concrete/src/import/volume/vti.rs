@@ -36,8 +36,8 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<
     let sections = [("CellData", 0), ("PointData", 1)].map(|(name, points)| (Section::of(head, name), counts(points)));
     let (array, counts, note) = chosen(&sections, wanted.array)?;
     let volume: Volume<N> = file.read(array, counts, wanted)?.volume(counts, spacing)?;
-    let size_note = spacing.and_then(|spacing| unit_note(spacing, volume.counts));
-    Ok(Volume { array_note: note, size_note, ..volume })
+    let size_note = volume.spacing_mm.and_then(|spacing| unit_note(spacing, volume.counts));
+    Ok(Volume { array_note: note, size_note: size_note.or(volume.size_note), ..volume })
 }
 
 /// Doubt about a length in mm that no specimen has: files of VTK have no unit.

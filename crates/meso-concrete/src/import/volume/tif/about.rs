@@ -67,7 +67,8 @@ impl Pages {
         let [Some(x), Some(y)] = self.pixel else {
             return Ok(no_size("the file has a unit of length and no size of a pixel".to_owned()));
         };
-        let given = value("spacing").and_then(|text| text.parse::<f64>().ok()).map(f64::abs).filter(|z| *z > 0.0);
+        let said = value("spacing");
+        let given = said.and_then(|text| text.parse::<f64>().ok()).map(f64::abs).filter(|z| *z > 0.0 && z.is_finite());
         let is_stack = self.counts[2] > 1;
         let z = match given {
             Some(z) => z,
@@ -76,11 +77,14 @@ impl Pages {
             None => return Ok(no_size("the file has no distance of its slices".to_owned())),
         };
         let spacing = [x * mm[0], y * mm[1], z * mm[2]];
-        let note = (given.is_none() && is_stack && spacing[0] != spacing[2]).then(|| {
+        let is_bad = said.is_some() && given.is_none();
+        let note = (given.is_none() && is_stack && (is_bad || spacing[0] != spacing[2])).then(|| {
             let [x, _, z] = spacing;
-            format!(
-                "the file has no `spacing`, which ImageJ leaves out if it is 1 {unit}: slices are {z} mm apart, pixels {x} mm"
-            )
+            let why = match said.filter(|_| is_bad) {
+                Some(said) => format!("the file has the `spacing` `{}`, which is no length", said.escape_debug()),
+                None => format!("the file has no `spacing`, which ImageJ leaves out if it is 1 {unit}"),
+            };
+            format!("{why}: slices are {z} mm apart, pixels {x} mm")
         });
         Ok(About { spacing_mm: Some(spacing), note })
     }

@@ -47,7 +47,9 @@ pub(super) fn read<N: LabelNumber>(bytes: &[u8], wanted: &Wanted<'_>) -> Result<
             })?;
         }
     }
-    values.volume(counts, about.spacing_mm).map(|volume| Volume { size_note: about.note, ..volume })
+    values
+        .volume(counts, about.spacing_mm)
+        .map(|volume| Volume { size_note: about.note.or(volume.size_note), ..volume })
 }
 
 /// Pixels along x and y, and pages.
