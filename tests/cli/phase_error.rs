@@ -89,7 +89,8 @@ fn the_default_mesh_of_a_periodic_recipe_keeps_every_phase() {
 #[test]
 #[ignore = "slow: packs every recipe"]
 fn slow_the_default_mesh_of_every_recipe_keeps_every_phase() {
-    // Sand is finer than the default elements.
-    let recipes = meso_core::recipes::Recipe::ALL.iter().filter(|recipe| recipe.name != "en-mortar-40");
+    // Sand is finer than the default elements, and phases of one's own need values for a deck.
+    let is_usual = |name: &str| !["en-mortar-40", "recycled-36", "lightweight-36"].contains(&name);
+    let recipes = meso_core::recipes::Recipe::ALL.iter().filter(|recipe| is_usual(recipe.name));
     recipes.for_each(|recipe| keeps_every_phase(recipe.name));
 }

@@ -40,6 +40,8 @@ impl Recipe {
         Self { name: "asphalt-101", text: include_str!("recipes/asphalt-101.toml") },
         Self { name: "rock-soil-300", text: include_str!("recipes/rock-soil-300.toml") },
         Self { name: "en-mortar-40", text: include_str!("recipes/en-mortar-40.toml") },
+        Self { name: "recycled-36", text: include_str!("recipes/recycled-36.toml") },
+        Self { name: "lightweight-36", text: include_str!("recipes/lightweight-36.toml") },
     ];
 
     /// The recipe of this name, if there is one.
