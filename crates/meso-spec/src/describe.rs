@@ -40,6 +40,9 @@ fn path_of(line: &str, section: &mut Vec<String>) -> Option<Vec<String>> {
 fn meaning(schema: &Value, tree: &Value, path: &[String]) -> Option<String> {
     let (mut node, mut value, mut variant) = (schema, tree, schema);
     for key in path {
+        if let Some(items) = node.get("items") {
+            (node, value) = (items, &value[0]);
+        }
         variant = form(schema, node, value);
         node = variant["properties"].get(key)?;
         value = &value[key];

@@ -1657,7 +1657,7 @@ def _checked_test(test: _types.NamedTest) -> _types.NamedTest: ...
 def _concrete_materials(
     *,
     fcm: float | str | None = ...,
-    mortar: float | None = ...,
+    mortar: float | str | None = ...,
     rock: str | None = ...,
     fraction: float = ...,
     law: str = ...,
