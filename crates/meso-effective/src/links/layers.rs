@@ -14,6 +14,8 @@ pub(crate) struct Layer {
     /// The triangles of a body with dents, whose planes bound nothing.
     pub(super) dents: Option<Triangles>,
     pub(super) aabb: Aabb,
+    /// Value inside.
+    pub(super) within: f64,
     /// Value inside less the value outside.
     pub(super) change: f64,
     /// Resistance inside less the resistance outside; phases without a value have the mortar's.
@@ -49,6 +51,7 @@ impl Layer {
             planes: surface.body.planes().collect(),
             dents: (!surface.body.is_convex()).then(|| surface.body.surface()),
             aabb: surface.body.aabb(),
+            within,
             change: within - outside,
             resistance: resistance(within) - resistance(outside),
             blocks: blocked(within) - blocked(outside),

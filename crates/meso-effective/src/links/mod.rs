@@ -57,12 +57,13 @@ impl Links {
 
     /// The links of `layers` in mortar of value `mortar`.
     pub(crate) fn new(grid: &Grid, layers: &[Layer], mortar: f64) -> Self {
+        let most = layers.iter().fold(mortar, |most, layer| layer.within.max(most));
         let wraps = grid.ends[2] == End::Periodic;
         if !layers.iter().any(|layer| layer.body > 0.0) {
-            let link = |sums: &Sums, over: f64| (sums.conductance(mortar) * over) as f32;
+            let link = |sums: &Sums, over: f64| (sums.conductance([mortar, most]) * over) as f32;
             return Self::of(grid.counts, wraps, [0, 1, 2].map(|axis| along(grid, layers, axis, link)));
         }
-        let link = |sums: &Sums, over: f64| sums.link(mortar, over);
+        let link = |sums: &Sums, over: f64| sums.link([mortar, most], over);
         let (across, corners) = corners::couple(grid, layers, [0, 1, 2].map(|axis| along(grid, layers, axis, link)));
         Self { corners, ..Self::of(grid.counts, wraps, across) }
     }
@@ -194,22 +195,28 @@ impl<'a> Planes<'a> {
 
 impl Sums {
     /// The conductance with the value and the resistance for corners; those of a face that is blocked couple with none.
-    fn link(&self, mortar: f64, over: f64) -> corners::Link {
-        let value = mortar + self.value;
+    fn link(&self, [mortar, most]: [f64; 2], over: f64) -> corners::Link {
+        let (value, resistance) = self.both(mortar, most);
         let is_open = self.blocked == 0.0 && value > NOTHING * mortar;
-        let resistance = if is_open { 1.0 / mortar + self.resistance } else { 0.0 };
-        [self.conductance(mortar) * over, value, resistance].map(|x| x as f32)
+        let resistance = if is_open { resistance } else { 0.0 };
+        [self.conductance([mortar, most]) * over, value, resistance].map(|x| x as f32)
     }
 
-    fn conductance(&self, mortar: f64) -> f64 {
-        let (value, open) = (mortar + self.value, 1.0 - self.blocked);
+    /// Mean value over the face and mean resistance along the link. Round bodies that touch are polyhedra around them which
+    /// overlap a little: what counts twice there is at least a resistance of the phase of the `most` value.
+    fn both(&self, mortar: f64, most: f64) -> (f64, f64) {
+        ((mortar + self.value).min(most), (1.0 / mortar + self.resistance).max(1.0 / most))
+    }
+
+    fn conductance(&self, [mortar, most]: [f64; 2]) -> f64 {
+        let ((value, resistance), open) = (self.both(mortar, most), 1.0 - self.blocked);
         if value < NOTHING * mortar || open < NOTHING {
             return 0.0;
         }
         if self.weight <= 0.0 {
             return value;
         }
-        let (value, resistance) = (value / open, 1.0 / mortar + self.resistance);
+        let value = value / open;
         let (normal, flux) = (self.normal / self.weight, self.flux / self.weight);
         open * (value * (1.0 - normal) + flux * resistance) / ((1.0 - normal) + flux * resistance * resistance)
     }
@@ -273,5 +280,29 @@ impl Met {
             count => crossed.iter().map(|along| square(*along)).sum::<f64>() / count as f64,
         };
         Self { share, normal2 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The case: two spheres that touch had a link of -77, and the equations no solution.
+    #[test]
+    fn a_place_that_two_bodies_cover_conducts_as_the_better_phase() {
+        let most = 1372.0;
+        let twice = |share: f64| Sums {
+            value: 2.0 * share * (most - 1.0),
+            resistance: 2.0 * share * (1.0 / most - 1.0),
+            weight: 0.5,
+            normal: 0.1,
+            flux: 0.5 * 0.1 * most * most,
+            ..Sums::default()
+        };
+        for share in [0.5, 0.51, 0.75, 1.0] {
+            let [conductance, value, resistance] = twice(share).link([1.0, most], 1.0).map(f64::from);
+            assert!(conductance > 0.0 && conductance <= most * (1.0 + 1e-6), "{share}: {conductance}");
+            assert!(value <= most && resistance >= 1.0 / most * (1.0 - 1e-6), "{share}: {value}, {resistance}");
+        }
     }
 }
