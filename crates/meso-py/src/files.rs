@@ -148,17 +148,15 @@ pub(crate) fn write_mesh(
         return Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension)));
     };
     let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
-    if let Some(script) = format.script(path).filter(|script| paths.contains(&&*script.path))
-        && beginning(&script.path).is_some_and(|own| !script.is_ours(&own))
-    {
-        let message = "is no script of mesocrete, so nothing replaces it; move it, or name the deck otherwise";
-        return Err(PyFileExistsError::new_err(format!("{} {message}", script.path.display())));
-    }
     // A stream replaces nothing.
-    let before = (!is_stream(path)).then(|| beginning(path).unwrap_or_default());
-    let left = before.map(|before| format.leftovers(path, &files, &before)).unwrap_or_default();
-    let left = left.into_iter().filter(|left| beginning(&left.path).is_some_and(|own| left.is_ours(&own)));
-    let left: Vec<PathBuf> = left.map(|left| left.path).collect();
+    let is_file = !is_stream(path);
+    if is_file
+        && format.has_script(deck)
+        && let Some(why) = format.foreign_script(path, &beginning)
+    {
+        return Err(PyFileExistsError::new_err(why));
+    }
+    let left = if is_file { format.leftovers(path, &files, &beginning) } else { Vec::new() };
     write_together(&paths, &left, overwrite, watch, |i, out| files[i].write(mesh, deck, compress, out))
 }
 

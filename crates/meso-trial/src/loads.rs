@@ -141,9 +141,7 @@ impl Test {
         let mut path_mm = self.path_mm(rig.length_mm)?;
         let (mut supports, mut members) = (Vec::new(), Vec::new());
         for (place, support) in (0..).zip(&rig.supports).filter(|(_, support)| support.rule != Rule::Pressure) {
-            let mut rigid = self.support(sample, &sides, &rig, support)?;
-            let jump_s = JUMP * self.duration_s(&geometry);
-            rigid.motion = support.drive.as_ref().map(|drive| motion(drive, sample, &sides, support, jump_s));
+            let rigid = self.support(sample, &sides, &rig, support)?;
             members.extend(rigid.nodes.iter().map(|&node| (node, place)));
             supports.push(rigid);
         }
@@ -250,6 +248,7 @@ impl Test {
         // A strip takes the shape of a round side; a flat one would meet a line of nodes.
         let is_glued = support.rule == Rule::Glued || support.strip.is_some() && is_round;
         let area_mm2 = nodes::area_mm2(sample.mesh, sides, support);
+        let jump_s = JUMP * self.duration_s(&sample.geometry());
         Ok(RigidSupport {
             name: support.name.clone(),
             axis,
@@ -260,17 +259,17 @@ impl Test {
             force_n: support.pressure_mpa * area_mm2,
             force_ratio: support.stress_ratio.map(|ratio| ratio * area_mm2 / rig.section_mm2),
             is_beside: !is_glued && support.strip.is_some_and(|strip| strip.at_mm != 0.0),
-            motion: None,
+            motion: support.drive.as_ref().map(|drive| motion(drive, sample, area_mm2, jump_s)),
         })
     }
 }
 
-fn motion(drive: &Drive, sample: &Sample, sides: &Sides, support: &SupportSpec, jump_s: f64) -> Motion {
+/// The motion of a support on an area of the specimen.
+fn motion(drive: &Drive, sample: &Sample, on_mm2: f64, jump_s: f64) -> Motion {
     match drive {
         Drive::Speed { speed_m_per_s } => Motion::Speed(speed_m_per_s.rows(jump_s)),
         Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, speed_m_per_s } => {
-            let area_mm2 = area_mm2.unwrap_or_else(|| nodes::area_mm2(sample.mesh, sides, support));
-            let impedance = area_mm2 * (youngs_modulus_mpa * density_t_per_mm3).sqrt();
+            let impedance = area_mm2.unwrap_or(on_mm2) * (youngs_modulus_mpa * density_t_per_mm3).sqrt();
             let mass_t = impedance * sample.element_size_mm / FASTEST_WAVE;
             let wave = if drive.fastest() == 0.0 { Vec::new() } else { speed_m_per_s.rows(jump_s) };
             Motion::Bar { impedance, mass_t, wave }

@@ -249,26 +249,31 @@ impl MeshFormat {
         files
     }
 
-    /// Files beside `path` that may be of an earlier mesh there, and that a mesh with these `files` has not. `before` is what
-    /// `path` holds so far.
-    pub fn leftovers(self, path: &Path, files: &[MeshFile], before: &[u8]) -> Vec<Companion> {
+    /// Files beside `path` that an earlier mesh there has left, and that a mesh with these `files` has not; `beginning` reads how
+    /// a file begins.
+    pub fn leftovers(self, path: &Path, files: &[MeshFile], beginning: &Beginning<'_>) -> Vec<PathBuf> {
         let is_left = |path: &PathBuf| files.iter().all(|file| file.path != *path);
         if self == Self::Pvtu {
-            let index = String::from_utf8_lossy(before);
+            let before = beginning(path).unwrap_or_default();
+            let index = String::from_utf8_lossy(&before);
             let is_listed = |piece: &PathBuf| {
                 index.contains(&pvtu::entry(&piece.file_name().unwrap_or_default().to_string_lossy()))
             };
             let pieces = (0..).map(|index| Self::piece_path(path, index)).take_while(is_listed);
-            return pieces.filter(is_left).map(|path| Companion { path, opening: String::new() }).collect();
+            return pieces.filter(is_left).filter(|piece| beginning(piece).is_some()).collect();
         }
-        self.script(path).filter(|script| is_left(&script.path)).into_iter().collect()
+        let script = abaqus::DeckOptions::curve_path(path);
+        let is_ours = self.is_deck() && is_left(&script) && is_script(path, &script, beginning) == Some(true);
+        is_ours.then_some(script).into_iter().collect()
     }
 
-    /// The script of a deck at `path`.
-    pub fn script(self, path: &Path) -> Option<Companion> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let path = || abaqus::DeckOptions::curve_path(path);
-        self.is_deck().then(|| Companion { path: path(), opening: script::opening(&name) })
+    /// Why the script of a deck at `path` cannot be written, where another program's file has its name; `beginning` reads how a
+    /// file begins.
+    pub fn foreign_script(self, path: &Path, beginning: &Beginning<'_>) -> Option<String> {
+        let script = abaqus::DeckOptions::curve_path(path);
+        let message = "is no script of mesocrete, so nothing replaces it; move it, or name the deck otherwise";
+        let is_foreign = self.is_deck() && is_script(path, &script, beginning) == Some(false);
+        is_foreign.then(|| format!("{} {message}", script.display()))
     }
 
     /// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
@@ -285,19 +290,13 @@ pub struct MeshFile {
     content: Content,
 }
 
-/// A file beside a mesh, which an earlier mesh of its name may have left.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Companion {
-    /// Path of the file.
-    pub path: PathBuf,
-    opening: String,
-}
+/// Reads how a file begins; `None` where there is none.
+pub type Beginning<'a> = dyn Fn(&Path) -> Option<Vec<u8>> + 'a;
 
-impl Companion {
-    /// Whether a file that begins so was written beside a mesh; others are the user's.
-    pub fn is_ours(&self, beginning: &[u8]) -> bool {
-        beginning.starts_with(self.opening.as_bytes())
-    }
+/// Whether `script` is that of a deck at `path`, and not another program's; `None` where it is not there.
+fn is_script(path: &Path, script: &Path, beginning: &Beginning<'_>) -> Option<bool> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Some(beginning(script)?.starts_with(script::opening(&name).as_bytes()))
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]

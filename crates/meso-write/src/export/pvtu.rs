@@ -57,12 +57,12 @@ pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::R
     writeln!(out, "</PUnstructuredGrid>\n</VTKFile>")
 }
 
-/// Escapes the characters of a file's name that XML does not allow.
 /// The entry of a piece with this name.
 pub(crate) fn entry(name: &str) -> String {
     format!("<Piece Source=\"{}\"/>", escaped(name))
 }
 
+/// Escapes the characters of a file's name that XML does not allow.
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

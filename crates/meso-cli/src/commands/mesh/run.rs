@@ -10,12 +10,12 @@ use crate::{inputs, room, stderr};
 use meso_ask::{DeckAsk, DeckSettled, Giver, strict_doubt};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{MeshFile, MeshFormat};
+use meso_core::formats::MeshFormat;
 use meso_core::mesh::{Mesh, PhaseOff, Tools};
 use meso_core::watch::Stage;
 use meso_files::whole::beginning;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     args.threads.run(|| on_these_threads(args))?
@@ -87,25 +87,15 @@ pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> 
     }
     let target = Target::new(path, force)?;
     if ask.has_script(*format) && matches!(target, Target::File { .. }) {
-        if let Some(script) =
-            format.script(path).filter(|script| beginning(&script.path).is_some_and(|own| !script.is_ours(&own)))
-        {
-            let message = "is no script of mesocrete, so nothing replaces it; move it, or name the deck otherwise";
-            return Err(Failure::Run(format!("{} {message}", script.path.display())));
+        if let Some(why) = format.foreign_script(path, &beginning) {
+            return Err(Failure::Run(why));
         }
         Target::new(&DeckOptions::curve_path(path), force)?;
-    } else if let (Some(left), false) = (leftovers(*format, path, &[]).first(), force) {
+    } else if let (Some(left), false) = (format.leftovers(path, &[], &beginning).first(), force) {
         let (left, path) = (left.display(), path.display());
         return Err(Failure::Run(format!("{left} is of an earlier {path}; --force removes it")));
     }
     Ok(target)
-}
-
-/// What an earlier mesh has left beside `path`, and one of these files does not replace.
-fn leftovers(format: MeshFormat, path: &Path, files: &[MeshFile]) -> Vec<PathBuf> {
-    let before = beginning(path).unwrap_or_default();
-    let left = format.leftovers(path, files, &before).into_iter();
-    left.filter(|left| beginning(&left.path).is_some_and(|own| left.is_ours(&own))).map(|left| left.path).collect()
 }
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
@@ -164,7 +154,7 @@ pub(crate) fn fill(
     let path = target.file().unwrap_or(Path::new("-"));
     let files = format.files(path, mesh, deck);
     if let (Target::File { .. }, true) = (target, force) {
-        for left in leftovers(format, path, &files) {
+        for left in format.leftovers(path, &files, &beginning) {
             stderr::line(format!("{} is of the earlier {}, and goes with it", left.display(), path.display()));
             unit.remove(left);
         }
