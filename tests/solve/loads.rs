@@ -654,7 +654,11 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         (Test { pressure_mpa: Some(-101.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -101"),
         (Test { pressure_mpa: Some(f64::NAN), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is NaN"),
         (Test { pressure_mpa: Some(4.0), ..Test::default() }, &cube, "only triaxial and hopkinson tests take it"),
-        (Test { strip_mm: Some(4.0), ..Test::default() }, &cube, "only splitting, hopkinson-splitting, bending and drop tests take it"),
+        (
+            Test { strip_mm: Some(4.0), ..Test::default() },
+            &cube,
+            "only splitting, hopkinson-splitting, bending and drop tests take it",
+        ),
         (Test { strip_mm: Some(30.0), ..of(TestKind::Splitting) }, &cube, "a strip must leave half of the side free"),
         (of(TestKind::Splitting), &beam, "the specimen has a notch where it splits"),
         (Test { span_mm: Some(2.0), ..of(TestKind::Bending) }, &beam, "its depth of 20 mm apart"),

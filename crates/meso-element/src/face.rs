@@ -10,6 +10,7 @@
 
 use crate::lanes::{LANES, Lanes, Octet, Vectors};
 use crate::real::Real;
+use crate::uniform::pairs;
 
 /// Registers that a pair of nodes remembers: damage, its slip along x, y and z, mm, and its separation along the normal, mm.
 pub const REMEMBERED: usize = 5;
@@ -139,15 +140,15 @@ impl<const N: usize> Faces<N> {
         self.area.0[lane] = area as f32;
     }
 
-    /// The eight faces as words, as if each were an element whose other nodes have the normal as gradient: pair by pair, the
-    /// node over the aggregate's and the aggregate's, two to a word; the normal for each node but the last; areas; zeros.
+    /// The eight faces as words: pair by pair, the node over the aggregate's and the aggregate's, two to a word; areas; x, y, z
+    /// of the normals; zeros up to the words of an [element](crate::uniform::Uniform::words) with as many nodes.
     pub fn words(&self, out: &mut Vec<u32>) {
-        for at in self.at[1].iter().zip(&self.at[0]).flat_map(|(over, below)| [over, below]) {
-            out.extend(at.chunks_exact(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16));
-        }
-        let normals = (1..2 * N).flat_map(|_| &self.normal);
-        let numbers = normals.chain([&self.area, &Octet([0.0; LANES])]).copied();
+        let nodes = self.at[1].iter().zip(&self.at[0]).flat_map(|(over, below)| [over, below]);
+        nodes.for_each(|at| out.extend(pairs(*at)));
+        let numbers = std::iter::once(&self.area).chain(&self.normal);
         out.extend(numbers.flat_map(|eight| eight.0.map(f32::to_bits)));
+        let gradients = LANES / 2 * 3 * (2 * N - 1);
+        out.extend(std::iter::repeat_n(0, gradients - LANES));
     }
 
     /// Adds the forces with which the faces resist; returns the energy spent in this step, mJ by lane.

@@ -1,9 +1,11 @@
 //! Elements of uniform strain, small displacements: tetrahedra (C3D4), and the patches of edges (see `patches`).
 //!
 //! With the gradients g_a of the shape functions, strain = sym(sum u_a g_a) and the nodal forces are V stress g_a. The
-//! gradients add up to zero, so that of the first node is left out, and displacements are taken relative to it.
+//! gradients add up to zero, so that of the first node is left out, and displacements are taken relative to it: forces are in
+//! balance and a translation has no strain, whatever the gradients' digits. Outside of the cache a step waits for bytes, and
+//! gradients are most of them, so they have 16 bits: each is within 1.6e-5 of the element's largest component.
 
-use crate::lanes::{LANES, Lanes, Octet, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Short, Vectors};
 use crate::law::Tensor;
 use meso_collision::math::Vec3;
 
@@ -14,8 +16,10 @@ pub struct Uniform<const N: usize> {
     first: [u16; LANES],
     /// The other nodes' numbers within the block, node by node.
     others: [[u16; LANES]; N],
-    /// x, y, z of the others' gradients, 1/mm.
-    gradients: [[Octet; 3]; N],
+    /// x, y, z of the others' gradients, in units of the lane.
+    gradients: [[Short; 3]; N],
+    /// A lane's unit of gradients, 1/mm.
+    unit: Octet,
     /// mm3; 0 in lanes that are empty.
     pub volume: Octet,
     /// Width of a crack band, mm.
@@ -30,7 +34,8 @@ impl<const N: usize> Default for Uniform<N> {
         Self {
             first: [0; LANES],
             others: [[0; LANES]; N],
-            gradients: [[Octet::default(); 3]; N],
+            gradients: [[Short::default(); 3]; N],
+            unit: Octet::default(),
             volume: Octet::default(),
             width: Octet::default(),
         }
@@ -42,23 +47,24 @@ impl<const N: usize> Uniform<N> {
     /// the first one fills the places without weight.
     pub fn set(&mut self, lane: usize, nodes: &[u16], gradients: &[Vec3], volume: f64, width: f64) {
         self.first[lane] = nodes[0];
+        let largest = gradients.iter().map(Vec3::amax).fold(0.0, f64::max);
+        let unit = (largest / f64::from(i16::MAX)) as f32;
         for place in 0..N {
             self.others[place][lane] = *nodes.get(place + 1).unwrap_or(&nodes[0]);
-            let gradient = gradients.get(place).copied().unwrap_or_default();
-            (0..3).for_each(|axis| self.gradients[place][axis].0[lane] = gradient[axis] as f32);
+            let gradient = gradients.get(place).copied().unwrap_or_default() / f64::from(unit);
+            (0..3).for_each(|axis| self.gradients[place][axis].0[lane] = gradient[axis].round_ties_even() as i16);
         }
+        self.unit.0[lane] = unit;
         self.volume.0[lane] = volume as f32;
         self.width.0[lane] = width as f32;
     }
 
-    /// The eight elements as words: nodes of the others, two to a word, then of the first; x, y, z of the others' gradients;
-    /// volumes; widths. Eight lanes each.
+    /// The eight elements as words: nodes of the others, two to a word, then of the first; volumes; widths; units; x, y, z of
+    /// the others' gradients, two to a word. Eight lanes each.
     pub fn words(&self, out: &mut Vec<u32>) {
-        for at in self.others.iter().chain([&self.first]) {
-            out.extend(at.chunks_exact(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16));
-        }
-        let numbers = self.gradients.iter().flatten().chain([&self.volume, &self.width]);
-        out.extend(numbers.flat_map(|eight| eight.0.map(f32::to_bits)));
+        self.others.iter().chain([&self.first]).for_each(|at| out.extend(pairs(*at)));
+        out.extend([&self.volume, &self.width, &self.unit].into_iter().flat_map(|eight| eight.0.map(f32::to_bits)));
+        self.gradients.iter().flatten().for_each(|eight| out.extend(pairs(eight.0.map(i16::cast_unsigned))));
     }
 
     /// Strains of the displacements `u`.
@@ -68,8 +74,7 @@ impl<const N: usize> Uniform<N> {
         let mut h = [[L::splat(0.0); 3]; 3];
         for node in 0..N {
             let moved = L::gather(u, &self.others[node]);
-            let [a, b, c] = &self.gradients[node];
-            let g = [L::load(a), L::load(b), L::load(c)];
+            let g = self.gradients[node].each_ref().map(L::load_short);
             for i in 0..3 {
                 let relative = moved[i] - origin[i];
                 for j in 0..3 {
@@ -77,22 +82,18 @@ impl<const N: usize> Uniform<N> {
                 }
             }
         }
-        [h[0][0], h[1][1], h[2][2], h[0][1] + h[1][0], h[1][2] + h[2][1], h[0][2] + h[2][0]]
+        let unit = L::load(&self.unit);
+        [h[0][0], h[1][1], h[2][2], h[0][1] + h[1][0], h[1][2] + h[2][1], h[0][2] + h[2][0]].map(|sum| sum * unit)
     }
 
     /// Adds the forces with which the elements resist.
     #[inline(always)]
     pub fn resist<L: Lanes>(&self, stress: &Tensor<L>, forces: &mut Vectors) {
-        let volume = L::load(&self.volume);
-        let mut weighted = *stress;
-        for s in &mut weighted {
-            *s = *s * volume;
-        }
-        let [xx, yy, zz, xy, yz, zx] = weighted;
+        let weight = L::load(&self.volume) * L::load(&self.unit);
+        let [xx, yy, zz, xy, yz, zx] = stress.map(|s| s * weight);
         let mut rest = [L::splat(0.0); 3];
         for node in 0..N {
-            let [a, b, c] = &self.gradients[node];
-            let (a, b, c) = (L::load(a), L::load(b), L::load(c));
+            let [a, b, c] = self.gradients[node].each_ref().map(L::load_short);
             let force = [
                 xx.mul_add(a, xy.mul_add(b, zx * c)),
                 xy.mul_add(a, yy.mul_add(b, yz * c)),
@@ -105,4 +106,9 @@ impl<const N: usize> Uniform<N> {
         }
         L::scatter(forces, &self.first, rest);
     }
+}
+
+/// Eight numbers as four words.
+pub(crate) fn pairs(eight: [u16; LANES]) -> impl Iterator<Item = u32> {
+    (0..LANES / 2).map(move |pair| u32::from(eight[2 * pair]) | u32::from(eight[2 * pair + 1]) << 16)
 }

@@ -112,7 +112,8 @@ typedef unsigned short ushort;
 
 //LAWS
 
-DEVICE void strain_of(const uint n, GLOBAL const uint* at, GLOBAL const float* g, const uint shift, NEAR const float* u, float* e) {
+DEVICE void strain_of(const uint n, GLOBAL const uint* at, GLOBAL const short* g, const float unit, const uint shift, NEAR const float* u,
+    float* e) {
   const uint first = 3 * ((at[4 * n] >> shift) & 0xffff);
   const float o0 = u[first], o1 = u[first + 1], o2 = u[first + 2];
   float h00 = 0, h01 = 0, h02 = 0, h10 = 0, h11 = 0, h12 = 0, h20 = 0, h21 = 0, h22 = 0;
@@ -120,21 +121,22 @@ DEVICE void strain_of(const uint n, GLOBAL const uint* at, GLOBAL const float* g
   for (uint k = 0; k < n; k++) {
     const uint q = 3 * ((at[4 * k] >> shift) & 0xffff);
     const float r0 = u[q] - o0, r1 = u[q + 1] - o1, r2 = u[q + 2] - o2;
-    const float a = g[24 * k], b = g[24 * k + 8], c = g[24 * k + 16];
+    const float a = (float)g[24 * k], b = (float)g[24 * k + 8], c = (float)g[24 * k + 16];
     h00 = fma(r0, a, h00); h01 = fma(r0, b, h01); h02 = fma(r0, c, h02);
     h10 = fma(r1, a, h10); h11 = fma(r1, b, h11); h12 = fma(r1, c, h12);
     h20 = fma(r2, a, h20); h21 = fma(r2, b, h21); h22 = fma(r2, c, h22);
   }
-  e[0] = h00; e[1] = h11; e[2] = h22; e[3] = h01 + h10; e[4] = h12 + h21; e[5] = h02 + h20;
+  e[0] = h00 * unit; e[1] = h11 * unit; e[2] = h22 * unit;
+  e[3] = (h01 + h10) * unit; e[4] = (h12 + h21) * unit; e[5] = (h02 + h20) * unit;
 }
 
-DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, const float* s, NEAR float* f) {
-  const float xx = s[0] * volume, yy = s[1] * volume, zz = s[2] * volume;
-  const float xy = s[3] * volume, yz = s[4] * volume, zx = s[5] * volume;
+DEVICE void resist(const uint n, GLOBAL const short* g, const float weight, const float* s, NEAR float* f) {
+  const float xx = s[0] * weight, yy = s[1] * weight, zz = s[2] * weight;
+  const float xy = s[3] * weight, yz = s[4] * weight, zx = s[5] * weight;
   float r0 = 0, r1 = 0, r2 = 0;
 #pragma unroll
   for (uint k = 0; k < n; k++) {
-    const float a = g[24 * k], b = g[24 * k + 8], c = g[24 * k + 16];
+    const float a = (float)g[24 * k], b = (float)g[24 * k + 8], c = (float)g[24 * k + 16];
     const float f0 = fma(xx, a, fma(xy, b, zx * c)), f1 = fma(xy, a, fma(yy, b, yz * c)), f2 = fma(zx, a, fma(yz, b, zz * c));
     r0 = r0 - f0; r1 = r1 - f1; r2 = r2 - f2;
     f[8 * k] = f0; f[8 * k + SLOTS] = f1; f[8 * k + 2 * SLOTS] = f2;
@@ -144,13 +146,13 @@ DEVICE void resist(const uint n, GLOBAL const float* g, const float volume, cons
 
 #ifdef FACE_LAW
 /* A cohesive face: pair by pair, the node over the aggregate's and the aggregate's. Returns the energy that it spent. */
-DEVICE float face(GLOBAL const float* params, GLOBAL const uint* at, GLOBAL const float* g, const uint shift, NEAR const float* u,
+DEVICE float face(GLOBAL const float* params, GLOBAL const uint* at, GLOBAL const float* v, const uint shift, NEAR const float* u,
     GLOBAL float* memory, NEAR float* f) {
-  const float area = g[120];
+  const float area = v[0];
   float spent = 0;
   for (uint pair = 0; pair < 3; pair++) {
     const uint over = 3 * ((at[8 * pair] >> shift) & 0xffff), below = 3 * ((at[8 * pair + 4] >> shift) & 0xffff);
-    const float apart[6] = {u[over] - u[below], u[over + 1] - u[below + 1], u[over + 2] - u[below + 2], g[0], g[8], g[16]};
+    const float apart[6] = {u[over] - u[below], u[over + 1] - u[below + 1], u[over + 2] - u[below + 2], v[8], v[16], v[24]};
     float s[3];
     const float energy = FACE_LAW(params, apart, 0, memory + 40 * pair, s);
     for (uint k = 0; k < 3; k++) {
@@ -167,7 +169,7 @@ DEVICE float face(GLOBAL const float* params, GLOBAL const uint* at, GLOBAL cons
 DEVICE void fetch(GLOBAL const uint4* eights, GLOBAL const uint* data, GLOBAL const float* memory, const uint lane) {
 #ifdef __CUDACC__
   const uint4 eight = *eights;
-  const uint n = eight.w & 255, words = 28 * n + 20;
+  const uint n = eight.w & 255, words = 16 * n + 28;
   for (uint word = 8 * lane; word < words; word += 64) PREFETCH(data + eight.x + word);
   PREFETCH(memory + eight.y + 8 * lane);
 #endif
@@ -212,15 +214,16 @@ KERNEL_OF_ELEMENTS elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uin
       const uint4 eight = eights[first_eight + i];
       const uint n = eight.w & 255, law = (eight.w >> 8) & 15;
       GLOBAL const uint* at = data + eight.x + (lane >> 1);
-      GLOBAL const float* g = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
+      GLOBAL const float* v = (GLOBAL const float*)(data + eight.x + 4 * (n + 1) + lane);
+      GLOBAL const short* g = (GLOBAL const short*)(data + eight.x + 4 * (n + 1) + 24) + lane;
       const uint shift = (lane & 1) * 16;
       float e[6], s[6];
       switch (n) {
 //STRAINS
       }
       fetch(next + (t >> 3) < eight_count ? eights + first_eight + next + (t >> 3) : eights + first_eight + i, data, memory, lane);
-      const float width = g[24 * n + 8];
-      float volume = g[24 * n], lost = 0;
+      const float width = v[8];
+      float volume = v[0], lost = 0;
 #if EXPANDS
       const float over = (float)state[FREE + 1 + ((eight.w >> 12) & 15)];
       e[0] = e[0] - over; e[1] = e[1] - over; e[2] = e[2] - over;

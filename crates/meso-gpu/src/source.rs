@@ -88,7 +88,7 @@ impl Laws {
                 if law.remembered > 0 { ("lost = ", "memory + eight.y + lane") } else { ("", "memory") };
             let call = if self.of_faces == Some(number) {
                 _ = writeln!(head, "#define FACE_LAW law_{number}");
-                format!("face(params + eight.z, at, g, shift, near_u, {gets}, f + (eight.w >> 16) + lane); volume = 1")
+                format!("face(params + eight.z, at, v, shift, near_u, {gets}, f + (eight.w >> 16) + lane); volume = 1")
             } else {
                 format!("law_{number}(params + eight.z, e, width, {gets}, s)")
             };
@@ -104,9 +104,9 @@ impl Laws {
         };
         let body = KERNEL
             .replace("//LAWS\n", &laws)
-            .replace("//STRAINS\n", &each("strain_of(N, at, g, shift, near_u, e)"))
+            .replace("//STRAINS\n", &each("strain_of(N, at, g, v[16], shift, near_u, e)"))
             .replace("//ANSWERS\n", &answers)
-            .replace("//FORCES\n", &each("resist(N, g, volume, s, f + (eight.w >> 16) + lane)"));
+            .replace("//FORCES\n", &each("resist(N, g, volume * v[16], s, f + (eight.w >> 16) + lane)"));
         head + &body
     }
 }

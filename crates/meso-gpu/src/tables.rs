@@ -161,7 +161,7 @@ impl Tables {
 
 /// Words of an eight with some other nodes.
 pub(crate) const fn words_of(others: usize) -> usize {
-    4 * (others + 1) + 24 * others + 16
+    4 * (others + 1) + 24 + 12 * others
 }
 
 impl Part {
@@ -247,17 +247,14 @@ const fn padded(others: usize) -> usize {
 }
 
 /// Adds the slots of an eight's forces to its places, in the order in which the engine adds them: the other nodes, then the
-/// first one, lane by lane. Empty lanes and places without weight add nothing.
+/// first one, lane by lane. Empty lanes add nothing, nor do places without a node of their own, which name the first one.
 fn slots_of(words: &[u32], others: usize, first: usize, of_place: &mut [Vec<u16>]) {
-    let float = |word: usize| f32::from_bits(words[word]);
-    let gradients = 4 * (others + 1);
     for place in 0..=others {
         for lane in 0..LANES {
-            let has_weight = |axis: usize| float(gradients + 24 * place + 8 * axis + lane) != 0.0;
-            let is_used = float(gradients + 24 * others + lane) > 0.0 && (place == others || (0..3).any(has_weight));
-            if is_used {
-                let at = words[4 * place + lane / 2] >> (16 * (lane % 2)) & 0xffff;
-                of_place[at as usize].push((first + LANES * place + lane) as u16);
+            let at = |place: usize| words[4 * place + lane / 2] >> (16 * (lane % 2)) & 0xffff;
+            let volume = f32::from_bits(words[4 * (others + 1) + lane]);
+            if volume > 0.0 && (place == others || at(place) != at(others)) {
+                of_place[at(place) as usize].push((first + LANES * place + lane) as u16);
             }
         }
     }

@@ -29,6 +29,11 @@ impl Octet {
     }
 }
 
+/// Eight small numbers in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(16))]
+pub struct Short(pub [i16; LANES]);
+
 /// Vectors of a block's nodes; the fourth number is padding. As many as a u16 can name: no index needs a check.
 pub type Vectors = [[f32; 4]; 1 << 16];
 
@@ -45,6 +50,8 @@ pub trait Lanes: Real + 'static {
 
     /// From memory.
     fn load(from: &Octet) -> Self;
+    /// From memory, exactly.
+    fn load_short(from: &Short) -> Self;
     /// To memory.
     fn store(self, to: &mut Octet);
     /// x, y and z of eight nodes.

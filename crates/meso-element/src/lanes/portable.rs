@@ -1,6 +1,6 @@
 //! Lanes as an array, for compilers to turn into registers.
 
-use super::{LANES, Lanes, Octet, Vectors};
+use super::{LANES, Lanes, Octet, Short, Vectors};
 use crate::real::Real;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -132,6 +132,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load(from: &Octet) -> Self {
         Self(from.0)
+    }
+    #[inline(always)]
+    fn load_short(from: &Short) -> Self {
+        Self(from.0.map(f32::from))
     }
     #[inline(always)]
     fn store(self, to: &mut Octet) {

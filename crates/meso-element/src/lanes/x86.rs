@@ -1,7 +1,7 @@
 //! Lanes in one AVX register.
 #![allow(unsafe_code)]
 
-use super::{LANES, Lanes, Octet, Task, Vectors};
+use super::{LANES, Lanes, Octet, Short, Task, Vectors};
 use crate::real::Real;
 use meso_collision::simd::Isa;
 use std::arch::x86_64::*;
@@ -168,6 +168,11 @@ impl Lanes for Avx {
     fn load(from: &Octet) -> Self {
         // SAFETY: as above; the numbers are aligned and as many as the register holds.
         unsafe { Self(_mm256_load_ps(from.0.as_ptr())) }
+    }
+    #[inline(always)]
+    fn load_short(from: &Short) -> Self {
+        // SAFETY: as above; the numbers are aligned and as many as half a register holds.
+        unsafe { Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_load_si128(from.0.as_ptr().cast())))) }
     }
     #[inline(always)]
     fn store(self, to: &mut Octet) {

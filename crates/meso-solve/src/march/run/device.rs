@@ -426,8 +426,7 @@ impl Elements<'_> {
         }
     }
 
-    /// All eights as words: the local numbers of the others and of the first node, node by node and two to a word; x, y, z of
-    /// the others' gradients; volumes; widths. See [`Faces::words`](meso_element::face::Faces::words) for cohesive faces.
+    /// All eights as words: see [`Uniform::words`], and [`Faces::words`](meso_element::face::Faces::words) for cohesive faces.
     pub fn words(&self, out: &mut Vec<u32>) {
         fn all<const N: usize>(cells: &[Uniform<N>], out: &mut Vec<u32>) {
             cells.iter().for_each(|cells| cells.words(out));
