@@ -42,7 +42,9 @@ fn a_check_compares_every_device_with_the_processor() {
     assert_eq!(checked.len(), listed.len());
     for (line, plain) in checked.iter().zip(&listed) {
         let is_faithful = !plain.contains("; ");
-        assert!(line.starts_with(plain.as_str()), "{line}");
+        // Drivers of processors give the memory that is free, which other programs change.
+        let (name, _) = plain.rsplit_once(", ").expect("a name, then the memory");
+        assert!(line.starts_with(name), "{line}");
         assert!(line.ends_with("; same bytes as the processor") || !is_faithful, "{line}");
     }
 }

@@ -8,7 +8,7 @@
 //! which the decks do not have. Closing is resisted with the whole K and a damper: friction that follows an undamped pressure
 //! flutters at the ears of aggregates until it tears them off.
 
-use crate::lanes::{LANES, Lanes, Octet, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Places, Vectors};
 use crate::real::Real;
 use crate::uniform::pairs;
 
@@ -55,7 +55,7 @@ pub struct CohesionValues {
 #[derive(Clone, Copy, Debug)]
 pub struct Faces<const N: usize> {
     /// The aggregate side's nodes, then those over them.
-    pub at: [[[u16; LANES]; N]; 2],
+    pub at: [[Places; N]; 2],
     /// Out of the aggregate.
     pub normal: [Octet; 3],
     /// Area of a pair of nodes, mm2; 0 in lanes that are empty.
@@ -64,7 +64,7 @@ pub struct Faces<const N: usize> {
 
 impl<const N: usize> Default for Faces<N> {
     fn default() -> Self {
-        Self { at: [[[0; LANES]; N]; 2], normal: [Octet::default(); 3], area: Octet::default() }
+        Self { at: [[Places::default(); N]; 2], normal: [Octet::default(); 3], area: Octet::default() }
     }
 }
 
@@ -134,7 +134,7 @@ impl<const N: usize> Faces<N> {
     /// Puts a face into `lane`; `area` is that of a pair of nodes.
     pub fn set(&mut self, lane: usize, at: [[u16; N]; 2], normal: [f64; 3], area: f64) {
         for (side, nodes) in self.at.iter_mut().zip(at) {
-            side.iter_mut().zip(nodes).for_each(|(place, node)| place[lane] = node);
+            side.iter_mut().zip(nodes).for_each(|(place, node)| place.set(lane, node));
         }
         self.normal.iter_mut().zip(normal).for_each(|(row, x)| row.0[lane] = x as f32);
         self.area.0[lane] = area as f32;
@@ -144,7 +144,7 @@ impl<const N: usize> Faces<N> {
     /// of the normals; zeros up to the words of an [element](crate::uniform::Uniform::words) with as many nodes.
     pub fn words(&self, out: &mut Vec<u32>) {
         let nodes = self.at[1].iter().zip(&self.at[0]).flat_map(|(over, below)| [over, below]);
-        nodes.for_each(|at| out.extend(pairs(*at)));
+        nodes.for_each(|at| out.extend(pairs(at.nodes())));
         let numbers = std::iter::once(&self.area).chain(&self.normal);
         out.extend(numbers.flat_map(|eight| eight.0.map(f32::to_bits)));
         let gradients = LANES / 2 * 3 * (2 * N - 1);

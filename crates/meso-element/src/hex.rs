@@ -11,7 +11,7 @@
 //! k b^2 (sqrt(1 + M^2 / b^2) - 1), and the force k m / sqrt(1 + M^2 / b^2). Without it, crushed boxes keep a strength that
 //! no law gave them.
 
-use crate::lanes::{LANES, Lanes, Octet, Vectors};
+use crate::lanes::{Lanes, Octet, Places, Vectors};
 use crate::law::Tensor;
 
 /// Corners of `CellKind::Hexahedron` by their signs: bit 0 is set at the upper x, bit 1 at the upper y, bit 2 at the upper z.
@@ -25,7 +25,7 @@ const HOURGLASS: [usize; 4] = [0b011, 0b110, 0b101, 0b111];
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hexes {
     /// Node numbers within the block, node by node.
-    pub at: [[u16; LANES]; 8],
+    pub at: [Places; 8],
     /// 1, or 0 in lanes that are empty.
     pub used: Octet,
 }
@@ -82,7 +82,7 @@ impl Hexes {
     /// Puts a box into `lane`.
     pub fn set(&mut self, lane: usize, at: [u16; 8], used: bool) {
         for (place, node) in self.at.iter_mut().zip(at) {
-            place[lane] = node;
+            place.set(lane, node);
         }
         self.used.0[lane] = f32::from(u8::from(used));
     }

@@ -3,19 +3,17 @@
 //! With the gradients g_a of the shape functions, strain = sym(sum u_a g_a) and the nodal forces are V stress g_a. The
 //! gradients add up to zero, so that of the first node is left out, and displacements are taken relative to it: forces are in
 //! balance and a translation has no strain, whatever the gradients' digits. Outside of the cache a step waits for bytes, and
-//! gradients are most of them, so they have 16 bits: each is within 1.6e-5 of the element's largest component.
+//! gradients are most of them, so they have 16 bits: each is within 1.7e-5 of the element's largest component.
 
-use crate::lanes::{LANES, Lanes, Octet, Short, Vectors};
+use crate::lanes::{LANES, Lanes, Octet, Places, Short, Vectors};
 use crate::law::Tensor;
 use meso_collision::math::Vec3;
 
 /// Eight elements of `N` nodes beside the first one.
 #[derive(Clone, Copy, Debug)]
 pub struct Uniform<const N: usize> {
-    /// The first node's number within the block.
-    first: [u16; LANES],
-    /// The other nodes' numbers within the block, node by node.
-    others: [[u16; LANES]; N],
+    first: Places,
+    others: [Places; N],
     /// x, y, z of the others' gradients, in units of the lane.
     gradients: [[Short; 3]; N],
     /// A lane's unit of gradients, 1/mm.
@@ -26,14 +24,18 @@ pub struct Uniform<const N: usize> {
     pub width: Octet,
 }
 
+/// Units in the largest component of an element's gradients. It has many divisors, so that the simple ratios of lattices are
+/// exact: all elements of one shape would else be too stiff or too soft alike.
+const UNITS: f64 = 30_240.0;
+
 /// Eight tetrahedra.
 pub type Tets = Uniform<3>;
 
 impl<const N: usize> Default for Uniform<N> {
     fn default() -> Self {
         Self {
-            first: [0; LANES],
-            others: [[0; LANES]; N],
+            first: Places::default(),
+            others: [Places::default(); N],
             gradients: [[Short::default(); 3]; N],
             unit: Octet::default(),
             volume: Octet::default(),
@@ -46,11 +48,11 @@ impl<const N: usize> Uniform<N> {
     /// Puts an element into `lane`: its nodes, and the gradients of all but the first. Where it has fewer than `N + 1`,
     /// the first one fills the places without weight.
     pub fn set(&mut self, lane: usize, nodes: &[u16], gradients: &[Vec3], volume: f64, width: f64) {
-        self.first[lane] = nodes[0];
+        self.first.set(lane, nodes[0]);
         let largest = gradients.iter().map(Vec3::amax).fold(0.0, f64::max);
-        let unit = (largest / f64::from(i16::MAX)) as f32;
+        let unit = (largest / UNITS) as f32;
         for place in 0..N {
-            self.others[place][lane] = *nodes.get(place + 1).unwrap_or(&nodes[0]);
+            self.others[place].set(lane, *nodes.get(place + 1).unwrap_or(&nodes[0]));
             let gradient = gradients.get(place).copied().unwrap_or_default() / f64::from(unit);
             (0..3).for_each(|axis| self.gradients[place][axis].0[lane] = gradient[axis].round_ties_even() as i16);
         }
@@ -62,7 +64,7 @@ impl<const N: usize> Uniform<N> {
     /// The eight elements as words: nodes of the others, two to a word, then of the first; volumes; widths; units; x, y, z of
     /// the others' gradients, two to a word. Eight lanes each.
     pub fn words(&self, out: &mut Vec<u32>) {
-        self.others.iter().chain([&self.first]).for_each(|at| out.extend(pairs(*at)));
+        self.others.iter().chain([&self.first]).for_each(|at| out.extend(pairs(at.nodes())));
         out.extend([&self.volume, &self.width, &self.unit].into_iter().flat_map(|eight| eight.0.map(f32::to_bits)));
         self.gradients.iter().flatten().for_each(|eight| out.extend(pairs(eight.0.map(i16::cast_unsigned))));
     }

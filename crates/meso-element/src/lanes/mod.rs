@@ -34,12 +34,33 @@ impl Octet {
 #[repr(C, align(16))]
 pub struct Short(pub [i16; LANES]);
 
-/// Vectors of a block's nodes; the fourth number is padding. As many as a u16 can name: no index needs a check.
-pub type Vectors = [[f32; 4]; 1 << 16];
+/// Vectors of a block's nodes; the fourth number is padding. As many as [`Places`] can name: no index needs a check.
+pub type Vectors = [[f32; 4]; MOST_NODES];
+
+/// Most nodes of a block.
+pub const MOST_NODES: usize = 1 << 15;
+
+/// Eight nodes of a block. Their numbers are kept twofold: a vector is two words of eight bytes, the longest that an address
+/// of x86 counts by itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Places([u16; LANES]);
+
+impl Places {
+    /// Sets the number of a `lane`'s node, which must be below [`MOST_NODES`].
+    pub fn set(&mut self, lane: usize, node: u16) {
+        assert!(usize::from(node) < MOST_NODES, "a block has at most {MOST_NODES} nodes");
+        self.0[lane] = 2 * node;
+    }
+
+    /// The nodes' numbers.
+    pub fn nodes(&self) -> [u16; LANES] {
+        self.0.map(|twofold| twofold / 2)
+    }
+}
 
 /// Zeros; pages that no block reaches never become resident.
 pub fn vectors() -> Box<Vectors> {
-    let zeros = vec![[0.0f32; 4]; 1 << 16].into_boxed_slice();
+    let zeros = vec![[0.0f32; 4]; MOST_NODES].into_boxed_slice();
     zeros.try_into().expect("a vector of that length")
 }
 
@@ -55,9 +76,9 @@ pub trait Lanes: Real + 'static {
     /// To memory.
     fn store(self, to: &mut Octet);
     /// x, y and z of eight nodes.
-    fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3];
+    fn gather(nodes: &Vectors, at: &Places) -> [Self; 3];
     /// Adds x, y and z to eight nodes, one after the other.
-    fn scatter(nodes: &mut Vectors, at: &[u16; LANES], vector: [Self; 3]);
+    fn scatter(nodes: &mut Vectors, at: &Places, vector: [Self; 3]);
 
     /// To memory, as a value.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Lanes as an array, for compilers to turn into registers.
 
-use super::{LANES, Lanes, Octet, Short, Vectors};
+use super::{LANES, Lanes, Octet, Places, Short, Vectors};
 use crate::real::Real;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -142,13 +142,14 @@ impl Lanes for Portable {
         to.0 = self.0;
     }
     #[inline(always)]
-    fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3] {
-        std::array::from_fn(|axis| Self(std::array::from_fn(|lane| nodes[at[lane] as usize][axis])))
+    fn gather(nodes: &Vectors, at: &Places) -> [Self; 3] {
+        let at = at.nodes();
+        std::array::from_fn(|axis| Self(at.map(|node| nodes[usize::from(node)][axis])))
     }
     #[inline(always)]
-    fn scatter(nodes: &mut Vectors, at: &[u16; LANES], [x, y, z]: [Self; 3]) {
-        for lane in 0..LANES {
-            let node = &mut nodes[at[lane] as usize];
+    fn scatter(nodes: &mut Vectors, at: &Places, [x, y, z]: [Self; 3]) {
+        for (lane, at) in at.nodes().into_iter().enumerate() {
+            let node = &mut nodes[usize::from(at)];
             let vector = [x.0[lane], y.0[lane], z.0[lane], 0.0];
             *node = std::array::from_fn(|i| node[i] + vector[i]);
         }

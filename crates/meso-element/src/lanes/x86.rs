@@ -1,7 +1,7 @@
 //! Lanes in one AVX register.
 #![allow(unsafe_code)]
 
-use super::{LANES, Lanes, Octet, Short, Task, Vectors};
+use super::{Lanes, Octet, Places, Short, Task, Vectors};
 use crate::real::Real;
 use meso_collision::simd::Isa;
 use std::arch::x86_64::*;
@@ -180,10 +180,11 @@ impl Lanes for Avx {
         unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn gather(nodes: &Vectors, at: &[u16; LANES]) -> [Self; 3] {
-        // SAFETY: as above; every node is four numbers.
+    fn gather(nodes: &Vectors, at: &Places) -> [Self; 3] {
+        // SAFETY: as above; every node is four numbers, and its place is an even number of pairs of them.
         unsafe {
-            let node = |i: usize| _mm_loadu_ps(nodes[at[i] as usize].as_ptr());
+            let pairs = nodes.as_ptr().cast::<[f32; 2]>();
+            let node = |i: usize| _mm_loadu_ps(pairs.add(at.0[i].into()).cast());
             let pair = |i: usize| _mm256_set_m128(node(i + 4), node(i));
             let (a, b, c, d) = (pair(0), pair(1), pair(2), pair(3));
             let (xy0, xy1) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
@@ -196,9 +197,10 @@ impl Lanes for Avx {
         }
     }
     #[inline(always)]
-    fn scatter(nodes: &mut Vectors, at: &[u16; LANES], [x, y, z]: [Self; 3]) {
-        // SAFETY: as above; every node is four numbers.
+    fn scatter(nodes: &mut Vectors, at: &Places, [x, y, z]: [Self; 3]) {
+        // SAFETY: as for `gather`.
         unsafe {
+            let pairs = nodes.as_mut_ptr().cast::<[f32; 2]>();
             let zero = _mm256_setzero_ps();
             let (xy0, xy1) = (_mm256_unpacklo_ps(x.0, y.0), _mm256_unpackhi_ps(x.0, y.0));
             let (z0, z1) = (_mm256_unpacklo_ps(z.0, zero), _mm256_unpackhi_ps(z.0, zero));
@@ -208,8 +210,8 @@ impl Lanes for Avx {
                 _mm256_shuffle_ps::<0x44>(xy1, z1),
                 _mm256_shuffle_ps::<0xEE>(xy1, z1),
             ];
-            let mut add = |i: usize, vector: __m128| {
-                let node = nodes[at[i] as usize].as_mut_ptr();
+            let add = |i: usize, vector: __m128| {
+                let node = pairs.add(at.0[i].into()).cast();
                 _mm_storeu_ps(node, _mm_add_ps(_mm_loadu_ps(node), vector));
             };
             (0..4).for_each(|i| add(i, _mm256_castps256_ps128(vectors[i])));

@@ -201,19 +201,20 @@ fn a_small_rotation_costs_nothing_and_a_finite_one_strains_by_its_cosine_less_1(
         let [small, finite] = turn(0.01);
         let mut run = body.free(LawName::Elastic);
         displace(&mut run, |x| small * x);
-        // Displacements of 0.2 mm in f32 over 1 mm: strains of 2e-8.
-        assert!(off(&run, &Mat3::zeros()) < 26_000.0 * 5e-8, "{method} {}", off(&run, &Mat3::zeros()));
+        // Displacements of 0.2 mm in f32 over 1 mm: strains of 2e-8. Gradients of 16 bits strain by 4e-5 of the rotation.
+        let most = 26_000.0 * if method.contains("Fitted") { 0.01 * 4e-5 } else { 5e-8 };
+        assert!(off(&run, &Mat3::zeros()) < most, "{method} {}", off(&run, &Mat3::zeros()));
         // sym(R) - 1 = (cos t - 1) (1 - n n^T): small strains take a finite rotation for a shrinkage.
         displace(&mut run, |x| finite * x);
         let expected = hooke(&Materials::default().mortar, &finite);
         let size = expected.amax();
-        assert!(size > 1.0 && off(&run, &expected) < 2e-3 * size, "{method} {} of {size}", off(&run, &expected));
+        assert!(size > 1.0 && off(&run, &expected) < 2e-3 * size + most, "{method} {} of {size}", off(&run, &expected));
         // Forces of a turned body have neither resultant nor moment.
         let forces = forces(&mut run);
-        let most = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let moment: Vec3 = places(&run).iter().zip(&forces).map(|(x, f)| x.cross(f)).sum();
-        assert!(forces.iter().sum::<Vec3>().norm() < 1e-4 * most, "{method}");
-        assert!(moment.norm() < 1e-4 * most * 14.0, "{method} {moment:?}");
+        assert!(forces.iter().sum::<Vec3>().norm() < 1e-4 * largest, "{method}");
+        assert!(moment.norm() < 1e-4 * largest * 14.0, "{method} {moment:?}");
     }
 }
 
