@@ -116,7 +116,7 @@ impl Engine {
             store.of(upload.places().as_flattened())?,
         ];
         let [first, places] = upload.shares();
-        let (first, places, mass) = (store.of(first)?, store.of(places)?, store.of(upload.mass())?);
+        let (first, places, mass) = (store.of(&first)?, store.of(&places)?, store.of(upload.mass())?);
         let (touch, kinds, numbers) = (store.of(&touch)?, store.of(&kinds)?, store.of(&numbers)?);
         let moving = [sizes, rules, state, first, places, shares, mass, u, v, touch, kinds, numbers, work, met];
         let summing = [sizes, state, work, met, store.of(&tables.span_touches)?, spent, sums];

@@ -133,6 +133,7 @@ impl Default for Scratch {
 
 impl Scratch {
     /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
+    #[inline(always)]
     pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
         let first = block.nodes[0] as usize;
         let origin = displacement[first];

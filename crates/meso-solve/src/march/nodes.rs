@@ -5,9 +5,14 @@ use crate::march::supports::contact::{Motion, Touched};
 use meso_element::block::Block;
 use meso_trial::MOST_SUPPORTS;
 use rayon::prelude::*;
+use std::iter::Peekable;
+use std::slice::Iter;
 
 /// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
 pub const SPAN: usize = 4096;
+
+/// Nodes whose forces are summed before they move: they stay in the first cache.
+const TOGETHER: usize = 128;
 
 /// Displacements and velocities, by the engine's numbers.
 #[derive(Clone, Debug)]
@@ -18,10 +23,11 @@ pub(crate) struct Nodes {
     pub(crate) velocity: Vec<[f64; 3]>,
     /// Lumped, tonne.
     pub(crate) mass: Vec<f64>,
-    /// Where each node's shares begin in `shares`.
+    /// Place of each node's first share among the blocks' forces.
     first: Vec<u32>,
-    /// Indices into the blocks' forces.
-    shares: Vec<u32>,
+    /// Node and place of every other share, by node. Most nodes have none: a loop over a node's shares would end where no
+    /// processor foresees it.
+    more: Vec<[u32; 2]>,
 }
 
 /// Sums over nodes in a step.
@@ -66,20 +72,18 @@ impl Sums {
 impl Nodes {
     /// At rest. The blocks' forces lie one block after the other, node by node.
     pub(crate) fn new(mass: Vec<f64>, blocks: &[Block]) -> Self {
-        let count = mass.len();
-        let mut first = vec![0u32; count + 1];
-        let all = || blocks.iter().flat_map(|block| &block.nodes);
-        all().for_each(|&node| first[node as usize + 1] += 1);
-        (0..count).for_each(|node| first[node + 1] += first[node]);
-        let mut next = first.clone();
-        let mut shares = vec![0; first[count] as usize];
-        for (place, &node) in (0..).zip(all()) {
-            let next = &mut next[node as usize];
-            shares[*next as usize] = place;
-            *next += 1;
+        let (count, none) = (mass.len(), u32::MAX);
+        let (mut first, mut more) = (vec![none; count], Vec::new());
+        for (place, &node) in (0..).zip(blocks.iter().flat_map(|block| &block.nodes)) {
+            match &mut first[node as usize] {
+                first if *first == none => *first = place,
+                _ => more.push([node, place]),
+            }
         }
+        assert!(!first.contains(&none), "every node belongs to an element");
+        more.sort_unstable();
         let still = || vec![[0.0; 3]; count];
-        Self { displacement: still(), velocity: still(), mass, first, shares }
+        Self { displacement: still(), velocity: still(), mass, first, more }
     }
 
     /// Back to the start.
@@ -90,38 +94,52 @@ impl Nodes {
 
     /// Bytes that they hold.
     pub(crate) fn bytes(&self) -> usize {
-        let Self { displacement, velocity, mass, first, shares } = self;
+        let Self { displacement, velocity, mass, first, more } = self;
         2 * size_of_val(&**displacement).max(size_of_val(&**velocity))
             + size_of_val(&**mass)
             + size_of_val(&**first)
-            + size_of_val(&**shares)
+            + size_of_val(&**more)
     }
 
     /// Where each node's shares begin, and their places among the blocks' forces.
-    pub(crate) fn shares(&self) -> [&[u32]; 2] {
-        [&self.first, &self.shares]
+    pub(crate) fn shares(&self) -> [Vec<u32>; 2] {
+        let (mut starts, mut places) = (vec![0], Vec::with_capacity(self.places()));
+        let mut more = self.more.iter().peekable();
+        for (node, &first) in (0..).zip(&self.first) {
+            places.push(first);
+            while let Some([_, place]) = more.next_if(|[other, _]| *other == node) {
+                places.push(*place);
+            }
+            starts.push(places.len() as u32);
+        }
+        [starts, places]
     }
 
     /// Number of the blocks' forces.
     pub(crate) fn places(&self) -> usize {
-        self.shares.len()
+        self.first.len() + self.more.len()
     }
 
     /// Mass of a node, and its displacement and its velocity along `axis` after a step under the blocks' `forces` alone.
     pub(crate) fn free(&self, forces: &[[f32; 4]], dt: f64, (node, axis): (usize, usize)) -> [f64; 3] {
         let (m, u, v) = (self.mass[node], self.displacement[node][axis], self.velocity[node][axis]);
-        let force = sum(forces, &self.shares[self.first[node] as usize..self.first[node + 1] as usize]);
+        let own = |[other, _]: &[u32; 2]| *other as usize;
+        let from = self.more.partition_point(|share| own(share) < node);
+        let more = self.more[from..].iter().take_while(|share| own(share) == node).map(|[_, place]| place);
+        let mut force = [0.0; 3];
+        std::iter::once(&self.first[node]).chain(more).for_each(|&place| add(&mut force, forces, place));
         [m, u, v - dt / m * force[axis]]
     }
 
     /// Moves all nodes by a step under the blocks' `forces`.
     pub(crate) fn advance(&mut self, forces: &[[f32; 4]], supports: &Supports, motion: &Motion) -> Sums {
-        let Self { displacement, velocity, mass, first, shares } = self;
+        let Self { displacement, velocity, mass, first, more } = self;
         let spans = displacement.par_chunks_mut(SPAN).zip(velocity.par_chunks_mut(SPAN)).enumerate();
         let spans = spans.map(|(number, (u, v))| {
             let start = number * SPAN;
             let (mass, first) = (&mass[start..], &first[start..]);
-            let span = Span { start, mass, first, shares, forces, supports, motion };
+            let more = &more[more.partition_point(|&[node, _]| (node as usize) < start)..];
+            let span = Span { start, mass, first, more, forces, supports, motion };
             span.advance(u, v)
         });
         let sums: Vec<Sums> = spans.collect();
@@ -135,69 +153,95 @@ struct Span<'a> {
     start: usize,
     mass: &'a [f64],
     first: &'a [u32],
-    shares: &'a [u32],
+    more: &'a [[u32; 2]],
     forces: &'a [[f32; 4]],
     supports: &'a Supports,
     motion: &'a Motion,
 }
 
 impl Span<'_> {
+    /// Flat loops over some nodes that stay in the first cache, which compilers turn into registers of several numbers; the few
+    /// nodes with supports go one by one.
     fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
         let end = self.start + u.len();
         let mut contacts = self.supports.among(self.start, end).iter().peekable();
         let mut loads = self.supports.loads_among(self.start, end).iter().peekable();
-        let (mut sums, dt) = (Sums::default(), self.motion.dt);
-        for (i, (u, v)) in u.iter_mut().zip(v).enumerate() {
-            let (force, m) = (self.force(i), self.mass[i]);
-            let before = *v;
-            let push = dt / m;
-            (0..3).for_each(|k| v[k] -= force[k] * push);
-            let mut load = None;
-            while let Some(own) = loads.next_if(|load| load.node as usize == self.start + i) {
-                let (pressure, sum) =
-                    (self.motion.supports[own.support as usize].pressure, load.get_or_insert([0.0; 3]));
-                (0..3).for_each(|k| sum[k] += pressure * own.force[k]);
+        let (mut sums, dt, mut more) = (Sums::default(), self.motion.dt, self.more.iter().peekable());
+        let [mut force, mut before, mut push, mut power] = [[[0.0; 3]; TOGETHER]; 4];
+        let together = u.chunks_mut(TOGETHER).zip(v.chunks_mut(TOGETHER));
+        for (start, (u, v)) in (0..).step_by(TOGETHER).zip(together) {
+            let mass = &self.mass[start..start + u.len()];
+            let [force, before, push, power] =
+                [&mut force, &mut before, &mut push, &mut power].map(|some| &mut some[..u.len()]);
+            self.resist(start, &mut more, force);
+            before.copy_from_slice(v);
+            push.iter_mut().zip(mass).for_each(|(push, m)| *push = [dt / m; 3]);
+            let pushed = force.as_flattened().iter().zip(push.as_flattened());
+            v.as_flattened_mut().iter_mut().zip(pushed).for_each(|(v, (force, push))| *v -= force * push);
+            let first = self.start + start;
+            let node_of = |node: u32| Some(node as usize - first).filter(|i| *i < mass.len());
+            while let Some(i) = [contacts.peek().map(|own| own.node), loads.peek().map(|own| own.node)]
+                .into_iter()
+                .flatten()
+                .min()
+                .and_then(node_of)
+            {
+                let is_here = |node: u32| node as usize == first + i;
+                let mut load = None;
+                while let Some(own) = loads.next_if(|load| is_here(load.node)) {
+                    let (pressure, sum) =
+                        (self.motion.supports[own.support as usize].pressure, load.get_or_insert([0.0; 3]));
+                    (0..3).for_each(|k| sum[k] += pressure * own.force[k]);
+                }
+                let (before, v) = (&before[i], &mut v[i]);
+                if let Some(load) = load {
+                    (0..3).for_each(|k| v[k] += load[k] * push[i][k]);
+                }
+                let mut touched: Option<Touched> = None;
+                while let Some(contact) = contacts.next_if(|contact| is_here(contact.node)) {
+                    let support = contact.support as usize;
+                    let moved = (dt, &self.motion.supports[support]);
+                    let face = &self.supports.all[support].face;
+                    let impact = face.meet(contact.gap, moved, mass[i], &u[i], v, touched.get_or_insert_default());
+                    sums.supports[support] += impact.force;
+                    // What a plate loses in an impact is not the specimen's.
+                    let work = 0.5 * dt * impact.force * (before[face.axis] + v[face.axis]);
+                    sums.external += if self.supports.is_driven { work } else { impact.work };
+                }
+                if let Some(touched) = touched {
+                    sums.friction += touched.friction(dt, before, v);
+                }
+                if let Some(load) = load {
+                    sums.external += 0.5 * dt * (0..3).map(|k| load[k] * (before[k] + v[k])).sum::<f64>();
+                }
             }
-            if let Some(load) = load {
-                (0..3).for_each(|k| v[k] += load[k] * push);
+            let speeds = before.as_flattened().iter().zip(v.as_flattened());
+            let powers = power.as_flattened_mut().iter_mut().zip(force.as_flattened()).zip(speeds);
+            powers.for_each(|((power, force), (before, v))| *power = force * (before + v));
+            for ((power, v), m) in power.iter().zip(&*v).zip(mass) {
+                sums.internal += 0.5 * dt * power.iter().sum::<f64>();
+                sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
             }
-            let mut touched: Option<Touched> = None;
-            while let Some(contact) = contacts.next_if(|contact| contact.node as usize == self.start + i) {
-                let support = contact.support as usize;
-                let moved = (dt, &self.motion.supports[support]);
-                let impact =
-                    self.supports.all[support].face.meet(contact.gap, moved, m, u, v, touched.get_or_insert_default());
-                sums.supports[support] += impact.force;
-                let axis = self.supports.all[support].face.axis;
-                // What a plate loses in an impact is not the specimen's.
-                let work = 0.5 * dt * impact.force * (before[axis] + v[axis]);
-                sums.external += if self.supports.is_driven { work } else { impact.work };
-            }
-            if let Some(touched) = touched {
-                sums.friction += touched.friction(dt, &before, v);
-            }
-            if let Some(load) = load {
-                sums.external += 0.5 * dt * (0..3).map(|k| load[k] * (before[k] + v[k])).sum::<f64>();
-            }
-            sums.internal += 0.5 * dt * (0..3).map(|k| force[k] * (before[k] + v[k])).sum::<f64>();
-            sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-            (0..3).for_each(|k| u[k] += dt * v[k]);
+            u.as_flattened_mut().iter_mut().zip(v.as_flattened()).for_each(|(u, v)| *u += dt * v);
         }
         sums
     }
 
-    /// Force with which the elements resist at a node, N.
-    fn force(&self, i: usize) -> [f64; 3] {
-        sum(self.forces, &self.shares[self.first[i] as usize..self.first[i + 1] as usize])
+    /// Forces with which the elements resist at the nodes from `start`, N.
+    fn resist(&self, start: usize, more: &mut Peekable<Iter<[u32; 2]>>, forces: &mut [[f64; 3]]) {
+        for (force, &place) in forces.iter_mut().zip(&self.first[start..]) {
+            *force = [0.0; 3];
+            add(force, self.forces, place);
+        }
+        let start = self.start + start;
+        while let Some(&[node, place]) = more.next_if(|[node, _]| (*node as usize) < start + forces.len()) {
+            add(&mut forces[node as usize - start], self.forces, place);
+        }
     }
 }
 
-/// Sum of a node's shares in their order.
-fn sum(forces: &[[f32; 4]], shares: &[u32]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for &place in shares {
-        let share = &forces[place as usize];
-        (0..3).for_each(|k| sum[k] += f64::from(share[k]));
-    }
-    sum
+/// Adds the share at a `place` of the blocks' `forces`.
+fn add(force: &mut [f64; 3], forces: &[[f32; 4]], place: u32) {
+    let share = &forces[place as usize];
+    (0..3).for_each(|k| force[k] += f64::from(share[k]));
 }

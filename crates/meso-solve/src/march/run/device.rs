@@ -328,7 +328,7 @@ impl Upload<'_> {
     }
 
     /// Where each node's shares begin, and their places among the blocks' forces.
-    pub fn shares(&self) -> [&[u32]; 2] {
+    pub fn shares(&self) -> [Vec<u32>; 2] {
         self.0.nodes.shares()
     }
 
