@@ -93,6 +93,28 @@ def test_a_missing_library_says_how_to_get_it(packing, monkeypatch, call, module
         getattr(packing, call)()
 
 
+def test_a_cut_shows_grains_in_the_colours_of_the_legend(packing):
+    """The case: every grain of a section had the colour that the legend gives to one size class."""
+    pytest.importorskip("pyvista")
+    if sys.platform == "linux" and not can_render():
+        pytest.skip("VTK cannot render off screen here")
+    from mesocrete._mesocrete import _colours
+    from mesocrete._views import _section
+
+    (low, high), classes = packing.bounds, _colours()[1]
+    middle = (low[2] + high[2]) / 2
+    body, shown = packing.section("z", middle, px=100, what="grain"), packing.section("z", middle, px=100) != 1
+    plane = _section(packing, 2, middle, itz=True, by_class=True, px=100)
+    colours = np.asarray(plane.cell_data["colour"]).reshape(*body.shape, 4)
+    for number in np.unique(body[(body >= 0) & shown]):
+        name = classes[packing.aggregates.size_class[number]]
+        assert (colours[(body == number) & shown][:, :3] == list(bytes.fromhex(name[1:]))).all()
+    assert len({packing.aggregates.size_class[number] for number in np.unique(body[body >= 0])}) > 1
+    for cut in [float("nan"), ("z", float("nan")), ("z", "10 mm"), 10.0, "w", ("z",)]:
+        with pytest.raises(ValueError, match="it must be one of 'x', 'y', 'z', or a pair"):
+            packing.plot(cut=cut, screenshot=True)
+
+
 def test_pictures_name_their_colours_and_measure_the_specimen(packing, tmp_path):
     """The case: no legend, no scale, and a mesh was a grey tower without an aggregate."""
     pyvista = pytest.importorskip("pyvista")

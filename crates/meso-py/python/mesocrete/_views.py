@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import importlib
+import math
 import os
 import tempfile
 from pathlib import Path
@@ -53,21 +54,30 @@ def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
     if packing.inclusions:
         kinds = [_KINDS["aggregate"]] * len(packing) + [_KINDS[body.phase] for body in packing.inclusions]
         data.cell_data["phase"] = np.array(kinds, dtype=np.uint8)[owner]
-    classes = [body.size_class for body in packing.inclusions]
-    data.cell_data["class"] = np.array([*packing.aggregates.size_class, *classes], dtype=np.int64)[owner]
+    data.cell_data["class"] = _class_of(packing)[owner]
     thicknesses = [body.itz_thickness for body in packing.inclusions]
     data.cell_data["itz_thickness_mm"] = np.array([*packing.aggregates.itz_thickness, *thicknesses])[owner]
     return data
 
 
+def _class_of(packing: Any) -> Any:
+    """Return the size class of every body."""
+    classes = [body.size_class for body in packing.inclusions]
+    return np.array([*packing.aggregates.size_class, *classes], dtype=np.int64)
+
+
 def _across(cut: Any, bounds: Any) -> tuple[int, float]:
     """Return the axis and the place of a cut: a name, "z", through the middle, or a pair, ("z", 30.0)."""
-    name, at = (cut, None) if isinstance(cut, str) else cut
-    if name not in _AXES:
+    try:
+        name, at = (cut, None) if isinstance(cut, str) else cut
+        axis = _AXES.index(name)
+        place = (bounds[0][axis] + bounds[1][axis]) / 2 if at is None else float(at)
+    except (TypeError, ValueError):
+        place = math.nan
+    if not math.isfinite(place):
         message = f"cut is {cut!r}; it must be one of 'x', 'y', 'z', or a pair of one of them and a length in mm"
         raise ValueError(message)
-    axis = _AXES.index(name)
-    return axis, (bounds[0][axis] + bounds[1][axis]) / 2 if at is None else float(at)
+    return axis, place
 
 
 def _painted(labels: Any) -> Any:
@@ -78,8 +88,8 @@ def _painted(labels: Any) -> Any:
     return table[labels]
 
 
-def _section(packing: Any, axis: int, at: float, *, itz: bool, px: int = 800) -> Any:
-    """Return a plane across an axis with the colours of the phases in its pixels."""
+def _section(packing: Any, axis: int, at: float, *, itz: bool, by_class: bool, px: int = 800) -> Any:
+    """Return a plane across an axis with the colours of the phases in its pixels, or those of the bodies' classes."""
     labels = packing.section(_AXES[axis], at, px=px)
     if not itz:
         labels = np.where(labels == _PHASES["itz"], _PHASES["aggregate"], labels)
@@ -91,7 +101,13 @@ def _section(packing: Any, axis: int, at: float, *, itz: bool, px: int = 800) ->
     counts = np.ones(3, dtype=int)
     counts[sides[0]], counts[sides[1]] = labels.shape[1] + 1, labels.shape[0] + 1
     plane = _need("pyvista", "plot").ImageData(dimensions=counts, spacing=spacing, origin=low)
-    plane.cell_data["colour"] = _painted(labels).reshape(-1, 4)
+    colours = _painted(labels)
+    if by_class:
+        body = packing.section(_AXES[axis], at, px=px, what="grain")
+        of = np.array([(*bytes.fromhex(colour[1:]), 255) for colour in _CLASSES], dtype=np.uint8)
+        shown = (body >= 0) & (labels != _PHASES["itz"])
+        colours[shown] = of[_class_of(packing)[body[shown]] % len(_CLASSES)]
+    plane.cell_data["colour"] = colours.reshape(-1, 4)
     return plane.threshold(0.5, scalars="inside") if _mark(plane, labels) else plane
 
 
@@ -119,14 +135,16 @@ def plot_packing(
     picture = _Picture(screenshot, plotter, options)
     plotter = picture.plotter
     colours = _CLASSES[: max(int(surface.cell_data["class"].max(initial=0)) + 1, 2)]
-    if not {"color", "scalars"} & options.keys():
+    by_class = not {"color", "scalars"} & options.keys()
+    if by_class:
         picture.legend(_class_names(packing, surface.cell_data["class"]))
         options = {"scalars": "class", "cmap": colours, "clim": (0, len(colours) - 1), "show_scalar_bar": False} | options
     if cut is not None:
         axis, at = _across(cut, packing.bounds)
         normal = np.eye(3)[axis]
         surface = surface.clip(normal, origin=at * normal)
-        plotter.add_mesh(_section(packing, axis, at, itz=itz), scalars="colour", rgb=True, lighting=False)
+        plane = _section(packing, axis, at, itz=itz, by_class=by_class)
+        plotter.add_mesh(plane, scalars="colour", rgb=True, lighting=False)
     elif itz:
         cores = [core for core in (body.core() for body in packing.aggregates) if core is not None]
         if cores:
