@@ -11,7 +11,7 @@ use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinit
 use meso_concrete::import::grains::{
     CoreCylinder, GrainSurfaces, LabelledGrain, LabelledGrains, Roles, SmoothOptions, SurfacesError,
 };
-use meso_concrete::import::volume::Volume;
+use meso_concrete::import::volume::{LENGTHS, Volume};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
@@ -211,7 +211,7 @@ impl LabelOptions {
             )
         };
         for h in self.voxel_size_mm.iter().flatten() {
-            is_in("voxel_size_mm", *h, [1e-4, 1e3], "mm")?;
+            is_in("voxel_size_mm", *h, [*LENGTHS.start(), *LENGTHS.end()], "mm")?;
         }
         is_in("step", step, [1.0, 8.0], "voxels")?;
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
@@ -310,9 +310,14 @@ impl LabelOptions {
         mortar
     }
 
+    /// Edges of a voxel along x, y, z, mm.
+    fn edges_mm(&self, volume: &Volume<u16>) -> [f64; 3] {
+        self.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3])
+    }
+
     /// Refuses a volume that is no specimen.
     fn accept(&self, volume: &Volume<u16>) -> Result<(), LabelsError> {
-        self.validate()?;
+        Self { voxel_size_mm: Some(self.edges_mm(volume)), ..self.clone() }.validate()?;
         let counts = volume.counts;
         if counts.iter().any(|count| *count < LEAST_COUNT) {
             return Err(LabelsError::Flat { counts });
@@ -350,7 +355,7 @@ fn listed(labels: &[i64]) -> String {
 pub fn of_labels(volume: &Volume<u16>, options: &LabelOptions, watch: &dyn Watch) -> Result<Model, LabelsError> {
     options.accept(volume)?;
     watch.stage(Stage::Take, 0.0);
-    let spacing = options.voxel_size_mm.or(volume.spacing_mm).unwrap_or([1.0; 3]);
+    let spacing = options.edges_mm(volume);
     let drilled = options.drilled(volume, spacing)?;
     let volume = drilled.as_ref().map_or(volume, |drilled| &drilled.volume);
     let mut roles = options.roles.clone();
@@ -512,6 +517,23 @@ mod tests {
         let middle = |i: usize| [i % count, i / count % count, i / (count * count)].map(|x| x as f64 + 0.5);
         let labels = (0..count * count * count).map(|i| label(&Vec3::from(middle(i))));
         Volume::new([count; 3], None, labels.collect::<Vec<_>>()).unwrap()
+    }
+
+    /// The case: a file could have voxels of 1 x 1 x 1e-6 mm, the option could not, and `check` refused what was written.
+    #[test]
+    fn edges_of_a_file_have_the_range_of_the_option_along_each_axis() {
+        let ball = balls(20, &[([10.0, 10.0, 10.0], 6.0)]);
+        for edge in [1e-6, 2e-5, 9.9e-5, 1e3, 4e4] {
+            for edges in [[edge, 1.0, 1.0], [1.0, edge, 1.0], [1.0, 1.0, edge], [edge; 3]] {
+                imported(&Volume { spacing_mm: Some(edges), ..ball.clone() }, &LabelOptions::default());
+                imported(&ball, &LabelOptions { voxel_size_mm: Some(edges), ..LabelOptions::default() });
+            }
+        }
+        for edge in [9e-7, 1.1e6, f64::NAN] {
+            let odd = Volume { spacing_mm: Some([1.0, edge, 1.0]), ..ball.clone() };
+            let error = of_labels(&odd, &LabelOptions::default(), &Silent).unwrap_err();
+            assert!(matches!(error, LabelsError::Option(_)), "{error}");
+        }
     }
 
     /// Balls by middle and radius; the label of the k-th is k + 1.

@@ -309,8 +309,8 @@ impl<N: LabelNumber> Values<N> {
     }
 }
 
-/// Edges that a voxel of a file may have, mm.
-const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
+/// Edges that a voxel may have, mm.
+pub const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Number of voxels, if it can be one.
 fn voxels(counts: [usize; 3]) -> Option<usize> {
