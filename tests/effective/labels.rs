@@ -109,7 +109,7 @@ fn the_error_of_a_label_volume_contains_the_value_of_finer_voxels() {
 /// bugs_eff_pocket.py: the iterations ended with NaN.
 #[test]
 fn pockets_that_touch_no_face_carry_nothing() {
-    let values = phases(&[("0", 0.0), ("1", 1.0), ("2", 5.0)]);
+    let [values, more] = [&[("0", 0.0), ("1", 1.0)][..], &[("0", 0.0), ("1", 1.0), ("2", 5.0)]].map(phases);
     for (count, from, to) in [(12, 4, 8), (13, 4, 8), (14, 4, 8), (16, 4, 8), (18, 4, 8), (12, 5, 7), (12, 3, 8)] {
         for periodic in [false, true] {
             let is_inside = |at: [usize; 3]| at.iter().all(|at| (from..to).contains(at));
@@ -121,7 +121,7 @@ fn pockets_that_touch_no_face_carry_nothing() {
             // A pore along x beside the pocket: only x conducts.
             let mut beside = specimen([count; 3], |at| if at[1..] == [0, 0] { 2 } else { i64::from(is_inside(at)) });
             beside.periodic = [periodic; 3];
-            let found = solve(&beside, &values);
+            let found = solve(&beside, &more);
             let pore = 5.0 / (count * count) as f64;
             assert!((found.tensor[0][0].unwrap() - pore).abs() < 1e-8, "{:?}", found.tensor);
             assert_eq!([found.tensor[1][1], found.error[1][1], found.tensor[2][2]], [Some(0.0); 3]);
@@ -351,4 +351,47 @@ fn labels_without_values_are_refused_by_name() {
     assert!(refused(&[("0", 0.0), ("1", 0.0), ("2", 0.0), ("3", 0.0)]).starts_with("all labels of the volume"));
     // Without numbers, labels are those of mesocrete's images: 3 is a void.
     assert!(solve(&scan, &phases(&[("aggregate", 2.0)])).phases[3].value == 0.0);
+}
+
+/// The case: `7 = 2.0` for a volume without a label 7 was left out without a word.
+#[test]
+fn values_of_labels_that_are_not_there_are_warned_of_and_change_nothing() {
+    let layered = specimen([4, 4, 4], |[.., k]| k as i64 / 2);
+    let right = phases(&[("0", 1.0), ("1", 2.0)]);
+    for (more, said) in [(vec!["7"], "7"), (vec!["-1"], "-1"), (vec!["2", "30"], "2, 30"), (vec!["07"], "7")] {
+        let mut given = right.clone();
+        given.diffusivity.extend(more.iter().map(|name| ((*name).to_owned(), 5.0)));
+        let (mut found, alone) = (solve(&layered, &given), solve(&layered, &right));
+        let warning = found.warnings.pop().unwrap();
+        assert_eq!(warning, format!("[diffusivity] has {said}, and the volume has no voxel of such a label"));
+        assert_eq!(found, alone);
+    }
+    let moduli =
+        |label: &str| (label.to_owned(), GivenModuli { youngs_modulus_mpa: Some(2e4), ..GivenModuli::default() });
+    let given = LabelPhases { stiffness: ["0", "1", "9"].map(moduli).into(), ..LabelPhases::default() };
+    let found = stiffness_of_labels(&layered, &given, &StiffnessOptions::new(1.0), &Silent).unwrap().0;
+    assert!(found.warnings.iter().any(|warning| warning.starts_with("[stiffness] has 9, ")), "{:?}", found.warnings);
+}
+
+/// The case: `--voxel-size-mm=-1` gave a value beyond the bounds, 1e-300 ended in a bug, and NaN was an error of the equations.
+#[test]
+fn voxels_of_a_size_that_none_has_are_refused() {
+    let layered = specimen([4, 4, 4], |[.., k]| k as i64 / 2);
+    let phases = phases(&[("0", 1.0), ("1", 2.0)]);
+    for edge in [f64::NAN, 0.0, -1.0, 1e-300, 1e300, f64::INFINITY, 9e-7, 1.1e6] {
+        for axis in 0..3 {
+            let mut odd = layered.clone();
+            odd.spacing_mm[axis] = edge;
+            let options = EffectiveOptions::new(Property::Diffusivity, 1.0);
+            let error = effective_of_labels(&odd, &phases, &options, &Silent).err().unwrap().to_string();
+            assert!(error.starts_with("effective.voxel_size_mm is "), "{error}");
+            assert!(error.ends_with("; it must be 1e-6 to 1e6 mm") && error.len() < 70, "{error}");
+            assert!(stiffness_of_labels(&odd, &LabelPhases::default(), &StiffnessOptions::new(1.0), &Silent).is_err());
+        }
+    }
+    for edge in [1e-6, 1e6] {
+        let same = LabelSpecimen { spacing_mm: [edge; 3], ..layered.clone() };
+        let (found, right) = (solve(&same, &phases), solve(&layered, &phases));
+        assert!((found.tensor[2][2].unwrap() / right.tensor[2][2].unwrap() - 1.0).abs() < 1e-6);
+    }
 }

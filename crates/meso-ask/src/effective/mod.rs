@@ -319,6 +319,9 @@ impl EffectiveAsk {
     /// Those of [`accept`](Self::accept); values out of range; a specimen that has no such property.
     pub fn settle(&self, of: Facts<'_>, mut values: PhaseTables) -> Result<Vec<EffectiveTask>, EffectiveError> {
         self.accept(of.input())?;
+        if let Facts::Labels(specimen) = of {
+            specimen.validate()?;
+        }
         for (place, (name, strain)) in self.eigenstrain.iter().enumerate() {
             let is_new = self.eigenstrain[..place].iter().all(|(other, _)| other != name);
             ASK.require("eigenstrain", name, is_new, "it is given twice; keep one of the two")?;

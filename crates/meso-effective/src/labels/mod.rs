@@ -14,10 +14,9 @@ use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli, refuse_absent};
 use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
-use meso_concrete::import::volume::Volume;
+use meso_concrete::import::volume::{LENGTHS, Volume};
 use meso_concrete::watch::Watch;
-use meso_concrete::{Phase, PhaseNames};
-use meso_concrete::{Ranges, parallel};
+use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges, parallel};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -31,6 +30,18 @@ pub struct LabelSpecimen {
     pub spacing_mm: [f64; 3],
     /// Axes along which the volume repeats itself.
     pub periodic: [bool; 3],
+}
+
+impl LabelSpecimen {
+    /// Refuses voxels of a size that none has.
+    ///
+    /// # Errors
+    /// See [`OutOfRange`].
+    pub fn validate(&self) -> Result<(), OutOfRange> {
+        let accepted = format!("it must be {:e} to {:e} mm", LENGTHS.start(), LENGTHS.end());
+        let require = |edge| Ranges("effective").require("voxel_size_mm", edge, LENGTHS.contains(&edge), &*accepted);
+        self.spacing_mm.into_iter().try_for_each(require)
+    }
 }
 
 /// Values of a phases file for labels. The keys of a table are labels, as in `0 = 1.0`; or they are the phases of the images that
@@ -58,8 +69,12 @@ pub fn effective_of_labels(
     options: &EffectiveOptions,
     watch: &dyn Watch,
 ) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
-    let values = phases.values(options.what, &specimen.volume)?;
-    effective::of_medium(&Labelled { specimen, of: &values }, specimen.volume.counts, options, watch)
+    specimen.validate()?;
+    let volume = &specimen.volume;
+    let values = phases.values(options.what, volume)?;
+    let (mut found, fields) = effective::of_medium(&Labelled { specimen, of: &values }, volume.counts, options, watch)?;
+    found.warnings.extend(surplus(options.what.name(), phases.given(options.what), volume));
+    Ok((found, fields))
 }
 
 /// The stiffness of a label volume, and the stresses if asked for. The size of voxels is the volume's.
@@ -72,21 +87,29 @@ pub fn stiffness_of_labels(
     options: &StiffnessOptions,
     watch: &dyn Watch,
 ) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
-    let moduli = phases.moduli(&specimen.volume)?;
-    elastic::of_medium(&Labelled { specimen, of: &moduli }, specimen.volume.counts, options, watch)
+    specimen.validate()?;
+    let volume = &specimen.volume;
+    let moduli = phases.moduli(volume)?;
+    let (mut found, fields) = elastic::of_medium(&Labelled { specimen, of: &moduli }, volume.counts, options, watch)?;
+    found.warnings.extend(surplus("stiffness", &phases.stiffness, volume));
+    Ok((found, fields))
 }
 
 impl LabelPhases {
+    fn given(&self, property: Property) -> &BTreeMap<String, f64> {
+        match property {
+            Property::Diffusivity => &self.diffusivity,
+            Property::Conductivity => &self.conductivity,
+            Property::Permeability => &self.permeability,
+        }
+    }
+
     /// Values of `property` by the labels of `volume`.
     ///
     /// # Errors
     /// Labels without a value, names that are none, and values out of range.
     pub fn values(&self, property: Property, volume: &Volume) -> Result<Vec<f64>, EffectiveError> {
-        let given = match property {
-            Property::Diffusivity => &self.diffusivity,
-            Property::Conductivity => &self.conductivity,
-            Property::Permeability => &self.permeability,
-        };
+        let given = self.given(property);
         let ranges = Ranges(property.name());
         let named = || {
             let mut values = GivenValues::default();
@@ -175,6 +198,15 @@ fn by_label<T, U: Copy>(
     }
     let entry = |label: &i64| numbered(*label, numbers.get(label).ok_or_else(|| missing(label))?.1);
     volume.labels.iter().map(entry).collect()
+}
+
+/// A warning of entries for labels that a volume does not have. One phases file may serve several volumes.
+fn surplus<T>(table: &str, given: &BTreeMap<String, T>, volume: &Volume) -> Option<String> {
+    let labels = given.keys().filter_map(|name| name.parse::<i64>().ok());
+    let absent: Vec<String> =
+        labels.filter(|label| volume.labels.binary_search(label).is_err()).map(|label| label.to_string()).collect();
+    (!absent.is_empty())
+        .then(|| format!("[{table}] has {}, and the volume has no voxel of such a label", absent.join(", ")))
 }
 
 fn unknown(table: &'static str, name: &str) -> EffectiveError {
