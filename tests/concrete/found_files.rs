@@ -192,6 +192,12 @@ fn off_is_read_with_its_numbers_wherever_they_stand() {
         format!("4OFF\n8 6 12\n{}{SIDES}", with("1", CUBE)),
         format!("4OFF\n8 6 12\n{}{SIDES}", with("0.5", CUBE)),
         format!("4OFF 8 6 12\n{}{SIDES}", flat(&with("1", CUBE))),
+        // MeshLab's order, and all that Geomview has.
+        format!("NCOFF\n8 6 12\n{}{SIDES}", with("255 0 0 255 0 0 1", CUBE)),
+        format!("CNOFF8 6 12\n{}{SIDES}", with("0 0 1 255 0 0 255", CUBE)),
+        format!("STOFF\n8 6 12\n{}{SIDES}", with("0.5 0.5", CUBE)),
+        format!("STCN4OFF\n8 6 12\n{}{SIDES}", with("1 0 0 1 1 0 0 1 0.5 0.5", CUBE)),
+        format!("C4OFF\n8 6 12\n{}{SIDES}", with("0.25 1 0 0 1", CUBE)),
     ] {
         let mut heard = Heard(Folder(&[("a.off", text.as_bytes())]), Vec::new());
         let spec =
@@ -202,6 +208,9 @@ fn off_is_read_with_its_numbers_wherever_they_stand() {
         (format!("nOFF\n3\n8 6 12\n{CUBE}{SIDES}"), "it is an nOFF, of any number of dimensions"),
         (format!("4nOFF\n3\n8 6 12\n{CUBE}{SIDES}"), "it is an nOFF, of any number of dimensions"),
         (format!("8 6 12\n{CUBE}{SIDES}"), "it must begin with OFF"),
+        (format!("44OFF\n8 6 12\n{CUBE}{SIDES}"), "it must begin with OFF"),
+        (format!("XOFF\n8 6 12\n{CUBE}{SIDES}"), "it must begin with OFF"),
+        (format!("SOFF\n8 6 12\n{CUBE}{SIDES}"), "it must begin with OFF"),
         (format!("4OFF\n8 6 12\n{}{SIDES}", with("0", CUBE)), "is not a vertex"),
         (format!("OFF\n8 6 12\n{}", flat(CUBE)), "it ends within its vertices"),
         (format!("OFF\n8 6 12\n{}4 0 1 3", flat(CUBE)), "it ends within its vertices"),

@@ -1,7 +1,7 @@
 //! Which format a file has by its first bytes, for the error of one whose name says another.
 
 use super::words::{is, lines_of_words, number};
-use super::{ending, list};
+use super::{ending, list, off};
 
 /// A format that people bring, whether it is read or not.
 struct Format {
@@ -82,7 +82,7 @@ fn format_of_text(text: &[u8]) -> Option<Format> {
     if is(words[0], "solid") && holds(b"facet") {
         return Some(STL);
     }
-    if ["OFF", "COFF", "NOFF", "CNOFF"].iter().any(|keyword| is(words[0], keyword)) {
+    if off::vertex(words[0]).is_some() {
         return Some(OFF);
     }
     let is_coefficient = |words: &[&[u8]]| words.len() == 4 && words.iter().all(|word| number::<f64>(word).is_some());

@@ -1,8 +1,8 @@
 //! OFF, the text of Geomview: numbers of vertices and faces, a line for each.
 //!
-//! `COFF`, `NOFF` and the like have colours or normals behind each position, which are ignored; `4OFF` has a fourth coordinate that
-//! divides the others. The first number may follow the keyword at once. Numbers need no lines of their own where a vertex has
-//! its position alone.
+//! `COFF`, `NOFF`, `NCOFF` and the like have colours or normals behind each position, which are ignored; `4OFF` has a fourth
+//! coordinate that divides the others. The first number may follow the keyword at once. Numbers need no lines of their own
+//! where a vertex has its position alone.
 
 use super::words::{is, lines_of_words, number, text, unreadable};
 use super::{Facets, ImportError};
@@ -32,9 +32,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
     if keyword == b"nOFF" || keyword.ends_with(b"nOFF") {
         return Err(begin("it is an nOFF, of any number of dimensions; save it as OFF, of three"));
     }
-    let plain = keyword.strip_prefix(b"4").unwrap_or(keyword);
-    let extras = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"];
-    let Some(extra) = extras.iter().position(|known| is(plain, known)) else {
+    let Some((size, has_more)) = vertex(keyword) else {
         return Err(begin("it must begin with OFF, of three dimensions"));
     };
     if words.first().is_some_and(|word| is(word, "binary")) {
@@ -48,16 +46,33 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
     let (Some(vertices), Some(faces)) = (count(0), count(1)) else {
         return Err(unreadable(line, &words, "the numbers of vertices and faces"));
     };
-    let counts = Counts { vertices, faces, size: if plain.len() < keyword.len() { 4 } else { 3 } };
+    let counts = Counts { vertices, faces, size };
     let mut lines: Vec<Line> = lines.collect();
     let found = by_lines(&counts, &lines);
-    if found.is_ok() || extra > 0 {
+    if found.is_ok() || has_more {
         return found;
     }
     // The number of edges, which counts for nothing, may be absent.
     let more = words.get(3..).filter(|more| !more.is_empty());
     more.into_iter().for_each(|more| lines.insert(0, (line, more.to_vec())));
     by_numbers(&counts, &lines).ok_or(()).or(found)
+}
+
+/// Numbers of a position by the keyword, and whether more stands behind it. Programs write the marks in any order.
+pub(super) fn vertex(keyword: &[u8]) -> Option<(usize, bool)> {
+    let (marks, name) = keyword.split_at(keyword.len().checked_sub(3)?);
+    let (marks, mut size, mut has_more) = (marks.to_ascii_uppercase(), 3, false);
+    let mut marks = &marks[..];
+    while let [mark, rest @ ..] = marks {
+        marks = match mark {
+            b'4' | b'C' | b'N' => rest,
+            b'S' => rest.strip_prefix(b"T")?,
+            _ => return None,
+        };
+        size += usize::from(*mark == b'4');
+        has_more |= *mark != b'4';
+    }
+    (is(name, "OFF") && size <= 4).then_some((size, has_more))
 }
 
 /// A vertex a line, a face a line.
