@@ -106,6 +106,32 @@ fn a_file_beyond_the_systems_limit_fails_and_leaves_the_old_one() {
     assert!(folder.names().iter().all(|name| !name.starts_with('.')), "{:?}", folder.names());
 }
 
+/// The case: polygons of millions of corners, files of 40 MB, were aborted for want of memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn surfaces_beyond_the_free_memory_are_refused_with_both_figures() {
+    let corners = 1_300_000;
+    let ring = "1 2 3 ".repeat(corners);
+    let flat = "0 0 0\n1 0 0\n0 1 0\n";
+    let stl = [&[b'x'; 80][..], &1_000_000_u32.to_le_bytes(), &vec![0; 50_000_000]].concat();
+    for (name, bytes) in [
+        ("s.obj", format!("v {}f {ring}\n", flat.trim_end().replace('\n', "\nv ") + "\n").into_bytes()),
+        ("s.off", format!("OFF\n3 1 0\n{flat}{} {ring}\n", 3 * corners).into_bytes()),
+        ("s.stl", stl),
+    ] {
+        let folder = Folder::new();
+        folder.write(name, bytes);
+        for spec in ["specimen = { kind = 'mesh', file = 'NAME' }\n", "shape = { library = 'NAME' }\n"] {
+            folder.write("s.toml", spec.replace("NAME", name));
+            let script = format!("ulimit -v 500000; exec {} pack s.toml -o m.json", env!("CARGO_BIN_EXE_mesocrete"));
+            let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path("")).output().unwrap();
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains(" MB of memory, and ") && message.contains("fewer triangles"), "{message}");
+        }
+    }
+}
+
 #[test]
 fn a_closed_standard_output_is_no_place_for_data() {
     let folder = Folder::with_spec();

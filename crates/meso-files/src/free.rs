@@ -12,6 +12,25 @@ pub fn memory() -> Option<u64> {
     limits.into_iter().flatten().min()
 }
 
+/// Bytes of memory until the surface in a file is proved, or a little more; 0 of a file with another ending than surfaces have.
+///
+/// 327,680 triangles took 730 bytes each as .stl, .ply, .off and .obj; a polygon of 6 million corners took 154 a corner.
+pub fn of_surface(name: &str, bytes: &[u8]) -> u64 {
+    let ending = Path::new(name).extension().map(|ending| ending.to_ascii_lowercase());
+    let a_byte = match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("stl") => 16,
+        Some("ply") => 40,
+        Some("off" | "obj") => 0,
+        _ => return 0,
+    };
+    // Numbers of a binary file are no words.
+    if a_byte > 0 && bytes.contains(&0) {
+        return a_byte * bytes.len() as u64;
+    }
+    let words = bytes.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count();
+    160 * words as u64
+}
+
 /// Bytes that a file in `folder` can take; `None` if the system does not say.
 #[cfg(unix)]
 pub fn disk(folder: &Path) -> Option<u64> {
@@ -85,6 +104,16 @@ mod tests {
         assert!(memory().is_some_and(|free| free > 0 && free < 2 * all), "{:?}", memory());
         assert!(disk(Path::new(".")).is_some());
         assert_eq!(disk(Path::new("/no/such/folder")), None);
+    }
+
+    #[test]
+    fn surfaces_take_memory_by_their_numbers() {
+        assert_eq!(of_surface("a/b.OBJ", b"v 0 0 0\nf 1 2 3\n"), 160 * 8);
+        assert_eq!(of_surface("b.off", b"OFF\n\n3 1 0\n"), 160 * 4);
+        assert_eq!(of_surface("b.ply", b"ply\n\0\0\0\0"), 40 * 8);
+        assert_eq!(of_surface("b.stl", b"solid x\nendsolid x"), 160 * 4);
+        assert_eq!(of_surface("b.stl", &[0; 134]), 16 * 134);
+        assert_eq!([of_surface("b.csv", b"1 2 3"), of_surface("b", b"1 2 3")], [0, 0]);
     }
 
     #[test]

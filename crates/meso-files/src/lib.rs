@@ -42,6 +42,13 @@ impl Files for Beside<'_> {
             let limit = LONGEST_INPUT >> 20;
             return Err(io::Error::other(format!("{} is longer than {limit} MB, too long for a spec", path.display())));
         }
+        let needed = free::of_surface(name, &bytes);
+        if let Some(free) = free::memory().filter(|free| *free < needed) {
+            let [needed, free] = [needed, free].map(|bytes| bytes >> 20);
+            let why =
+                format!("takes about {needed} MB of memory, and {free} MB are free; save it with fewer triangles");
+            return Err(io::Error::other(format!("{} {why}", path.display())));
+        }
         Ok(bytes)
     }
 
