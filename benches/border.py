@@ -7,7 +7,7 @@ Each kind of case draws its files from the case's number; a row of `benches/resu
     cores      drilled cores for `import --outside`: diameter, grains within, volumes, `check`
     surfaces   specimens and library grains of STL, PLY, OBJ and OFF, sound and damaged: volumes by the divergence theorem
     lies       one false number in a saved model of a label volume: `check` finds it, unless the volume alone shows it
-    writers    TIFF and .vti files of thirteen other programs, judged by the array and the voxel that the writer knows
+    writers    TIFF, .vti and .npy files of thirteen other programs, judged by the array and the voxel that the writer knows
     contradictions    TEST.toml with and without contradictions, judged by rules from docs/tests.md
     packed     compressed or shared data that opens to far more than 1 GB, under a limit of 1 GB: an error, no abort
 
@@ -348,7 +348,7 @@ def packed(command, number, folder):
     elif kind == "csv":
         rows = "\n".join(["sieve_mm,passing"] + ["1" * int(rng.integers(10, 10**6))] * 5)
         (folder / "t.csv").write_text(rows)
-        (folder / "v.toml").write_text('grading = { table = "t.csv" }\n')
+        (folder / "v.toml").write_text('grading = { curve = { kind = "sieves", file = "t.csv" } }\n')
         name, act = "v.toml", "pack"
     else:
         (folder / "s.stl").write_bytes(b"x" * 80 + struct.pack("<I", 2**32 - 1) + bytes(500))

@@ -3,7 +3,7 @@
 A writer is a function of (rng, file without ending, labels [z, y, x], edges of a voxel along x, y, z). It returns the path, and
 what a reader can know: the edges (`None` where the format or the writer leaves them out), or a word if the file holds no single
 volume, so that it must be refused. Writers: tifffile, imageio, Pillow, scikit-image, OpenCV, libvips, SimpleITK, VTK, PyVista,
-pyevtk and uvw; those that are not installed are counted as such.
+pyevtk, uvw and NumPy; those that are not installed are counted as such.
 """
 
 import json
@@ -323,7 +323,16 @@ def uvw_grid(rng, name, labels, edges):
     return f"{name}.vti", list(edges)
 
 
-WRITERS = [tifffile_plain, tifffile_imagej, tifffile_ome, imageio_stack, pillow, skimage, opencv, vips, simpleitk, vtk_tiff, vtk_vti, vtk_vti, pyvista, evtk, uvw_grid]
+def numpy_array(rng, name, labels, edges):
+    labels = any_of(rng, labels, ["u1", "i1", ">u2", "<i2", ">u4", "i4", ">i8", "u8", ">f4", "f8"])
+    if rng.random() < 0.5:
+        labels = np.asfortranarray(labels)
+    with open(f"{name}.npy", "wb") as file:
+        np.lib.format.write_array(file, labels, version=[(1, 0), (2, 0), (3, 0)][rng.integers(3)])
+    return f"{name}.npy", None
+
+
+WRITERS = [tifffile_plain, tifffile_imagej, tifffile_ome, imageio_stack, pillow, skimage, opencv, vips, simpleitk, vtk_tiff, vtk_vti, vtk_vti, pyvista, evtk, uvw_grid, numpy_array]
 
 
 def writers(run, command, number, folder):
