@@ -80,7 +80,7 @@ struct Part {
     most_slots: usize,
 }
 
-/// Refuses runs whose elements have more words than a number of 32 bits counts: some 390 million smoothed tetrahedra.
+/// Refuses runs whose elements have more words than a number of 32 bits counts: some 600 million smoothed tetrahedra.
 pub(crate) fn accept(upload: &Upload) -> Result<(), String> {
     let elements = (0..upload.blocks()).flat_map(|block| upload.elements_of(block));
     let words: u64 = elements.map(|own| own.eights() as u64 * words_of(own.others()) as u64).sum();
