@@ -11,7 +11,7 @@ use meso_concrete::aggregate::{Aggregate, Curve, Grading, Itz, Kind, SizeDefinit
 use meso_concrete::import::grains::{
     CoreCylinder, GrainSurfaces, LabelledGrain, LabelledGrains, Roles, SmoothOptions, SurfacesError,
 };
-use meso_concrete::import::volume::{LENGTHS, Volume};
+use meso_concrete::import::volume::Volume;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
@@ -210,8 +210,9 @@ impl LabelOptions {
                 format!("it must be {low} to {high} {unit}"),
             )
         };
+        let edges = <Volume>::EDGES_MM;
         for h in self.voxel_size_mm.iter().flatten() {
-            is_in("voxel_size_mm", *h, [*LENGTHS.start(), *LENGTHS.end()], "mm")?;
+            is_in("voxel_size_mm", *h, [*edges.start(), *edges.end()], "mm")?;
         }
         is_in("step", step, [1.0, 8.0], "voxels")?;
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;

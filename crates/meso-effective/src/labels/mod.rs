@@ -14,7 +14,7 @@ use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli, refuse_absent};
 use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
-use meso_concrete::import::volume::{LENGTHS, Volume};
+use meso_concrete::import::volume::Volume;
 use meso_concrete::watch::Watch;
 use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges, parallel};
 use serde::{Deserialize, Serialize};
@@ -38,8 +38,9 @@ impl LabelSpecimen {
     /// # Errors
     /// See [`OutOfRange`].
     pub fn validate(&self) -> Result<(), OutOfRange> {
-        let accepted = format!("it must be {:e} to {:e} mm", LENGTHS.start(), LENGTHS.end());
-        let require = |edge| Ranges("effective").require("voxel_size_mm", edge, LENGTHS.contains(&edge), &*accepted);
+        let range = <Volume>::EDGES_MM;
+        let accepted = format!("it must be {:e} to {:e} mm", range.start(), range.end());
+        let require = |edge| Ranges("effective").require("voxel_size_mm", edge, range.contains(&edge), &*accepted);
         self.spacing_mm.into_iter().try_for_each(require)
     }
 }

@@ -155,6 +155,11 @@ pub fn read_wanted<N: LabelNumber>(name: &str, bytes: &[u8], wanted: &Wanted<'_>
     found.map_err(|error| misnamed(name, bytes, &ENDINGS).map_or(error, VolumeError::Misnamed))
 }
 
+impl Volume {
+    /// Edges that a voxel may have, mm.
+    pub const EDGES_MM: RangeInclusive<f64> = 1e-6..=1e6;
+}
+
 impl<N: LabelNumber> Volume<N> {
     /// What the file left open about the size of a voxel, where `is_sized` says that it is given otherwise.
     pub fn size_remark(&self, is_sized: bool) -> Option<String> {
@@ -293,7 +298,7 @@ impl<N: LabelNumber> Values<N> {
         if (0..).zip(&places).any(|(number, place)| number != (*place).into()) {
             of.iter_mut().for_each(|number| *number = places[(*number).into()]);
         }
-        let kept = spacing_mm.filter(|spacing| spacing.iter().all(|h| LENGTHS.contains(h)));
+        let kept = spacing_mm.filter(|spacing| spacing.iter().all(|h| <Volume>::EDGES_MM.contains(h)));
         let size_note = spacing_mm.filter(|_| kept.is_none()).map(|spacing| {
             let [x, y, z] = spacing.map(written);
             format!("the file has voxels of {x} x {y} x {z} mm, which no specimen has")
@@ -308,9 +313,6 @@ impl<N: LabelNumber> Values<N> {
         })
     }
 }
-
-/// Edges that a voxel may have, mm.
-pub const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Number of voxels, if it can be one.
 fn voxels(counts: [usize; 3]) -> Option<usize> {
