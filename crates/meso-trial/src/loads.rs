@@ -65,6 +65,13 @@ pub struct RigidSupport {
     pub motion: Option<Motion>,
 }
 
+impl RigidSupport {
+    /// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
+    pub fn is_pressed(&self) -> bool {
+        self.force_n != 0.0 && self.is_upper
+    }
+}
+
 /// What moves a support of a deck in real time. Speeds are positive towards the specimen; those over time are rows of s and mm/s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {

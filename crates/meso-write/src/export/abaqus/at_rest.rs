@@ -5,7 +5,7 @@
 
 use super::geometry::Extra;
 use super::lines::real;
-use super::supports::{along, grow, is_pressed, model, names, reference};
+use super::supports::{along, grow, model, names, reference};
 use super::{DeckOptions, elastic};
 use crate::export::lines::Lines;
 use meso_collision::math::{Aabb, Vec3};
@@ -25,7 +25,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, _: &DeckOptions,
     let names = names(loads);
     let mut pressed = Vec::new();
     for (place, support) in loads.supports.iter().enumerate() {
-        if is_pressed(support) {
+        if support.is_pressed() {
             pressed.push((tie(lines, mesh, place, support)?, support));
         }
     }
@@ -109,7 +109,7 @@ pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
         let set = |(number, what)| Extra { number, position, set: Some(format!("REF_{what}_{name}")) };
         pair(mesh, place).into_iter().zip(["LOAD", "PATH"]).map(set).collect::<Vec<_>>()
     };
-    named.filter(|(_, (_, support))| is_pressed(support)).flat_map(of).collect()
+    named.filter(|(_, (_, support))| support.is_pressed()).flat_map(of).collect()
 }
 
 /// Ties the nodes of a plate to its two reference nodes: its way is the sum of theirs. Returns both.
@@ -135,7 +135,7 @@ fn hold(lines: &mut Lines<impl Write>, loads: &Loads, names: &[String], at: f64)
         for axis in held(support) {
             let dof = axis + 1;
             match axis == support.axis {
-                true if is_pressed(support) => {}
+                true if support.is_pressed() => {}
                 true => lines.line(format!("N_{name}, {dof}, {dof}, {:.12e}", support.moves * at))?,
                 false => lines.line(format!("N_{name}, {dof}, {dof}"))?,
             }

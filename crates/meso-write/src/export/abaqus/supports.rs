@@ -75,11 +75,6 @@ pub(super) fn grow(lines: &mut Lines<impl Write>, loads: &Loads, amplitude: &str
     Ok(())
 }
 
-/// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
-pub(super) fn is_pressed(support: &RigidSupport) -> bool {
-    support.force_n != 0.0 && support.is_upper
-}
-
 /// Degree of freedom along the axis of a support.
 pub(super) fn along(support: &RigidSupport) -> usize {
     support.axis + 1
@@ -419,7 +414,7 @@ impl Steps<'_> {
     }
 
     fn pressed(&self) -> impl Iterator<Item = (&String, &RigidSupport)> {
-        self.named().filter(|(_, support)| is_pressed(support))
+        self.named().filter(|(_, support)| support.is_pressed())
     }
 
     fn begin(&self, lines: &mut Lines<impl Write>, time_s: f64, is_first: bool) -> io::Result<()> {
@@ -450,7 +445,7 @@ impl Steps<'_> {
             let goes = support.moves != 0.0 || matches!(support.motion, Some(Motion::Speed(_)));
             let answers = matches!(support.motion, Some(Motion::Bar { .. } | Motion::Mass { .. }));
             let goes = answers || goes && self.loads.lead_s == 0.0;
-            let free = (is_linked || is_pressed(support) || goes).then_some(along(support));
+            let free = (is_linked || support.is_pressed() || goes).then_some(along(support));
             for dof in (1..=6).filter(|dof| Some(*dof) != free) {
                 lines.line(format!("REF_{name}, {dof}, {dof}"))?;
             }

@@ -111,7 +111,7 @@ fn plate(mesh: &Mesh, whole: &Aabb, name: String, support: &RigidSupport) -> Blo
         false => (whole.min[axis] - thick, whole.min[axis]),
     };
     (low[axis], high[axis]) = (from, to);
-    let moves = support.moves != 0.0 || is_pressed(support) || support.motion.is_some();
+    let moves = support.moves != 0.0 || support.is_pressed() || support.motion.is_some();
     let density = match support.motion {
         Some(Motion::Bar { mass_t, .. } | Motion::Mass { mass_t, .. }) => Some(mass_t / (high - low).product()),
         Some(Motion::Speed(_)) | None => None,
@@ -119,11 +119,6 @@ fn plate(mesh: &Mesh, whole: &Aabb, name: String, support: &RigidSupport) -> Blo
     // The codes of two translations: y and z, z and x, x and y.
     let held = if moves { [5, 6, 4][axis] } else { 7 };
     Block { name: format!("PLATE_{name}"), low, high, held, density }
-}
-
-/// Whether a plate has its force while loads grow, and the path afterwards; the lower one of a pair stays where it is.
-fn is_pressed(support: &RigidSupport) -> bool {
-    support.force_n != 0.0 && support.is_upper
 }
 
 /// Corners of the blocks, which the deck's one block of nodes has.
@@ -239,7 +234,7 @@ fn moved(
     nodes: u64,
 ) -> io::Result<()> {
     let dof = Field::Integer(support.axis as i64 + 1);
-    if is_pressed(support) {
+    if support.is_pressed() {
         cards.line("*LOAD_RIGID_BODY")?;
         card(cards, &[part.unwrap_or(nodes).into(), dof, GROWTH.into(), Field::Real(-support.force_n)])?;
     }
