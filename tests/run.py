@@ -38,8 +38,9 @@ PEERS = {
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
 TESTED = ["--workspace", "--exclude", "meso-bench"]
-CORE = [f"meso-{name}" for name in ("collision", "concrete", "place", "spec", "pack", "mesh", "trial", "write")]
-# The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
+# The slow tier has one profile for tests and benches, with every check of the crates that are built without, and a wheel of its own.
+UNCHECKED = r"\[profile\.dev\.package\.(meso-\w+)\]\n(?:codegen-units = 1\n)?debug-assertions = false\noverflow-checks = true"
+CORE = re.findall(UNCHECKED, (ROOT / "Cargo.toml").read_text(encoding="utf-8"))
 ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in CORE)
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 
