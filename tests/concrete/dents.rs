@@ -2,7 +2,7 @@
 
 use crate::pack::folder::{Folder, Heard};
 use meso_core::export::stl;
-use meso_core::geometry::TriangleMesh;
+use meso_core::geometry::{BodyForm, TriangleMesh};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, PhaseVolumes, Tools, Volumes, figures};
 use meso_core::spec::Spec;
@@ -59,7 +59,7 @@ fn of_grain(grain: TriangleMesh, rest: &str) -> Spec {
 
 fn packed(rest: &str) -> Model {
     let model = pack(&spec(3, rest), &Silent).unwrap();
-    assert!(model.aggregates.len() > 3 && model.aggregates.iter().all(|ring| !ring.body.is_convex()));
+    assert!(model.aggregates.len() > 3 && model.aggregates.iter().all(|ring| ring.body.form() == BodyForm::Surface));
     assert_eq!(check::check(&model).findings, []);
     model
 }

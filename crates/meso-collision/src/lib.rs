@@ -12,6 +12,8 @@ pub mod gjk;
 pub mod lanes;
 pub mod math;
 #[doc(hidden)]
+pub mod posed;
+#[doc(hidden)]
 pub mod prefetch;
 pub mod round_bodies;
 #[doc(hidden)]

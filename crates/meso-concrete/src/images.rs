@@ -3,7 +3,7 @@
 use crate::aggregate::Aggregate;
 use crate::parallel;
 use crate::specimen::{Period, Specimen};
-use meso_collision::geometry::clipped;
+use meso_collision::geometry::{BodyForm, clipped};
 use meso_collision::math::{Aabb, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -34,12 +34,14 @@ impl Images {
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
         let image = |shift: Vec3| {
             // Cut before translation, so that the parts on both sides of a face have the same corners there.
-            let is_round = aggregate.body.round().is_some();
-            let is_cut = self == Self::Cut && aggregate.body.is_convex() && !is_round;
-            // The facets of a round body lie within it, and may miss what it reaches.
-            let part = if is_round { None } else { Some(clipped(&aggregate.body, &domain.moved(&-shift))?) };
-            let body = part.filter(|_| is_cut).unwrap_or_else(|| aggregate.body.clone());
-            Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
+            let part = || clipped(&aggregate.body, &domain.moved(&-shift));
+            let body = match aggregate.body.form() {
+                BodyForm::Hull if self == Self::Cut => part()?.translated(&shift),
+                // The facets of a round body lie within it, and may miss what it reaches.
+                BodyForm::Round(_) => aggregate.body.translated(&shift),
+                BodyForm::Hull | BodyForm::Surface => part().map(|_| aggregate.body.translated(&shift))?,
+            };
+            Some(Aggregate { body, ..aggregate.clone() })
         };
         period.shifts(&aggregate.body.aabb(), domain).into_iter().filter_map(image).collect()
     }

@@ -27,9 +27,6 @@ impl<'a, B: AsRef<[Aggregate]> + ?Sized> From<(&'a B, &'a Specimen)> for Parts<'
 /// Makes caps of the triangles of aggregates with dents that lie exactly in an end of a cylinder, or in a side of a box across which
 /// it does not repeat itself: they end there as grains do that a scan cuts, and have no ITZ there. Convex aggregates have none.
 pub fn mark_caps(aggregates: &mut [Aggregate], specimen: &Specimen) {
-    if aggregates.iter().all(|aggregate| aggregate.body.is_convex()) {
-        return;
-    }
     let mut sides = specimen.period().mixed(&Aabb::everywhere(), &specimen.aabb());
     if matches!(specimen, Specimen::Cylinder { .. }) {
         let everywhere = Aabb::everywhere();
@@ -38,5 +35,5 @@ pub fn mark_caps(aggregates: &mut [Aggregate], specimen: &Specimen) {
     } else if !specimen.container().is_box() {
         return;
     }
-    parallel::each_mut(aggregates, |_, aggregate| aggregate.body = aggregate.body.clone().with_caps_in(&sides));
+    parallel::each_mut(aggregates, |_, aggregate| aggregate.body.mark_caps(&sides));
 }

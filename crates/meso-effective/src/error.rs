@@ -1,5 +1,6 @@
 //! Why effective properties are refused.
 
+use meso_collision::geometry::BodyForm;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::{OutOfRange, Ranges, parallel};
 use meso_mesh::MeshError;
@@ -99,12 +100,12 @@ fn example(table: &str) -> &'static str {
 /// # Errors
 /// A body with dents that is too thin for its ITZ.
 pub(crate) fn accepted(bodies: Cow<'_, [Aggregate]>) -> Result<Cow<'_, [Aggregate]>, EffectiveError> {
-    let is_thin = |body: &Aggregate| !body.body.is_convex() && body.inner_surface().is_err();
+    let is_thin = |body: &Aggregate| body.body.form() == BodyForm::Surface && body.inner_surface().is_err();
     if let Some(body) = parallel::filter(bodies.len(), |number| is_thin(&bodies[number])).first() {
         let body = &bodies[*body as usize];
         return Err(EffectiveError::Dents(body.id, body.itz_thickness_mm));
     }
-    if bodies.iter().all(|body| body.body.round().is_none()) {
+    if bodies.iter().all(|body| !matches!(body.body.form(), BodyForm::Round(_))) {
         return Ok(bodies);
     }
     let facets = |body: &Aggregate| Aggregate { body: body.body.faceted().into_owned(), ..body.clone() };

@@ -1,7 +1,7 @@
 //! The area of a plane section of a body in every square of a grid, exact to rounding.
 
 use crate::grid::Grid;
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{BodyForm, Polyhedron};
 use meso_view::section::divide;
 use std::ops::Range;
 
@@ -62,7 +62,7 @@ impl Section {
         squares: &Squares,
         mut visit: impl FnMut(usize, f64),
     ) {
-        if !body.is_convex() {
+        if body.form() == BodyForm::Surface {
             return shares_with_dents(body, axis, at, squares, visit);
         }
         self.cut(body, axis, at);

@@ -15,7 +15,7 @@ use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume
 use crate::figures::{PhaseVolumes, note_closed_gaps};
 use crate::location::Facets;
 use crate::tet::TetMesh;
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::BodyForm;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Container;
@@ -80,8 +80,9 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
 /// # Errors
 /// A conforming mesh takes convex polyhedra.
 pub fn accepts(bodies: &[Aggregate], options: &MeshOptions) -> Result<(), MeshError> {
-    let any = |is_of: fn(&Polyhedron) -> bool| bodies.iter().any(|body| is_of(&body.body));
-    options.accepts(any(|body| body.round().is_some()), any(|body| !body.is_convex()))
+    let forms = || bodies.iter().map(|body| body.body.form());
+    let has_round = forms().any(|form| matches!(form, BodyForm::Round(_)));
+    options.accepts(has_round, forms().any(|form| form == BodyForm::Surface))
 }
 
 /// Reports the share of meshing that is done.

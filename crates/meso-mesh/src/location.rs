@@ -7,28 +7,32 @@
 use crate::cells::{NO_BODY, Phase};
 use crate::planes::{self, EightPlanes};
 use meso_collision::dents::Skin;
-use meso_collision::geometry::{Plane, Round};
+use meso_collision::geometry::{BodyForm, Plane, Round};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
 use std::borrow::Cow;
 
-/// A convex body by its face planes, or a body with dents by its surface.
+/// A body, ready to be asked for points.
 #[derive(Clone)]
 pub struct Facets {
     /// Phase of its inside.
     pub(crate) phase: Phase,
     pub(crate) aabb: Aabb,
-    planes: Vec<Plane>,
-    /// The planes again.
-    eights: Vec<EightPlanes>,
-    /// The surface and the skin of a body with dents, of which the planes tell nothing.
-    dents: Option<Skin>,
-    /// A ball or an ellipsoid, which needs no planes.
-    round: Option<Round>,
+    by: By,
     /// Shell thickness in this mesh, mm; 0: no shell.
     pub(crate) shell: f64,
+}
+
+/// By what a body says which points it holds.
+#[derive(Clone)]
+enum By {
+    /// Its face planes, one by one and in eights.
+    Planes(Vec<Plane>, Vec<EightPlanes>),
+    Round(Round),
+    /// The surface and the skin of a body with dents.
+    Skin(Skin),
 }
 
 impl Facets {
@@ -39,40 +43,43 @@ impl Facets {
 
     /// One aggregate with a shell of `shell` mm.
     pub fn of(a: &Aggregate, shell: f64) -> Self {
-        let round = a.body.round();
-        let planes: Vec<Plane> = if round.is_some() { Vec::new() } else { a.body.planes().collect() };
-        let eights = EightPlanes::all(&planes);
-        let dents = (!a.body.is_convex()).then(|| a.body.skin(shell));
-        Self { phase: Phase::of(a.kind), aabb: a.body.aabb(), planes, eights, dents, round, shell }
+        let by = match a.body.form() {
+            BodyForm::Hull => {
+                let planes: Vec<Plane> = a.body.planes().collect();
+                let eights = EightPlanes::all(&planes);
+                By::Planes(planes, eights)
+            }
+            BodyForm::Round(round) => By::Round(round),
+            BodyForm::Surface => By::Skin(a.body.skin(shell)),
+        };
+        Self { phase: Phase::of(a.kind), aabb: a.body.aabb(), by, shell }
     }
 
     /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.
     pub fn depth_below_shell(&self, x: &Vec3) -> f64 {
-        match &self.dents {
-            Some(skin) => skin.depth_below(x, self.shell),
-            None => -self.height(x) - self.shell,
+        match &self.by {
+            By::Skin(skin) => skin.depth_below(x, self.shell),
+            By::Planes(..) | By::Round(_) => -self.height(x) - self.shell,
         }
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
     pub fn height(&self, x: &Vec3) -> f64 {
-        match (&self.dents, &self.round) {
-            (Some(skin), _) => -skin.surface().depth(x),
-            (None, Some(round)) => round.height(x),
-            (None, None) => planes::height_over(&self.eights, x),
+        match &self.by {
+            By::Planes(_, eights) => planes::height_over(eights, x),
+            By::Round(round) => round.height(x),
+            By::Skin(skin) => -skin.surface().depth(x),
         }
     }
 
     /// The part of the segment from `inside` to `outside` that lies within the body, 0 to 1.
     pub(crate) fn exit(&self, inside: &Vec3, outside: &Vec3) -> f64 {
-        if let Some(skin) = &self.dents {
-            return skin.surface().exit(inside, outside);
-        }
         let direction = outside - inside;
-        if let Some(round) = &self.round {
-            return round.chord(inside, &direction).map_or(0.0, |(_, exit)| exit.clamp(0.0, 1.0));
+        match &self.by {
+            By::Planes(_, eights) => planes::exit(eights, inside, &direction),
+            By::Round(round) => round.chord(inside, &direction).map_or(0.0, |(_, exit)| exit.clamp(0.0, 1.0)),
+            By::Skin(skin) => skin.surface().exit(inside, outside),
         }
-        planes::exit(&self.eights, inside, &direction)
     }
 }
 
@@ -237,15 +244,22 @@ impl<'a> Scan<'a> {
             let [shell, core_value] = values(index);
             for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {
                 let row = &mut layer[j * self.grid.counts[0]..][..self.grid.counts[0]];
-                if let Some(spans) = body.spans(self.grid.coordinate(1, j), z) {
-                    self.paint_row(row, [j, k], (body, &spans), [shell, core_value]);
-                    continue;
-                }
-                let [outer, core] = body.intervals(self.grid.coordinate(1, j), z);
-                if body.shell > 0.0 {
-                    row[self.grid.range(0, outer.low, outer.high)].fill(shell);
-                }
-                row[self.grid.range(0, core.low, core.high)].fill(core_value);
+                let y = self.grid.coordinate(1, j);
+                let spans = match &body.by {
+                    By::Planes(planes, _) => {
+                        let [outer, core] = body.intervals(planes, y, z);
+                        if body.shell > 0.0 {
+                            row[self.grid.range(0, outer.low, outer.high)].fill(shell);
+                        }
+                        row[self.grid.range(0, core.low, core.high)].fill(core_value);
+                        continue;
+                    }
+                    By::Round(round) => {
+                        round.chord(&Vec3::new(0.0, y, z), &Vec3::x()).into_iter().map(Into::into).collect()
+                    }
+                    By::Skin(skin) => skin.surface().row(y, z),
+                };
+                self.paint_row(row, [j, k], (body, &spans), [shell, core_value]);
             }
         }
     }
@@ -285,32 +299,25 @@ impl Interval {
 }
 
 impl Facets {
-    /// Parts of the row through (y, z) in a body that planes do not describe.
-    fn spans(&self, y: f64, z: f64) -> Option<Vec<[f64; 2]>> {
-        let chord = |round: &Round| round.chord(&Vec3::new(0.0, y, z), &Vec3::x());
-        let of_round = || self.round.as_ref().map(|round| chord(round).into_iter().map(<[f64; 2]>::from).collect());
-        self.dents.as_ref().map(|skin| skin.surface().row(y, z)).or_else(of_round)
-    }
-
     /// Whether a point of the body, at this height, is in its shell.
     pub(crate) fn has_in_shell(&self, x: &Vec3, height: f64) -> bool {
         // Below caps points are deeper than below the whole surface.
-        height > -self.shell && (self.dents.is_none() || !self.is_deep(x))
+        height > -self.shell && (!matches!(self.by, By::Skin(_)) || !self.is_deep(x))
     }
 
     /// True for points of the body that lie deeper than the shell.
     fn is_deep(&self, point: &Vec3) -> bool {
-        match &self.dents {
-            Some(skin) => skin.nearest(point).is_none_or(|near| near.1 > self.shell),
-            None => -self.height(point) > self.shell,
+        match &self.by {
+            By::Skin(skin) => skin.nearest(point).is_none_or(|near| near.1 > self.shell),
+            By::Planes(..) | By::Round(_) => -self.height(point) > self.shell,
         }
     }
 
-    /// The row through (y, z), in the outer body and in the core.
-    fn intervals(&self, y: f64, z: f64) -> [Interval; 2] {
+    /// The row through (y, z), in the outer body within these planes and in the core.
+    fn intervals(&self, planes: &[Plane], y: f64, z: f64) -> [Interval; 2] {
         let mut outer = Interval { low: self.aabb.min.x, high: self.aabb.max.x };
         let mut core = outer;
-        for Plane { normal, offset } in &self.planes {
+        for Plane { normal, offset } in planes {
             let reach = offset - normal.y * y - normal.z * z;
             outer.clip(normal.x, reach);
             core.clip(normal.x, reach - self.shell);

@@ -16,8 +16,9 @@ mod take_and_place;
 mod task;
 
 pub use face_shift::keep_off_faces;
-use meso_collision::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhedron};
+use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullBuilder, HullError, Polyhedron, Round, Triangles};
 use meso_collision::math::{Rotation, Vec3};
+use meso_collision::posed::Posed;
 use meso_concrete::aggregate::grain::{self, Grain};
 use meso_concrete::aggregate::{Grading, Inclusions, Kind, OwnPhase, Shape};
 use meso_concrete::specimen::{Largest, Specimen};
@@ -30,6 +31,7 @@ pub use report::{
     SpecimenReport, StopReason, Work,
 };
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// How aggregates are placed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -140,24 +142,45 @@ impl Pose {
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are. A ball is never turned.
     pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
-        let is_ball = body.round().is_some_and(|round| round.radius().is_some());
+        let is_ball = || matches!(body.form(), BodyForm::Round(round) if round.radius().is_some());
         match self.rotation() {
-            Some(rotation) if !is_ball => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
+            Some(rotation) if !is_ball() => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
             _ => body.vertices().collect(),
         }
     }
 
-    /// The grain's surface in the specimen. A turned grain gets a hull of its own, since rounding its vertices may fold
-    /// a nearly flat edge.
+    /// The grain's surface in the specimen: see [`HullBuilder::moved`].
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
     pub fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
-        // Triangles of a surface with dents stay: their copies are proved as they are turned.
-        let keeps_faces = self.turn.is_none() || !body.is_convex() || body.is_round();
-        if keeps_faces { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
+        if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
+    }
+}
+
+/// A grain's body, turned about its centre and moved by `offset`; on the lattice that is exact.
+struct Moved<'a> {
+    body: &'a CompactPolyhedron,
+    pose: &'a Pose,
+    offset: &'a Vec3,
+}
+
+impl Posed for Moved<'_> {
+    fn form(&self) -> BodyForm {
+        match self.body.form() {
+            BodyForm::Round(_) => BodyForm::Round(Round::of_ends(&self.pose.turned(self.body)).moved(self.offset)),
+            form @ (BodyForm::Hull | BodyForm::Surface) => form,
+        }
+    }
+
+    fn vertices(&self) -> Cow<'_, [Vec3]> {
+        Cow::Owned(self.pose.turned(self.body).iter().map(|vertex| vertex + self.offset).collect())
+    }
+
+    fn surface(&self) -> Cow<'_, Triangles> {
+        Cow::Owned(self.body.with_vertices(self.vertices().into_owned()).surface())
     }
 }
 

@@ -1,6 +1,7 @@
 //! The task of a strategy: the request, and the quantities derived from it.
 
 use super::{Request, StopReason, Strategy};
+use meso_collision::geometry::BodyForm;
 use meso_collision::math::Aabb;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::specimen::{Container, Period};
@@ -20,10 +21,8 @@ pub(super) struct Task<'a> {
     /// `watch.seconds()` when it began, and at which to stop.
     started: f64,
     pub(super) deadline: f64,
-    /// True where a grain has dents.
-    pub(super) has_dents: bool,
-    /// True where a grain is a ball or an ellipsoid.
-    pub(super) has_round: bool,
+    /// True where all grains are convex polyhedra, so that their vertices decide.
+    pub(super) only_hulls: bool,
     /// Why the run stops; set once by the first thread that finds a reason.
     stop: OnceLock<StopReason>,
 }
@@ -47,8 +46,7 @@ impl<'a> Task<'a> {
             class_targets: aggregates.chain(inclusions).collect(),
             started,
             deadline: request.placement.deadline(started),
-            has_dents: request.grains.iter().any(|grain| !grain.body.is_convex()),
-            has_round: request.grains.iter().any(|grain| grain.body.is_round()),
+            only_hulls: request.grains.iter().all(|grain| grain.body.form() == BodyForm::Hull),
             stop: OnceLock::new(),
         }
     }

@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::boundary::{guard, wrong_value};
 use meso_concrete::thousands;
-use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
+use meso_core::geometry::{BodyForm, Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyArithmeticError;
 use pyo3::prelude::*;
@@ -127,8 +127,12 @@ impl PyPolyhedron {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_polyhedron")?;
-        let dents = (!self.0.is_convex()).then(|| self.0.caps());
-        (restore, (self.vertices(py)?, self.faces(), dents, self.0.round().is_some())).into_pyobject(py)
+        let (dents, is_round) = match self.0.form() {
+            BodyForm::Hull => (None, false),
+            BodyForm::Round(_) => (None, true),
+            BodyForm::Surface => (Some(self.0.caps()), false),
+        };
+        (restore, (self.vertices(py)?, self.faces(), dents, is_round)).into_pyobject(py)
     }
 }
 
@@ -152,8 +156,9 @@ pub(crate) fn restore_polyhedron(
     let given = Polyhedron::from_parts(vertices, faces);
     let body = match dents {
         Some(caps) => {
-            let sides = given.aabb().bounded_at(caps);
-            given.with_dents().with_caps_in(&sides)
+            let (sides, mut body) = (given.aabb().bounded_at(caps), given.with_dents());
+            body.mark_caps(&sides);
+            body
         }
         None if is_round => rounded(&given)?,
         None => given,

@@ -1,9 +1,8 @@
 //! Questions about bodies that may have dents or be round, which the convex answers do not reach.
 
-use crate::geometry::{Plane, Polyhedron, Round, Triangles};
-use crate::gjk::{self, GjkError};
+use crate::geometry::{Polyhedron, Triangles};
 use crate::math::Vec3;
-use crate::round_bodies::Other;
+use crate::posed::WithTree;
 
 /// Least and most divisions of the box for the volume of an erosion.
 const EROSION_HALVINGS: [usize; 2] = [4, 8];
@@ -14,14 +13,9 @@ const COARSEST: f64 = 0.75;
 const TURNS: usize = 8;
 
 impl Polyhedron {
-    /// How far `x` is from the body, mm, negative inside: beyond the farthest face plane, which is less than the distance
-    /// where an edge or corner is nearest; the distance itself where the body has dents.
+    /// How far `x` is from the body, mm, negative inside: see [`WithTree::height`].
     pub fn height(&self, x: &Vec3) -> f64 {
-        match self.round() {
-            Some(round) => round.height(x),
-            None if self.is_convex() => Plane::height_over(self.planes(), x),
-            None => -self.surface().depth(x),
-        }
+        WithTree::new(self).height(x)
     }
 
     /// Volume of the points deeper than `thickness` mm in a body with dents, below its [skin](Self::skin), or in an ellipsoid, mm3.
@@ -54,48 +48,8 @@ impl Polyhedron {
         let needed = (least..most).find(|halvings| size / f64::from(1 << halvings) <= cube).unwrap_or(most);
         needed + usize::from(self.caps() != 0)
     }
-
-    /// Distance of two bodies, mm; 0 where they share a point.
-    ///
-    /// # Errors
-    /// Coordinates that are not finite.
-    pub fn distance(&self, other: &Self) -> Result<f64, GjkError> {
-        if let Some((round, other)) = self.round_pair(other) {
-            return Ok(other.asked(|other| round.distance(other)));
-        }
-        if self.is_convex() && other.is_convex() {
-            return gjk::distance(self.vertices(), other.vertices());
-        }
-        Ok(self.surface().distance(&other.surface()))
-    }
-
-    /// True where two bodies are more than `gap` mm apart.
-    ///
-    /// # Errors
-    /// Coordinates that are not finite.
-    pub fn is_farther(&self, other: &Self, gap: f64) -> Result<bool, GjkError> {
-        if let Some((round, other)) = self.round_pair(other) {
-            return Ok(other.asked(|other| round.is_apart(other, gap)));
-        }
-        let hulls = gjk::distance_exceeds(self.vertices(), other.vertices(), gap)?;
-        let has_dents = !(self.is_convex() && other.is_convex());
-        Ok(hulls || has_dents && self.surface().is_apart(&other.surface(), gap))
-    }
-
-    /// A round body of the two, and the other one.
-    fn round_pair<'a>(&'a self, other: &'a Self) -> Option<(Round, &'a Self)> {
-        self.round().map(|round| (round, other)).or_else(|| other.round().map(|round| (round, self)))
-    }
-
-    /// An answer about the body beside a round one.
-    fn asked<T>(&self, ask: impl Fn(&Other) -> T) -> T {
-        match self.round() {
-            Some(round) => ask(&Other::Round(round)),
-            None if self.is_convex() => ask(&Other::Hull(self.vertices())),
-            None => ask(&Other::Surface(&self.surface())),
-        }
-    }
 }
+
 impl Triangles {
     /// Distance of two bodies by their surfaces, mm; 0 where they share a point.
     pub fn distance(&self, other: &Self) -> f64 {

@@ -44,7 +44,8 @@ impl Polyhedron {
             }
         }
         let moved = self.vertices().iter().zip(&around).map(|(vertex, normals)| vertex + inward(normals, thickness));
-        let body = Self::from_parts(moved.collect(), self.triangles()).with_caps(self.caps());
+        let mut body = Self::from_parts(moved.collect(), self.triangles());
+        body.set_caps(self.caps());
         Inner { body, is_below_skin: around.iter().map(|normals| !normals.is_empty()).collect() }
     }
 

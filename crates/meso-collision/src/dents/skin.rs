@@ -14,11 +14,10 @@ use std::collections::BTreeMap;
 const BEYOND: f64 = 4.0;
 
 impl Polyhedron {
-    /// The body; if it has dents, its triangles that lie exactly in a side of `sides` are caps.
-    #[must_use]
-    pub fn with_caps_in(self, sides: &Aabb) -> Self {
+    /// Makes caps of the triangles of a body with dents that lie exactly in a side of `sides`.
+    pub fn mark_caps(&mut self, sides: &Aabb) {
         if self.is_convex() {
-            return self;
+            return;
         }
         let (aabb, mut caps) = (self.aabb(), 0);
         for bit in 0..6 {
@@ -26,7 +25,7 @@ impl Polyhedron {
             let is_cap = |t: [u32; 3]| t.iter().all(|&v| self.vertices()[v as usize][bit / 2] == aabb.end(bit));
             caps |= u8::from(is_reached && self.triangles().any(is_cap)) << bit;
         }
-        self.with_caps(caps)
+        self.set_caps(caps);
     }
 
     /// The skin of a body with dents, for depths of a shell of `thickness` mm.

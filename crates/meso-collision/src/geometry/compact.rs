@@ -1,8 +1,8 @@
 //! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
-use crate::geometry::Polyhedron;
-use crate::geometry::faces::{FaceList, Faces, Form, Indices};
+use crate::geometry::faces::{FaceList, Faces, Indices, Role};
 use crate::geometry::round::{ENDS, Round};
+use crate::geometry::{BodyForm, Polyhedron};
 use crate::math::{Aabb, Vec3};
 
 /// A polyhedron whose vertices are f32 numbers, coordinate by coordinate.
@@ -45,14 +45,16 @@ fn unpacked(triangle: u16) -> [u8; 3] {
 /// Rounds the coordinates to f32; the volume stays that of the original body.
 impl From<Polyhedron> for CompactPolyhedron {
     fn from(body: Polyhedron) -> Self {
-        if body.round().is_some() {
-            return Self::round_within(&body);
-        }
+        let flag = match body.form() {
+            BodyForm::Hull => 0,
+            BodyForm::Surface => CONCAVE,
+            BodyForm::Round(_) => return Self::round_within(&body),
+        };
         let (vertices, faces) = (body.vertices(), body.face_lists());
         let mut compact = Self {
             lists: Box::default(),
             vertices: vertices.len() as u32,
-            corners: faces.corners as u32 | if body.is_convex() { 0 } else { CONCAVE },
+            corners: faces.corners as u32 | flag,
             volume: body.volume(),
         };
         debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed surface");
@@ -104,22 +106,13 @@ impl CompactPolyhedron {
         all[axis * self.vertex_count()..].first_chunk()
     }
 
-    /// False for a surface of triangles with dents.
-    pub fn is_convex(&self) -> bool {
-        self.corners & CONCAVE == 0
-    }
-
-    /// True for a ball or an ellipsoid, whose vertices are its ends.
-    pub fn is_round(&self) -> bool {
-        self.corners & ROUND != 0
-    }
-
-    /// The ball or ellipsoid, where it is one.
-    pub fn round(&self) -> Option<Round> {
-        if !self.is_round() {
-            return None;
+    /// The body by what it is; the vertices of a round one are its ends.
+    pub fn form(&self) -> BodyForm {
+        match self.role() {
+            Role::Hull => BodyForm::Hull,
+            Role::Surface { .. } => BodyForm::Surface,
+            Role::Facets => BodyForm::Round(Round::of_ends(&self.vertices().collect::<Vec<_>>())),
         }
-        Some(Round::of_ends(&self.vertices().collect::<Vec<_>>()))
     }
 
     /// The ends alone: its facets follow from them.
@@ -130,11 +123,11 @@ impl CompactPolyhedron {
         Self { lists, vertices: ENDS as u32, corners: ROUND, volume: body.volume() }
     }
 
-    fn form(&self) -> Form {
+    pub(crate) fn role(&self) -> Role {
         match self.corners & (CONCAVE | ROUND) {
-            0 => Form::Convex,
-            CONCAVE => Form::Dents { caps: 0 },
-            _ => Form::Round,
+            0 => Role::Hull,
+            CONCAVE => Role::Surface { caps: 0 },
+            _ => Role::Facets,
         }
     }
 
@@ -145,9 +138,9 @@ impl CompactPolyhedron {
     /// By Euler's formula: two faces meet at every edge, and so do two corners of faces for every edge. A surface with
     /// dents may have handles, and consists of triangles.
     fn face_count(&self) -> usize {
-        let faces = match self.form() {
-            Form::Convex => self.corners / 2 + 2 - self.vertices,
-            Form::Dents { .. } | Form::Round => self.corner_count() / 3,
+        let faces = match self.role() {
+            Role::Hull => self.corners / 2 + 2 - self.vertices,
+            Role::Surface { .. } | Role::Facets => self.corner_count() / 3,
         };
         faces as usize
     }
@@ -177,14 +170,14 @@ impl CompactPolyhedron {
                 let triangles: &[u16] = bytemuck::cast_slice(lists);
                 let corners = triangles[..self.face_count()].iter().flat_map(|&triangle| unpacked(triangle));
                 let mut faces = FaceList::of_triangles(corners.collect());
-                faces.form = self.form();
+                faces.role = self.role();
                 return faces;
             }
             Width::U8 => Indices::U8(&bytemuck::cast_slice(lists)[..len]),
             Width::U16 => Indices::U16(&bytemuck::cast_slice(lists)[..len]),
             Width::U32 => Indices::U32(&lists[..len]),
         };
-        FaceList::from(Faces { lists, corners, form: self.form() })
+        FaceList::from(Faces { lists, corners, role: self.role() })
     }
 
     /// Vertex positions, mm.
@@ -201,7 +194,7 @@ impl CompactPolyhedron {
 
     /// The smallest axis-aligned box around the body.
     pub fn aabb(&self) -> Aabb {
-        if let Some(round) = self.round() {
+        if let BodyForm::Round(round) = self.form() {
             return round.aabb();
         }
         let low = self.coordinates().map(|all| f64::from(all.iter().copied().fold(f32::INFINITY, f32::min)));

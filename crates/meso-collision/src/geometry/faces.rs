@@ -9,20 +9,20 @@ pub(crate) struct FaceList {
     lists: Owned,
     corners: u32,
     /// It stands here because it takes no memory beside `corners`.
-    pub(crate) form: Form,
+    pub(crate) role: Role,
 }
 
-/// Relation of a body to its faces.
+/// What the faces are to their body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Form {
-    /// The faces bound a convex polyhedron.
+pub(crate) enum Role {
+    /// They bound a convex polyhedron.
     #[default]
-    Convex,
-    /// The faces are the triangles of a surface that need not be convex; `caps` has a bit for each side of its box, lower and
+    Hull,
+    /// They are the triangles of a surface that need not be convex; `caps` has a bit for each side of its box, lower and
     /// upper along x, y, z, where a cut ends it.
-    Dents { caps: u8 },
-    /// The faces are drawn within a round body, which the first six vertices determine.
-    Round,
+    Surface { caps: u8 },
+    /// They are facets within a round body, which the first six vertices determine.
+    Facets,
 }
 
 /// A [`FaceList`] wherever its indices are.
@@ -31,7 +31,7 @@ pub(crate) struct Faces<'a> {
     /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
     pub(crate) lists: Indices<'a>,
     pub(crate) corners: usize,
-    pub(crate) form: Form,
+    pub(crate) role: Role,
 }
 
 /// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
@@ -63,12 +63,12 @@ impl FaceList {
     pub(crate) fn new(corners: &[u32], ends: &[u32]) -> Self {
         let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
         let lists = if triangles { Owned::new(corners) } else { Owned::new(&[corners, ends].concat()) };
-        Self { lists, corners: corners.len() as u32, form: Form::Convex }
+        Self { lists, corners: corners.len() as u32, role: Role::Hull }
     }
 
     /// Triangles with these corners, one after the other.
     pub(crate) fn of_triangles(corners: Box<[u8]>) -> Self {
-        Self { corners: corners.len() as u32, lists: Owned::U8(corners), form: Form::Convex }
+        Self { corners: corners.len() as u32, lists: Owned::U8(corners), role: Role::Hull }
     }
 
     pub(crate) fn faces(&self) -> Faces<'_> {
@@ -77,7 +77,7 @@ impl FaceList {
             Owned::U16(values) => Indices::U16(values),
             Owned::U32(values) => Indices::U32(values),
         };
-        Faces { lists, corners: self.corners as usize, form: self.form }
+        Faces { lists, corners: self.corners as usize, role: self.role }
     }
 }
 
@@ -88,7 +88,7 @@ impl From<Faces<'_>> for FaceList {
             Indices::U16(values) => Owned::U16(values.into()),
             Indices::U32(values) => Owned::U32(values.into()),
         };
-        Self { lists, corners: faces.corners as u32, form: faces.form }
+        Self { lists, corners: faces.corners as u32, role: faces.role }
     }
 }
 

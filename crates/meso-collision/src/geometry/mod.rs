@@ -23,7 +23,7 @@ pub use measure::principal::principal_axes;
 pub use offset::OffsetError;
 pub use plane::Facet;
 pub use plane::Plane;
-pub use polyhedron::{MassProperties, Polyhedron};
+pub use polyhedron::{BodyForm, MassProperties, Polyhedron};
 pub use round::Round;
 pub use surface::body_surface::BodySurface;
 pub use surface::box_tree::BoxTree;

@@ -3,7 +3,7 @@
 
 use crate::geometry::Triangles;
 use crate::geometry::exact::predicates::orient3d;
-use crate::geometry::faces::{Face, FaceList, Faces, Form};
+use crate::geometry::faces::{Face, FaceList, Faces, Role};
 use crate::geometry::measure::facet_kernels::{Facets, Moment};
 use crate::geometry::measure::integrals;
 use crate::geometry::measure::tetrahedron::six_volumes;
@@ -19,13 +19,24 @@ const BYTE_INDICES: usize = 256;
 /// A closed polyhedron.
 ///
 /// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps its input as it is:
-/// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction. Only
-/// [`Polyhedron::of_surface`] makes one that [is not](Polyhedron::is_convex); its planes then bound nothing.
+/// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction. [`Polyhedron::form`] says
+/// what it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Box<[Vec3]>,
     faces: FaceList,
     volume: f64,
+}
+
+/// A body by what it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BodyForm {
+    /// A convex polyhedron: the planes of its faces bound it.
+    Hull,
+    /// A ball or an ellipsoid: its faces are facets within.
+    Round(Round),
+    /// A closed surface of triangles that need not be convex: the planes of its faces bound nothing.
+    Surface,
 }
 
 /// Volume integrals of a body of unit density.
@@ -52,24 +63,33 @@ impl Polyhedron {
 
     /// The body as one that need not be convex, whose faces must be triangles.
     #[must_use]
-    pub fn with_dents(self) -> Self {
-        self.with_caps(0)
+    pub fn with_dents(mut self) -> Self {
+        self.set_caps(0);
+        self
     }
 
-    /// The body as one with dents whose triangles in some sides of its box are caps.
-    pub(crate) fn with_caps(mut self, caps: u8) -> Self {
-        self.faces.form = Form::Dents { caps };
-        self
+    /// Makes it a body with dents whose triangles in some sides of its box are caps.
+    pub(crate) fn set_caps(&mut self, caps: u8) {
+        self.faces.role = Role::Surface { caps };
     }
 
     /// The sides of its box where a cut ends a body with dents: a bit for each, the lower and the upper one along x, y and z.
     pub fn caps(&self) -> u8 {
-        if let Form::Dents { caps } = self.faces.form { caps } else { 0 }
+        if let Role::Surface { caps } = self.faces.role { caps } else { 0 }
+    }
+
+    /// The body by what it is.
+    pub fn form(&self) -> BodyForm {
+        match self.faces.role {
+            Role::Hull => BodyForm::Hull,
+            Role::Surface { .. } => BodyForm::Surface,
+            Role::Facets => BodyForm::Round(Round::of_ends(&self.vertices)),
+        }
     }
 
     /// False for a body with dents, even where it has none.
-    pub fn is_convex(&self) -> bool {
-        !matches!(self.faces.form, Form::Dents { .. })
+    pub(crate) fn is_convex(&self) -> bool {
+        !matches!(self.faces.role, Role::Surface { .. })
     }
 
     /// A ball or an ellipsoid. Its vertices lie on it, its faces within; volume, inertia, box, points inside, distances
@@ -82,13 +102,13 @@ impl Polyhedron {
     pub fn of_ends(ends: &[Vec3]) -> Self {
         let round = Round::of_ends(ends);
         let mut faces = FaceList::of_triangles(FACETS.triangles.as_flattened().into());
-        faces.form = Form::Round;
+        faces.role = Role::Facets;
         Self { vertices: round.vertices(ends), faces, volume: round.volume() }
     }
 
     /// The ball or ellipsoid that it is, beyond its faces.
-    pub fn round(&self) -> Option<Round> {
-        (self.faces.form == Form::Round).then(|| Round::of_ends(&self.vertices))
+    pub(crate) fn round(&self) -> Option<Round> {
+        if let BodyForm::Round(round) = self.form() { Some(round) } else { None }
     }
 
     /// The body bounded by its faces: a round one becomes a convex polyhedron of its volume, others stay.
@@ -109,17 +129,17 @@ impl Polyhedron {
     /// True where the points deeper than a thickness are a body of the same kind, which they are not for dents and
     /// ellipsoids.
     pub fn has_inner_body(&self) -> bool {
-        match self.faces.form {
-            Form::Convex => true,
-            Form::Dents { .. } => false,
-            Form::Round => self.round().is_some_and(|round| round.radius().is_some()),
+        match self.form() {
+            BodyForm::Hull => true,
+            BodyForm::Surface => false,
+            BodyForm::Round(round) => round.radius().is_some(),
         }
     }
 
     /// The facets of a round body as a convex polyhedron, grown about its centre.
     pub(crate) fn facets_grown(&self, round: &Round, growth: f64) -> Self {
         let mut faces = self.faces.clone();
-        faces.form = Form::Convex;
+        faces.role = Role::Hull;
         let centre = round.centre();
         Self::with_faces(self.vertices.iter().map(|vertex| centre + (vertex - centre) * growth).collect(), faces)
     }
@@ -156,7 +176,7 @@ impl Polyhedron {
 
     /// Over faces that other vertices had.
     pub(crate) fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
-        if faces.form == Form::Round {
+        if faces.role == Role::Facets {
             return Self::of_ends(&vertices);
         }
         let volume = match faces.faces().byte_triangles() {
@@ -168,7 +188,7 @@ impl Polyhedron {
 
     /// Over faces that other vertices had, around the same volume.
     pub(crate) fn of_volume(vertices: Box<[Vec3]>, faces: FaceList, volume: f64) -> Self {
-        if faces.form == Form::Round {
+        if faces.role == Role::Facets {
             return Self::of_ends(&vertices);
         }
         Self { vertices, faces, volume }
@@ -340,7 +360,7 @@ impl Polyhedron {
     /// Maps the vertices by `map`, which must keep the orientation, and keeps the faces. Caps become a surface like any other.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
         let mut faces = self.faces.clone();
-        faces.form = if self.is_convex() { faces.form } else { Form::Dents { caps: 0 } };
+        faces.role = if self.is_convex() { faces.role } else { Role::Surface { caps: 0 } };
         Self::with_faces(self.vertices.iter().map(map).collect(), faces)
     }
 }

@@ -1,7 +1,7 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
-use meso_collision::geometry::{CompactPolyhedron, HullError, Polyhedron, Round, convex_hull};
+use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullError, Polyhedron, Round, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
 use serde::{Deserialize, Serialize};
@@ -62,8 +62,8 @@ pub struct Grain {
     pub class: u16,
     /// Number within its class; with the class it names the grain's random streams.
     pub index: u32,
-    /// Number in the library of the surface that a grain with dents is a copy of; 0 for all others.
-    pub template: u32,
+    /// See [`copy_of`](Self::copy_of); 0 for grains without dents.
+    pub(super) template: u32,
     /// Thickness of its ITZ, mm.
     pub itz_thickness_mm: f64,
     /// Its further shells below the ITZ, from outside.
@@ -81,6 +81,11 @@ pub struct Grain {
 }
 
 impl Grain {
+    /// Number in the library of the surface with dents that the grain is a copy of; `None` for grains without dents.
+    pub fn copy_of(&self) -> Option<u32> {
+        (self.body.form() == BodyForm::Surface).then_some(self.template)
+    }
+
     /// Volume of the grain, mm3.
     pub fn volume(&self) -> f64 {
         self.body.volume()
@@ -188,9 +193,9 @@ impl Grain {
             None => stream.rotation().to_rotation_matrix().into_inner(),
         };
         // Opposite ends are rounded alike, so that the centre stays.
-        let body = Polyhedron::of_ends(&round.ends().map(|end| narrowed(&snap(&(turn * end)))));
-        let inner_radius = body.round().map_or(0.0, |round| round.semi_axes()[2]);
-        Self::around_origin(Kind::Aggregate, ids, body, inner_radius)
+        let ends = round.ends().map(|end| narrowed(&snap(&(turn * end))));
+        let inner_radius = Round::of_ends(&ends).semi_axes()[2];
+        Self::around_origin(Kind::Aggregate, ids, Polyhedron::of_ends(&ends), inner_radius)
     }
 
     fn around_origin(kind: Kind, (class, index): (u16, u32), body: Polyhedron, inner_radius: f64) -> Self {

@@ -24,7 +24,7 @@ pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
 pub use shells::{ShellLaw, TooThick, add_shells};
 
-use meso_collision::geometry::{OffsetError, Polyhedron};
+use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
 
 /// One aggregate, or one void or fibre, at its position in the specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl Aggregate {
     /// # Errors
     /// Fails like [`core`](Self::core), and where a body with dents is too thin for its shell.
     pub fn inner_surface(&self) -> Result<Option<Polyhedron>, OffsetError> {
-        if self.body.is_convex() || self.itz_thickness_mm <= 0.0 {
+        if self.body.form() != BodyForm::Surface || self.itz_thickness_mm <= 0.0 {
             return self.core();
         }
         self.body.inset(self.itz_thickness_mm).map(Some).ok_or(OffsetError::NotConvex)

@@ -62,8 +62,8 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
 /// size is asked first: where it has none, no other has.
 fn mark_thin(grains: &mut [Grain]) {
     let mut copies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (number, grain) in grains.iter().enumerate().filter(|(_, grain)| !grain.body.is_convex()) {
-        copies.entry(grain.template).or_default().push(number);
+    for (number, template) in grains.iter().enumerate().filter_map(|(number, grain)| Some((number, grain.copy_of()?))) {
+        copies.entry(template).or_default().push(number);
     }
     let copies: Vec<Vec<usize>> = copies.into_values().collect();
     let is_thin = |number: &usize| {

@@ -1,7 +1,7 @@
 //! The interface of every specimen's geometry.
 
 use super::Largest;
-use meso_collision::geometry::{Round, TriangleMesh};
+use meso_collision::geometry::{BodyForm, TriangleMesh};
 use meso_collision::math::{Aabb, Vec3};
 use std::fmt::Debug;
 
@@ -27,11 +27,13 @@ pub trait Container: Debug + Send + Sync {
     /// rounding: it errs by at most 1e-12 of the specimen's size, on the side of refusing.
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool;
 
-    /// True when a ball or an ellipsoid, moved by `centre`, lies in the container with `gap` mm to its surface.
+    /// True when a body of this form with these vertices, moved by `centre`, lies in the container with `gap` mm to its
+    /// surface.
     ///
     /// A ball is its centre with a wider gap. An ellipsoid counts as its box in a box, elsewhere as 320 facets around it,
     /// up to 2 % of its size too wide.
-    fn holds_round(&self, round: &Round, centre: &Vec3, gap: f64) -> bool {
+    fn holds_body(&self, form: &BodyForm, vertices: &[Vec3], centre: &Vec3, gap: f64) -> bool {
+        let BodyForm::Round(round) = form else { return self.holds(vertices, centre, gap) };
         let centre = centre + round.centre();
         if let Some(radius) = round.radius() {
             return self.holds(&[Vec3::zeros()], &centre, (gap + radius) * (1.0 + ROUNDING));

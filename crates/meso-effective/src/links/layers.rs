@@ -2,7 +2,7 @@
 
 use crate::phases::PhaseValues;
 use crate::surfaces::Surface;
-use meso_collision::geometry::{Plane, Polyhedron, Triangles};
+use meso_collision::geometry::{BodyForm, Plane, Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::{Phase, PhaseNames};
@@ -49,7 +49,7 @@ impl Layer {
         let blocked = |value: f64| f64::from(u8::from(value <= 0.0));
         Self {
             planes: surface.body.planes().collect(),
-            dents: (!surface.body.is_convex()).then(|| surface.body.surface()),
+            dents: (surface.body.form() == BodyForm::Surface).then(|| surface.body.surface()),
             aabb: surface.body.aabb(),
             within,
             change: within - outside,

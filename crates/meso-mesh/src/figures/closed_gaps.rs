@@ -5,6 +5,7 @@
 
 use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners, pairs};
+use meso_collision::posed::{Posed, WithTree};
 use meso_concrete::parallel;
 
 /// Notes where `mesh`, before its materials are parted, joins `bodies`, and how wide the gaps between these are.
@@ -42,10 +43,15 @@ const RUN: usize = 1 << 12;
 /// The widest gap between the `bodies` of a pair, mm.
 fn widest(bodies: &BodyImages, pairs: &[(u32, u32)]) -> f64 {
     let wider = |widest: f64, &(a, b): &(u32, u32)| {
-        let all = || bodies.images(a).iter().flat_map(|a| bodies.images(b).iter().map(move |b| [&a.body, &b.body]));
+        let all = || {
+            bodies
+                .images(a)
+                .iter()
+                .flat_map(|a| bodies.images(b).iter().map(move |b| [&a.body, &b.body].map(WithTree::new)))
+        };
         // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
-        let is_wider = all().all(|[a, b]| a.is_farther(b, widest).unwrap_or(false));
-        let gap = || all().map(|[a, b]| a.distance(b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
+        let is_wider = all().all(|[a, b]| a.is_farther(&b, widest).unwrap_or(false));
+        let gap = || all().map(|[a, b]| a.distance(&b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
         if is_wider { gap() } else { widest }
     };
     let runs: Vec<&[(u32, u32)]> = pairs.chunks(RUN).collect();

@@ -3,7 +3,7 @@
 use crate::cells::owned_volumes;
 use crate::planes::{EightPlanes, LANES, bits, each_bit, touched};
 use crate::tet::TetMesh;
-use meso_collision::geometry::{Plane, Polyhedron, Round, nearest_on_triangle};
+use meso_collision::geometry::{BodyForm, Plane, Polyhedron, Round, nearest_on_triangle};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::simd::{Wide, widest};
 
@@ -209,7 +209,7 @@ impl Surface {
     /// The surface of `body`, whose cells are to take `volume` mm3; `cuts` is the box of its caps before it was continued.
     pub(super) fn new(body: &Polyhedron, volume: f64, cuts: Aabb) -> Self {
         let slack = SLACK * body.aabb().size().max();
-        if let Some(round) = body.round() {
+        if let BodyForm::Round(round) = body.form() {
             let (planes, triangles, edges, corners) = (Vec::new(), Vec::new(), Edges::default(), Vec::new());
             let (eights, eight_corners, round) = (Vec::new(), Vec::new(), Some(round));
             return Self { planes, eights, triangles, edges, corners, eight_corners, volume, cuts, slack, round };
@@ -229,7 +229,7 @@ impl Surface {
         Self {
             eights: EightPlanes::all(&planes),
             planes,
-            triangles: if body.is_convex() { Vec::new() } else { body.triangles().map(|t| t.map(at)).collect() },
+            triangles: body.triangles().map(|t| t.map(at)).filter(|_| body.form() == BodyForm::Surface).collect(),
             edges: Edges::new(&edges),
             eight_corners: body.vertices().chunks(LANES).map(eight_points).collect(),
             corners: body.vertices().to_vec(),

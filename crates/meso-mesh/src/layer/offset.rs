@@ -20,7 +20,7 @@ use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
 use meso_collision::dents::Skin;
-use meso_collision::geometry::Plane;
+use meso_collision::geometry::{BodyForm, Plane};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -45,8 +45,8 @@ pub(super) struct RadialOffset {
     pub(super) thickness: f64,
     /// The faces of a periodic box that the aggregate reaches across.
     across: Flat,
-    /// The body has dents, so that a ray may meet several faces.
-    pub(super) has_dents: bool,
+    /// A ray from the centre meets one face: not so where the body has dents.
+    pub(super) has_rays: bool,
     /// The layer is thick beside an element, and the body no sphere or ellipsoid: see [`settle`](super::triangles::settle).
     pub(super) settles: bool,
     /// It is for nodes in a cap.
@@ -67,9 +67,9 @@ impl RadialOffset {
     ) -> Option<Self> {
         let planes: Vec<Plane> = aggregate.body.bounding_planes();
         let aabb = aggregate.body.aabb();
-        let has_dents = !aggregate.body.is_convex();
+        let has_rays = aggregate.body.form() != BodyForm::Surface;
         let centre = match flat {
-            _ if has_dents => aggregate.body.centroid(),
+            _ if !has_rays => aggregate.body.centroid(),
             Flat::SPACE => aggregate.body.centroid(),
             flat => {
                 let free: Vec<usize> = (0..3).filter(|&axis| !flat.holds(axis)).collect();
@@ -77,20 +77,20 @@ impl RadialOffset {
             }
         };
         let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
-        let depths = planes.iter().filter(|_| !has_dents).map(|p| p.1);
+        let depths = planes.iter().filter(|_| has_rays).map(|p| p.1);
         let shallowest = depths.fold(f64::INFINITY, f64::min);
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
-        let settles = thickness > thick && aggregate.body.round().is_none();
+        let settles = thickness > thick && !matches!(aggregate.body.form(), BodyForm::Round(_));
         let in_cap = flat.is_in(aggregate.body.caps());
-        let skin = (has_dents && (settles || in_cap)).then(|| aggregate.body.skin(thickness));
+        let skin = (!has_rays && (settles || in_cap)).then(|| aggregate.body.skin(thickness));
         let across = Flat::of(sides, periodic);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_dents, settles, in_cap, skin })
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_rays, settles, in_cap, skin })
     }
 
     /// The target of a node along its ray; where the body has dents, the node itself.
     pub(super) fn apply(&self, x: &Vec3) -> Vec3 {
-        if self.has_dents {
+        if !self.has_rays {
             return *x;
         }
         let ray = x - self.centre;
@@ -233,7 +233,7 @@ impl RadialOffsets {
         targets: &mut [Vec3],
     ) -> bool {
         let has_rays =
-            |body: &u32| self.get(*body, Flat::SPACE).is_some_and(|radial| radial.settles && !radial.has_dents);
+            |body: &u32| self.get(*body, Flat::SPACE).is_some_and(|radial| radial.settles && radial.has_rays);
         let bodies: BTreeSet<u32> = stuck.iter().map(|&node| owner[node as usize]).filter(has_rays).collect();
         for (node, body) in (0..).zip(owner).filter(|(_, body)| bodies.contains(body)) {
             targets[node as usize] = self.target(node, &points[node as usize], *body, constraint);
@@ -284,7 +284,7 @@ pub(super) fn use_fallback_directions(
             let (slope, ray) = (flat.along(&normal), flat.along(&(middle - radial.centre)));
             let lead = constraint.lead(copy);
             normals.push((lead, slope));
-            falls_back[lead as usize] |= radial.has_dents || slope.dot(&ray) < AWAY * ray.norm();
+            falls_back[lead as usize] |= !radial.has_rays || slope.dot(&ray) < AWAY * ray.norm();
         }
     }
     normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));

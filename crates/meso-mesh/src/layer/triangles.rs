@@ -183,7 +183,7 @@ pub(super) fn relax(
 ) {
     let follows = |node: u32| {
         let radial = offsets.get(owner[node as usize], constraint.flat(node));
-        node < first && !constraint.is_pinned(node) && radial.is_some_and(|radial| radial.has_dents || radial.settles)
+        node < first && !constraint.is_pinned(node) && radial.is_some_and(|radial| !radial.has_rays || radial.settles)
     };
     let follows = parallel::map_short(first as usize, |node| follows(node as u32));
     let is_free = |node: u32| follows.get(node as usize) == Some(&true);

@@ -6,7 +6,7 @@
 use super::periodic::{Faces, Flat};
 use crate::cells::{NO_BODY, Owners, Phase, by_nodes};
 use crate::tet::{TetMesh, volume};
-use meso_collision::math::Vec3;
+use meso_collision::posed::WithTree;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::{parallel, stop};
 
@@ -67,11 +67,7 @@ fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side], most: f64) -> Vec<u3
     stop::point();
     let may_be = |sides: &&[Side]| sides.iter().filter(|side| side.3).count() > 1;
     let of_cells: Vec<&[Side]> = sides.chunk_by(|a, b| a.1 == b.1).filter(may_be).collect();
-    let body = &body.body;
-    // Made once: a body with dents has no tree of its own at its place.
-    let has_dents = !of_cells.is_empty() && !body.is_convex() && body.round().is_none();
-    let surface = has_dents.then(|| body.surface());
-    let height = |x: Vec3| surface.as_ref().map_or_else(|| body.height(&x), |surface| -surface.depth(&x));
+    let body = WithTree::new(&body.body);
     // The cosine between a side's normal and the surface's: 1 where it looks out.
     let looks_out = |side: &Side| {
         let mut corners = mesh.by_body().face(side.1, side.2 as usize).map(|node| mesh.position(node));
@@ -79,7 +75,7 @@ fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side], most: f64) -> Vec<u3
         let normal = (b - a).cross(&(c - a));
         let step = normal * (NEAR / normal.norm().sqrt());
         let middle = (a + b + c) / 3.0;
-        (height(middle + step) - height(middle - step)) / (2.0 * step.norm())
+        (body.height(&(middle + step)) - body.height(&(middle - step))) / (2.0 * step.norm())
     };
     let is_flap = |sides: &&&[Side]| {
         let least = |free: bool, way: f64| {
@@ -91,5 +87,5 @@ fn folded(mesh: &TetMesh, body: &Aggregate, sides: &[Side], most: f64) -> Vec<u3
     };
     let flaps: Vec<u32> = of_cells.iter().filter(is_flap).map(|sides| sides[0].1).collect();
     let lost: f64 = flaps.iter().map(|&cell| volume(mesh.corners(mesh.cell(cell)))).sum();
-    if lost <= most * body.volume() { flaps } else { Vec::new() }
+    if lost <= most * body.body.volume() { flaps } else { Vec::new() }
 }

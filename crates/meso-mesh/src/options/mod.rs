@@ -6,6 +6,7 @@ mod table;
 pub use table::{Auto, ElementSize, MeshTable, Purpose};
 
 use super::error::MeshError;
+use meso_collision::geometry::BodyForm;
 use meso_concrete::aggregate::{Aggregate, Itz, Kind, Shape, ShapeKind};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::{Room, short};
@@ -318,7 +319,7 @@ fn validate_count(key: &'static str, count: u32, most: u32) -> Result<(), MeshEr
 
 /// True for an aggregate that is a convex polyhedron, and for every void and fibre.
 pub(crate) fn is_faceted(body: &Aggregate) -> bool {
-    body.kind != Kind::Aggregate || body.body.is_convex() && body.body.round().is_none()
+    body.kind != Kind::Aggregate || body.body.form() == BodyForm::Hull
 }
 
 fn is_round(shape: &Shape) -> bool {

@@ -12,7 +12,7 @@ mod solid;
 mod taken;
 
 use crate::model::Model;
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{BodyForm, Polyhedron};
 use meso_collision::math::{Aabb, Vec3, longest_distance};
 use meso_concrete::aggregate::{Aggregate, Kind, SizeDefinition};
 use meso_concrete::parallel;
@@ -219,10 +219,7 @@ fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
 
 /// The bodies, then their images that one of them may meet.
 fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Placed<'a>> {
-    let place = |body: u32, a: &'a Aggregate, vertices: Cow<'a, [Vec3]>| {
-        let dents = (!a.body.is_convex()).then_some(&a.body);
-        Placed { body, vertices, dents, is_round: a.body.round().is_some() }
-    };
+    let place = |body: u32, a: &'a Aggregate, vertices: Cow<'a, [Vec3]>| Placed { body, vertices, of: &a.body };
     let own = (0..).zip(bodies);
     let mut placed: Vec<Placed> = own.map(|(body, a)| place(body, a, Cow::Borrowed(a.body.vertices()))).collect();
     let period = model.spec.specimen.period();
@@ -247,12 +244,13 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 /// Checks of one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
-    let convex = if let Some(round) = aggregate.body.round() {
-        solid::check_round(&round, &aggregate.body).err().map(|reason| Finding::NotSolid { aggregate: id, reason })
-    } else if aggregate.body.is_convex() {
-        solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason })
-    } else {
-        solid::check_surface(&aggregate.body).err().map(|reason| Finding::NotSolid { aggregate: id, reason })
+    let not_solid = |reason| Finding::NotSolid { aggregate: id, reason };
+    let convex = match aggregate.body.form() {
+        BodyForm::Hull => {
+            solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason })
+        }
+        BodyForm::Round(round) => solid::check_round(&round, &aggregate.body).err().map(not_solid),
+        BodyForm::Surface => solid::check_surface(&aggregate.body).err().map(not_solid),
     };
     // The offset of a body that is not convex means nothing.
     let has_itz = aggregate.kind == Kind::Aggregate;
@@ -266,10 +264,8 @@ fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Ve
 }
 
 fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
-    let inside = match aggregate.body.round() {
-        Some(round) => container.holds_round(&round, &Vec3::zeros(), model.spec.placement.wall_gap_mm),
-        None => container.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm),
-    };
+    let (body, gap) = (&aggregate.body, model.spec.placement.wall_gap_mm);
+    let inside = container.holds_body(&body.form(), body.vertices(), &Vec3::zeros(), gap);
     let (period, middle) = (model.spec.specimen.period(), aggregate.body.aabb());
     let middle = (middle.min + middle.max) / 2.0;
     // In directions that repeat themselves the aggregate is there once, near the box. Which point of it lies in the box
@@ -306,7 +302,7 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
     }
     let without_core = || format!("a shell of {thickness} mm leaves no core");
     let reason = match aggregate.core() {
-        _ if !aggregate.body.is_convex() => without_core(),
+        _ if aggregate.body.form() == BodyForm::Surface => without_core(),
         Err(error) => error.to_string(),
         Ok(None) => without_core(),
         Ok(Some(core)) => {
@@ -349,9 +345,9 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
         _ => return inclusions::size(&model.spec.inclusions(), aggregate),
     };
     let size_mm = match model.spec.grading.size {
-        SizeDefinition::LongestAxis => match aggregate.body.round() {
-            Some(round) => 2.0 * round.semi_axes()[0],
-            None => longest_distance(aggregate.body.vertices()),
+        SizeDefinition::LongestAxis => match aggregate.body.form() {
+            BodyForm::Round(round) => 2.0 * round.semi_axes()[0],
+            BodyForm::Hull | BodyForm::Surface => longest_distance(aggregate.body.vertices()),
         },
         SizeDefinition::Sieve => aggregate.body.sieve_size(),
     };

@@ -1,7 +1,7 @@
 //! Every pair of bodies, by a grid of buckets and the exact verdict.
 
 use super::Finding;
-use meso_collision::geometry::{Polyhedron, Round, Triangles, convex_hull};
+use meso_collision::geometry::{BodyForm, Polyhedron, Round, Triangles, convex_hull};
 use meso_collision::gjk;
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::round_bodies::Other;
@@ -12,35 +12,37 @@ use std::borrow::Cow;
 pub(super) struct Placed<'a> {
     pub(super) body: u32,
     pub(super) vertices: Cow<'a, [Vec3]>,
-    /// The body itself where it has dents; only its faces count.
-    pub(super) dents: Option<&'a Polyhedron>,
-    /// True for a ball or an ellipsoid; its first vertices are its ends.
-    pub(super) is_round: bool,
+    /// The body itself; only its faces count.
+    pub(super) of: &'a Polyhedron,
 }
 
 impl Placed<'_> {
-    fn round(&self) -> Option<Round> {
-        self.is_round.then(|| Round::of_ends(&self.vertices))
+    /// A round body is at its place: its first vertices are its ends.
+    fn form(&self) -> BodyForm {
+        match self.of.form() {
+            BodyForm::Round(_) => BodyForm::Round(Round::of_ends(&self.vertices)),
+            form @ (BodyForm::Hull | BodyForm::Surface) => form,
+        }
     }
 
     fn aabb(&self) -> Aabb {
-        self.round().map_or_else(|| Aabb::around(&*self.vertices), |round| round.aabb())
+        if let BodyForm::Round(round) = self.form() { round.aabb() } else { Aabb::around(&*self.vertices) }
     }
 
     /// The surface: that of the body with these vertices, or of their hull.
     fn surface(&self) -> Option<Triangles> {
         let corners = |t: [u32; 3]| t.map(|i| self.vertices[i as usize]);
-        match self.dents {
-            Some(body) => Some(Triangles::new(body.triangles().map(corners).collect())),
-            None => convex_hull(&self.vertices).ok().map(|hull| hull.surface()),
+        match self.form() {
+            BodyForm::Surface => Some(Triangles::new(self.of.triangles().map(corners).collect())),
+            BodyForm::Hull | BodyForm::Round(_) => convex_hull(&self.vertices).ok().map(|hull| hull.surface()),
         }
     }
 }
 
 /// The surfaces of two bodies where one has dents: their hulls decide nothing.
 fn surfaces(a: &Placed, b: &Placed) -> Option<[Triangles; 2]> {
-    let has_dents = a.dents.is_some() || b.dents.is_some();
-    if has_dents { Some([a.surface()?, b.surface()?]) } else { None }
+    let is_one = [a, b].iter().any(|it| it.of.form() == BodyForm::Surface);
+    if is_one { Some([a.surface()?, b.surface()?]) } else { None }
 }
 
 /// The number of pairs put to the exact test, and the pairs that share a point or are nearer than `gap` mm.
@@ -69,8 +71,10 @@ fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f
 }
 
 fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
-    if let Some((round, other)) = a.round().map(|round| (round, b)).or_else(|| b.round().map(|round| (round, a))) {
-        return round_verdict(&round, other, [a.body, b.body], gap);
+    match (a.form(), b.form()) {
+        (BodyForm::Round(round), _) => return round_verdict(&round, b, [a.body, b.body], gap),
+        (_, BodyForm::Round(round)) => return round_verdict(&round, a, [a.body, b.body], gap),
+        (BodyForm::Hull | BodyForm::Surface, _) => {}
     }
     let (p, q) = (&*a.vertices, &*b.vertices);
     // Bodies whose coordinates exceed the accepted magnitudes are not proved apart.
@@ -95,11 +99,11 @@ fn nearer([a, b]: [u32; 2], distance_mm: f64, gap: f64) -> Option<Finding> {
 
 /// The verdict where one body is a ball or an ellipsoid.
 fn round_verdict(round: &Round, other: &Placed, [a, b]: [u32; 2], gap: f64) -> Option<Finding> {
-    let surface = other.dents.and_then(|_| other.surface());
-    let other = match (other.round(), &surface) {
-        (Some(other), _) => Other::Round(other),
-        (None, Some(surface)) => Other::Surface(surface),
-        (None, None) => Other::Hull(&other.vertices),
+    let surface = if other.of.form() == BodyForm::Surface { other.surface() } else { None };
+    let other = match (other.form(), &surface) {
+        (BodyForm::Round(other), _) => Other::Round(other),
+        (BodyForm::Surface, Some(surface)) => Other::Surface(surface),
+        (BodyForm::Hull | BodyForm::Surface, _) => Other::Hull(&other.vertices),
     };
     if !round.is_apart(&other, 0.0) {
         return Some(Finding::Overlap { a, b });
@@ -195,7 +199,8 @@ mod tests {
     #[test]
     fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
         let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
-        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), dents: None, is_round: false };
+        let of = convex_hull(&at(0.0)).unwrap();
+        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), of: &of };
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
     }

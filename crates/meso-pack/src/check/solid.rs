@@ -1,7 +1,7 @@
 //! One body alone: closed, convex, seen from outside, by exact signs.
 
 use meso_collision::dents::SelfCrossing;
-use meso_collision::geometry::{Face, Polyhedron, Round, TriangleMesh, orient3d};
+use meso_collision::geometry::{BodyForm, Face, Polyhedron, Round, TriangleMesh, orient3d};
 use meso_collision::math::Vec3;
 
 /// Checks the faces of `body`; an error describes the fault.
@@ -80,14 +80,14 @@ pub(super) fn check_round(round: &Round, body: &Polyhedron) -> Result<(), String
 /// The depth of a point in a body with a shell of `thickness` mm: that of the vertices' mean below the nearest face plane, or
 /// of a point that is deep below the skin of a body with dents.
 pub(super) fn depth_of_inner_point(body: &Polyhedron, thickness: f64) -> f64 {
-    if let Some(round) = body.round() {
-        return round.semi_axes()[2];
+    match body.form() {
+        BodyForm::Hull => {
+            let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
+            body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)
+        }
+        BodyForm::Round(round) => round.semi_axes()[2],
+        BodyForm::Surface => body.skin(thickness).deepest().1,
     }
-    if !body.is_convex() {
-        return body.skin(thickness).deepest().1;
-    }
-    let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
-    body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)
 }
 
 /// The smallest distance of the core's vertices to the planes of `body`, mm.

@@ -19,7 +19,7 @@ pub use read::read_while;
 pub use read::{ReadError, read};
 
 use crate::model::Model;
-use meso_collision::geometry::{Face, Polyhedron};
+use meso_collision::geometry::{BodyForm, Face, Polyhedron};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::{Phase, PhaseNames, parallel};
@@ -146,14 +146,15 @@ fn write_aggregate(aggregate: &Aggregate, phases: &PhaseNames, out: &mut Vec<u8>
         let thicknesses: Vec<f64> = aggregate.shells.iter().map(|shell| shell.thickness_mm).collect();
         serde_json::to_writer(&mut *out, &thicknesses)?;
     }
-    if !aggregate.body.is_convex() {
-        out.extend_from_slice(b",\"dents\":true");
-    }
-    if let Some(round) = aggregate.body.round() {
-        out.extend_from_slice(b",\"round\":true,\"vertices\":");
-        write_vertices(&aggregate.body.vertices()[..round.ends().len()], out);
-        out.extend_from_slice(OCTAHEDRON);
-        return Ok(());
+    match aggregate.body.form() {
+        BodyForm::Hull => {}
+        BodyForm::Surface => out.extend_from_slice(b",\"dents\":true"),
+        BodyForm::Round(round) => {
+            out.extend_from_slice(b",\"round\":true,\"vertices\":");
+            write_vertices(&aggregate.body.vertices()[..round.ends().len()], out);
+            out.extend_from_slice(OCTAHEDRON);
+            return Ok(());
+        }
     }
     write_body(&aggregate.body, out)
 }

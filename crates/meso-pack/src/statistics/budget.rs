@@ -4,6 +4,7 @@
 //! Triangles are counted, not seconds, so that the figures are the same on every machine.
 
 use super::StatisticsOptions;
+use meso_collision::geometry::BodyForm;
 use meso_concrete::aggregate::Aggregate;
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +41,7 @@ pub(super) struct Budget {
 
 impl Budget {
     pub(super) fn of(aggregates: &[Aggregate], options: &StatisticsOptions) -> Self {
-        let dents = aggregates.iter().map(|aggregate| &aggregate.body).filter(|body| !body.is_convex());
+        let dents = aggregates.iter().map(|aggregate| &aggregate.body).filter(|body| body.form() == BodyForm::Surface);
         Self::of_triangles(dents.map(|body| body.triangles().count()).sum(), aggregates.len(), options)
     }
 

@@ -8,7 +8,7 @@
 //! their points to the empty rim grows with r.
 
 use super::{Sample, in_order};
-use meso_collision::geometry::{Polyhedron, Triangles};
+use meso_collision::geometry::{BodyForm, Polyhedron, Triangles};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
@@ -233,12 +233,14 @@ fn near_line(sample: &Sample, origin: &Vec3, direction: &Vec3, length: f64) -> V
 
 /// Where a line enters and leaves a body: once, unless the body has dents.
 fn chords(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)> {
-    if let Some(round) = body.round() {
-        return round.chord(origin, direction).into_iter().collect();
+    match body.form() {
+        BodyForm::Hull => chord(body, origin, direction).into_iter().collect(),
+        BodyForm::Round(round) => round.chord(origin, direction).into_iter().collect(),
+        BodyForm::Surface => chords_of_surface(body, origin, direction),
     }
-    if body.is_convex() {
-        return chord(body, origin, direction).into_iter().collect();
-    }
+}
+
+fn chords_of_surface(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Vec<(f64, f64)> {
     if !meets(&body.aabb(), origin, direction) {
         return Vec::new();
     }

@@ -3,9 +3,10 @@
 use super::index::Index;
 use super::{Distribution, Images};
 use crate::model::Model;
-use meso_collision::geometry::{Polyhedron, Triangles};
-use meso_collision::gjk::{self, GjkError};
+use meso_collision::geometry::Polyhedron;
+use meso_collision::gjk::GjkError;
 use meso_collision::math::{Aabb, Vec3};
+use meso_collision::posed::{Posed, WithTree};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use meso_concrete::stop;
@@ -51,7 +52,7 @@ fn distances(aggregates: &[Aggregate], asked: Asked, index: &Index) -> Result<Ve
 fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkError> {
     stop::point();
     let own = index.aabb(a);
-    let mut own_body = Body { body: &aggregates[a as usize].body, surface: None };
+    let own_body = WithTree::new(&aggregates[a as usize].body);
     let mut reach = 0.25 * index.cell();
     loop {
         let margin = Vec3::repeat(reach);
@@ -65,7 +66,7 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         let mut best = f64::INFINITY;
         for (at_least, b) in candidates {
             if at_least < best {
-                best = best.min(own_body.distance_below(&aggregates[b as usize].body, best)?);
+                best = best.min(distance_below(&own_body, &aggregates[b as usize].body, best)?);
             }
         }
         if best <= reach {
@@ -76,29 +77,12 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
     }
 }
 
-/// A body, and its surface once a body with dents asked for it: its tree is as long in the making as an answer.
-struct Body<'a> {
-    body: &'a Polyhedron,
-    surface: Option<Triangles>,
-}
-
-impl Body<'_> {
-    /// Distance to another body, mm, or some value above `best` where it is farther than that.
-    fn distance_below(&mut self, other: &Polyhedron, best: f64) -> Result<f64, GjkError> {
-        let has_dents = !(self.body.is_convex() && other.is_convex());
-        if !has_dents || self.body.round().is_some() || other.round().is_some() {
-            // Rejecting a farther body costs a fraction of its distance, which is correctly rounded.
-            let is_far = best.is_finite() && self.body.is_farther(other, best)?;
-            return if is_far { Ok(f64::INFINITY) } else { self.body.distance(other) };
-        }
-        if best.is_finite() && gjk::distance_exceeds(self.body.vertices(), other.vertices(), best)? {
-            return Ok(f64::INFINITY);
-        }
-        let own = self.surface.get_or_insert_with(|| self.body.surface());
-        let others = other.surface();
-        let is_far = best.is_finite() && own.is_apart(&others, best);
-        Ok(if is_far { f64::INFINITY } else { own.distance(&others) })
-    }
+/// Distance to another body, mm, or infinity where it is farther than `best`: rejecting a farther body costs a fraction
+/// of its distance, which is correctly rounded.
+fn distance_below(own: &WithTree<&Polyhedron>, other: &Polyhedron, best: f64) -> Result<f64, GjkError> {
+    let other = WithTree::new(other);
+    let is_far = best.is_finite() && own.is_farther(&other, best)?;
+    if is_far { Ok(f64::INFINITY) } else { own.distance(&other) }
 }
 
 /// Distance between two boxes.

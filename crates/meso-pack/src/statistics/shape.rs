@@ -5,7 +5,7 @@
 //! edges. The narrowest of the free directions is taken first then, and a free longest axis counts for all its directions.
 
 use super::Distribution;
-use meso_collision::geometry::{Polyhedron, principal_axes};
+use meso_collision::geometry::{BodyForm, Polyhedron, principal_axes};
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -85,8 +85,7 @@ fn measure(aggregate: &Aggregate) -> Measured {
     let body = &aggregate.body;
     let six_volumes = libm::cbrt(6.0 * body.volume());
     let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
-    let of_hull = || body.volume() / body.hull().expect("an aggregate has a volume").volume();
-    let convexity = if body.is_convex() { 1.0 } else { of_hull() };
+    let convexity = body.volume() / body.hull().expect("an aggregate has a volume").volume();
     Measured { extents: extents(body), wadell, convexity, sieve: body.sieve_size() }
 }
 
@@ -126,7 +125,7 @@ impl Principal {
 
 /// Extents along the principal axes, descending.
 fn extents(body: &Polyhedron) -> [f64; 3] {
-    if let Some(round) = body.round() {
+    if let BodyForm::Round(round) = body.form() {
         return round.semi_axes().map(|axis| 2.0 * axis);
     }
     let principal = Principal::of(body);

@@ -1,7 +1,7 @@
 //! The wall effect: less aggregate near a mould, since no grain's middle comes closer to it than its radius.
 
 use super::{Sample, in_order};
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{BodyForm, Polyhedron};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::random::{Draw, Stream};
 use meso_concrete::parallel;
@@ -65,7 +65,7 @@ fn drawn(sample: &Sample, batch: u32) -> Vec<Point> {
     let points = BATCH.min(sample.options.points - batch * BATCH);
     let drawn = (0..points).map(|_| stream.point(&container.min, &container.max)).filter_map(|at| {
         let depth = sample.container.depth(&at);
-        let covers = |body: &Polyhedron| body.is_convex() && body.contains(&at);
+        let covers = |body: &Polyhedron| !is_slow(body) && body.contains(&at);
         let is_covered = || near(sample, &at).into_iter().any(|a| covers(&sample.aggregates[a as usize].body));
         let is_in = depth >= 0.0 && depth.is_finite();
         is_in.then(|| Point { at, layer: (depth / width) as usize, is_covered: is_covered() })
@@ -75,12 +75,12 @@ fn drawn(sample: &Sample, batch: u32) -> Vec<Point> {
 
 /// Covers the points that lie in bodies with dents, body by body.
 fn cover_by_dents(sample: &Sample, points: &mut [Point]) {
-    if sample.aggregates.iter().all(|aggregate| aggregate.body.is_convex()) {
+    if !sample.aggregates.iter().any(|aggregate| is_slow(&aggregate.body)) {
         return;
     }
     let mut asked: Vec<(u32, u32)> = parallel::flat_map(points.len(), |k| {
         let near = if points[k].is_covered { Vec::new() } else { near(sample, &points[k].at) };
-        let with_dents = near.into_iter().filter(|&a| !sample.aggregates[a as usize].body.is_convex());
+        let with_dents = near.into_iter().filter(|&a| is_slow(&sample.aggregates[a as usize].body));
         with_dents.map(move |a| (a, k as u32)).collect::<Vec<_>>()
     });
     asked.sort_unstable();
@@ -94,6 +94,11 @@ fn cover_by_dents(sample: &Sample, points: &mut [Point]) {
         held.collect::<Vec<_>>()
     });
     covered.into_iter().for_each(|point| points[point as usize].is_covered = true);
+}
+
+/// Whether a body holds a point takes long to find out: it is asked for many points at once.
+fn is_slow(body: &Polyhedron) -> bool {
+    body.form() == BodyForm::Surface
 }
 
 /// As asked, but never so thin that the layers do not fit into memory.
@@ -156,7 +161,7 @@ mod tests {
             assert_eq!(told, counts);
             counts.iter().for_each(|[out, held]| seen = [seen[0] + out, seen[1] + held]);
         }
-        assert!(model.aggregates.iter().all(|aggregate| !aggregate.body.is_convex()));
+        assert!(model.aggregates.iter().all(|aggregate| is_slow(&aggregate.body)));
         assert!(seen[1] > 1000 && seen[0] > 1000, "{seen:?}");
     }
 }

@@ -7,6 +7,7 @@ use super::turn::{outer_radius, turn, turn_on, vertex_count};
 use super::walls::Walls;
 use crate::task::Task;
 use crate::{Pose, Turn};
+use meso_collision::geometry::BodyForm;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Grain;
 use meso_concrete::parallel;
@@ -357,9 +358,9 @@ impl Moving<'_> {
 
 /// Radii of balls and margins of grains with dents, zero for all else; empty where all are.
 fn rims<'a>(grains: impl Iterator<Item = (u32, &'a Grain)>, dents: Option<&Dents>) -> Vec<f32> {
-    let radius = |(number, grain): (u32, &Grain)| match grain.body.round().and_then(|round| round.radius()) {
-        Some(radius) => radius as f32,
-        None => dents.map_or(0.0, |dents| dents.margin(number)),
+    let radius = |(number, grain): (u32, &Grain)| match grain.body.form() {
+        BodyForm::Round(round) => round.radius().unwrap_or(0.0) as f32,
+        BodyForm::Hull | BodyForm::Surface => dents.map_or(0.0, |dents| dents.margin(number)),
     };
     let rims: Vec<f32> = grains.map(radius).collect();
     if rims.iter().any(|rim| *rim > 0.0) { rims } else { Vec::new() }

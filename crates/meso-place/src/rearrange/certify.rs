@@ -2,11 +2,11 @@
 //! of the two is left out.
 
 use crate::task::Task;
-use crate::{Placement, Pose, Work};
-use meso_collision::geometry::{BoxTree, Round, Triangles};
-use meso_collision::gjk::{self, Counters};
+use crate::{Moved, Placement, Pose, Work};
+use meso_collision::geometry::BoxTree;
+use meso_collision::gjk::{self, Counters, GjkError};
 use meso_collision::math::{Aabb, Vec3};
-use meso_collision::round_bodies::Other;
+use meso_collision::posed::Posed;
 use meso_concrete::aggregate::grain::{Grain, snap};
 use meso_concrete::parallel;
 use meso_concrete::stop;
@@ -64,35 +64,18 @@ struct Settled<'a> {
 impl<'a> Settled<'a> {
     fn new(task: &Task, grain: &'a Grain, pose: &'a Pose) -> Self {
         stop::point();
-        let vertices = pose.turned(&grain.body);
-        let round = grain.body.is_round().then(|| Round::of_ends(&vertices));
-        let local = round.map_or_else(|| Aabb::around(&vertices), |round| round.aabb());
+        let body = Moved { body: &grain.body, pose, offset: &Vec3::zeros() };
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
         Self {
             grain,
             pose,
-            aabb: local.moved(&pose.centre).grown(*min_gap_mm),
-            inside: match round {
-                Some(round) => task.container.holds_round(&round, &pose.centre, *wall_gap_mm),
-                None => task.container.holds(&vertices, &pose.centre, *wall_gap_mm),
-            },
+            aabb: body.aabb().moved(&pose.centre).grown(*min_gap_mm),
+            inside: task.container.holds_body(&body.form(), &body.vertices(), &pose.centre, *wall_gap_mm),
         }
     }
 
     fn body(&self) -> gjk::Body {
         gjk::Body::new(&self.pose.turned(&self.grain.body))
-    }
-
-    /// The surface about the centre, moved by `offset`; on the lattice that is exact.
-    fn surface(&self, offset: &Vec3) -> Triangles {
-        let vertices = self.pose.turned(&self.grain.body).iter().map(|vertex| vertex + offset).collect();
-        self.grain.body.with_vertices(vertices).surface()
-    }
-
-    /// The ball or ellipsoid about the centre, moved by `offset`.
-    fn round(&self, offset: &Vec3) -> Option<Round> {
-        let body = &self.grain.body;
-        body.is_round().then(|| Round::of_ends(&self.pose.turned(body)).moved(offset))
     }
 
     /// True when the boxes meet, with `other` moved by `shift`.
@@ -156,39 +139,11 @@ impl<'a> Scene<'a> {
 
     fn apart(&self, pair: &Near, a: &gjk::Body, b: &gjk::Body, counters: &mut Counters) -> bool {
         stop::point();
-        let centre = |number: u32| self.settled[number as usize].pose.centre;
-        let offset = centre(pair.other) + pair.shift - centre(pair.body);
-        let gap = self.task.request.placement.min_gap_mm;
-        if self.task.has_round
-            && let Some(apart) = self.round_apart(pair, &offset, gap)
-        {
-            return apart;
-        }
-        counters.apart(a, b, &offset, gap, None).is_some() || self.surfaces_apart(pair, &offset, gap)
-    }
-
-    /// Whether two bodies are proved apart, where one of them is a ball or an ellipsoid.
-    fn round_apart(&self, pair: &Near, offset: &Vec3, gap: f64) -> Option<bool> {
-        let [a, b] = [pair.body, pair.other].map(|number| &self.settled[number as usize]);
-        let (round, other, other_at) = match (a.round(&Vec3::zeros()), b.round(offset)) {
-            (Some(round), Some(other)) => return Some(round.is_apart(&Other::Round(other), gap)),
-            (Some(round), None) => (round, b, *offset),
-            (None, Some(round)) => (round, a, Vec3::zeros()),
-            (None, None) => return None,
-        };
-        Some(if other.grain.body.is_convex() {
-            let vertices: Vec<Vec3> = other.pose.turned(&other.grain.body).iter().map(|v| v + other_at).collect();
-            round.is_apart(&Other::Hull(&vertices), gap)
-        } else {
-            round.is_apart(&Other::Surface(&other.surface(&other_at)), gap)
-        })
-    }
-
-    /// True when two bodies, one of them with dents, are apart although their hulls meet.
-    fn surfaces_apart(&self, pair: &Near, offset: &Vec3, gap: f64) -> bool {
-        let [a, b] = [pair.body, pair.other].map(|number| &self.settled[number as usize]);
-        let has_dents = !(a.grain.body.is_convex() && b.grain.body.is_convex());
-        has_dents && a.surface(&Vec3::zeros()).is_apart(&b.surface(offset), gap)
+        let [own, other] = [pair.body, pair.other].map(|number| &self.settled[number as usize]);
+        let (offset, gap) = (other.pose.centre + pair.shift - own.pose.centre, self.task.request.placement.min_gap_mm);
+        let moved = |it: &Settled<'a>, offset| Moved { body: &it.grain.body, pose: it.pose, offset };
+        let hulls = || Ok::<_, GjkError>(counters.apart(a, b, &offset, gap, None).is_some());
+        moved(own, &Vec3::zeros()).is_apart(&moved(other, &offset), gap, hulls) == Ok(true)
     }
 }
 

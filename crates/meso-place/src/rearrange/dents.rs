@@ -42,13 +42,13 @@ const CROWDED: f64 = 0.7;
 
 /// True where grains have dents, and the hulls of all would take so much of the specimen that they wedge.
 pub(super) fn hulls_crowd(task: &Task) -> bool {
-    if !task.has_dents {
+    if task.request.grains.iter().all(|grain| grain.copy_of().is_none()) {
         return false;
     }
     let mut ratios = BTreeMap::new();
     let volume = |grain: &Grain| {
         let own = || grain.body.widened().hull().map_or(1.0, |hull| hull.volume() / grain.volume());
-        let ratio = if grain.body.is_convex() { 1.0 } else { *ratios.entry(grain.template).or_insert_with(own) };
+        let ratio = grain.copy_of().map_or(1.0, |template| *ratios.entry(template).or_insert_with(own));
         ratio * grain.volume()
     };
     task.request.grains.iter().map(volume).sum::<f64>() > CROWDED * task.volume
@@ -81,8 +81,8 @@ impl Dents {
     /// The shapes of `grains`; `None` where none has dents.
     pub(super) fn of(grains: &[Grain]) -> Option<Self> {
         let mut firsts = BTreeMap::new();
-        for grain in grains.iter().filter(|grain| !grain.body.is_convex()) {
-            firsts.entry(grain.template).or_insert(grain);
+        for (template, grain) in grains.iter().filter_map(|grain| Some((grain.copy_of()?, grain))) {
+            firsts.entry(template).or_insert(grain);
         }
         let points = POINTS.min(libm::cbrt(MOST_POINTS as f64 / firsts.len().max(1) as f64) as usize);
         let firsts: Vec<(u32, &Grain)> = firsts.into_iter().collect();
@@ -94,7 +94,7 @@ impl Dents {
     /// Gives wider margins to those of `unproved` grains that may have them; false where there are none.
     pub(super) fn widen(&mut self, grains: &[Grain], unproved: &[u32]) -> bool {
         let mut widened = false;
-        for &grain in unproved.iter().filter(|&&grain| !grains[grain as usize].body.is_convex()) {
+        for &grain in unproved.iter().filter(|&&grain| grains[grain as usize].copy_of().is_some()) {
             let (radius, margin) = (grains[grain as usize].ball_radius() as f32, &mut self.margins[grain as usize]);
             let next = (2.0 * *margin).max(FIRST_MARGIN * radius);
             if next <= MOST_MARGIN * radius {
@@ -111,7 +111,7 @@ impl Dents {
 
     /// The surfaces of bodies, which are these grains in this order.
     pub(super) fn surfaces<'g>(&self, grains: impl Iterator<Item = &'g Grain>) -> Surfaces {
-        let copied = |grain: &Grain| (!grain.body.is_convex()).then(|| self.shapes[&grain.template].copied(grain));
+        let copied = |grain: &Grain| grain.copy_of().map(|template| self.shapes[&template].copied(template, grain));
         Surfaces { shapes: self.shapes.clone(), bodies: grains.map(copied).collect() }
     }
 }
@@ -139,15 +139,11 @@ impl Shape {
         }
     }
 
-    fn copied(&self, grain: &Grain) -> Copied {
+    fn copied(&self, template: u32, grain: &Grain) -> Copied {
         let [x, y, z] = grain.body.coordinates();
         let corners = self.corners.map(|corner| [x[corner], y[corner], z[corner]]);
         let turn = Rotation3::from_matrix_unchecked(frame(corners) * self.frame.transpose());
-        Copied {
-            template: grain.template,
-            scale: length(corners[0]) / self.arm,
-            turn: Turn::from_rotation_matrix(&turn),
-        }
+        Copied { template, scale: length(corners[0]) / self.arm, turn: Turn::from_rotation_matrix(&turn) }
     }
 }
 

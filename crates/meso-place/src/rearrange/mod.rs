@@ -310,10 +310,13 @@ impl<'a> Dynamics<'a> {
 
     /// Continues with the surfaces of grains with dents after their hulls have jammed; false where that is done.
     fn look_into_dents(&mut self, task: &'a Task<'a>) -> bool {
-        if !task.has_dents || self.dents.is_some() {
+        if self.dents.is_some() {
             return false;
         }
         *self.dents = Dents::of(task.request.grains);
+        if self.dents.is_none() {
+            return false;
+        }
         self.settings = Settings::new(task);
         let poses = self.bodies.poses();
         self.begin(task, poses);

@@ -2,14 +2,14 @@
 
 use super::contact::{LANES, V, highest};
 use crate::Turn;
-use meso_collision::geometry::CompactPolyhedron;
+use meso_collision::geometry::{BodyForm, CompactPolyhedron};
 use meso_collision::math::Vec3;
 use meso_collision::simd::{Wide, widest};
 use meso_concrete::aggregate::Grain;
 
 /// Vertices that the dynamics see of a round shape: a ball's centre, which has a rim, or the facets around an ellipsoid.
 fn round_vertices(shape: &CompactPolyhedron) -> Option<Vec<Vec3>> {
-    let round = shape.round()?;
+    let BodyForm::Round(round) = shape.form() else { return None };
     Some(if round.radius().is_some() { vec![*round.centre()] } else { round.circumscribed() })
 }
 

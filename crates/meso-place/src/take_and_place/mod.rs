@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
         let grain = &task.request.grains[number];
         Self {
             number,
-            candidate: Candidate::new(grain, task.has_dents),
+            candidate: Candidate::new(grain),
             stream: Stream::new(task.request.target.seed, Draw::Place, grain.class, u64::from(grain.index)),
             attempts_left: if task.admits(grain) { attempts } else { 0 },
             ahead: Ahead { centres: [Vec3::zeros(); AHEAD], looks: [Look::Clear; AHEAD], left: 0 },

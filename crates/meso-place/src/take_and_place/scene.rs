@@ -1,15 +1,16 @@
 //! The bodies placed so far, and whether a grain fits among them.
 
 use super::nearby::Nearby;
-use crate::Pose;
 use crate::task::Task;
-use meso_collision::geometry::{CompactPolyhedron, Round, Triangles, convex_hull};
-use meso_collision::gjk::{self, Counters};
+use crate::{Moved, Pose};
+use meso_collision::geometry::{CompactPolyhedron, Polyhedron};
+use meso_collision::gjk::{self, Counters, GjkError};
 use meso_collision::math::{Aabb, Vec3};
+use meso_collision::posed::{Posed, WithTree};
 use meso_collision::prefetch::prefetch;
-use meso_collision::round_bodies::Other;
 use meso_collision::simd::Wide;
 use meso_concrete::aggregate::Grain;
+use std::borrow::Cow;
 
 /// Edge of the grid's cells, as a share of the middle grain's diameter: from 1 to 1.5 all take the same time, and this
 /// the least memory.
@@ -46,13 +47,9 @@ struct Placed {
 /// A grain that looks for its place.
 pub(super) struct Candidate<'a> {
     pub(super) grain: &'a Grain,
-    vertices: Vec<Vec3>,
+    body: WithTree<Polyhedron>,
     /// Its hull in collision's own form, with the bounds that decide pairs early.
     solid: gjk::Solid,
-    /// The surface where a pair may need it: hulls that meet decide nothing where one of the bodies has dents.
-    surface: Option<Triangles>,
-    /// The ball or ellipsoid that it is, about its centre.
-    round: Option<Round>,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
@@ -69,14 +66,12 @@ pub(super) enum Look {
 }
 
 impl<'a> Candidate<'a> {
-    /// The candidate for `grain`, with its surface where it or any other grain has dents.
-    pub(super) fn new(grain: &'a Grain, among_dents: bool) -> Self {
+    /// The candidate for `grain`.
+    pub(super) fn new(grain: &'a Grain) -> Self {
         let body = grain.body.widened();
-        let hull = if body.is_convex() { None } else { convex_hull(body.vertices()).ok() };
-        let outer = hull.as_ref().unwrap_or(&body);
-        let solid = gjk::Solid::new(outer.vertices(), &outer.facets());
-        let surface = among_dents.then(|| body.surface());
-        Self { grain, solid, surface, round: body.round(), aabb: grain.body.aabb(), vertices: body.into_vertices() }
+        let hull = body.hull().unwrap_or(Cow::Borrowed(&body));
+        let solid = gjk::Solid::new(hull.vertices(), &hull.facets());
+        Self { grain, solid, aabb: grain.body.aabb(), body: WithTree::new(body) }
     }
 }
 
@@ -151,11 +146,7 @@ impl<'a> Scene<'a> {
         };
         let placement = self.task.request.placement;
         let (container, wall_gap) = (&self.task.container, placement.wall_gap_mm);
-        let is_inside = match &it.round {
-            Some(round) => container.holds_round(round, centre, wall_gap),
-            None => container.holds(&it.vertices, centre, wall_gap),
-        };
-        if !is_inside {
+        if !container.holds_body(&it.body.form(), &it.body.vertices(), centre, wall_gap) {
             return false;
         }
         let gap = placement.min_gap_mm;
@@ -177,42 +168,14 @@ impl<'a> Scene<'a> {
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Scratch) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
         let (offset, gap) = (other_centre - centre, self.task.request.placement.min_gap_mm);
-        if self.task.has_round
-            && let Some(apart) = self.round_apart(it, placed, &offset)
-        {
-            return apart;
+        let mut hulls =
+            || gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, (&offset, gap), work.counters);
+        if self.task.only_hulls {
+            return hulls();
         }
-        let hulls_apart =
-            gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, (&offset, gap), work.counters);
         // Coordinates on the lattice make the sums exact.
-        let surfaces_apart = |own: &Triangles| {
-            let other = self.body(placed);
-            let has_dents = !(it.grain.body.is_convex() && other.is_convex());
-            has_dents && own.is_apart(&other.widened().translated(&offset).surface(), gap)
-        };
-        hulls_apart || it.surface.as_ref().is_some_and(surfaces_apart)
-    }
-}
-
-impl Scene<'_> {
-    /// Whether a pair is proved apart, where one of the two is a ball or an ellipsoid.
-    fn round_apart(&self, it: &Candidate, placed: usize, offset: &Vec3) -> Option<bool> {
-        let (other, gap) = (self.body(placed), self.task.request.placement.min_gap_mm);
-        match (&it.round, other.round()) {
-            (Some(round), Some(other)) => Some(round.is_apart(&Other::Round(other.moved(offset)), gap)),
-            (None, Some(round)) => Some(match &it.surface {
-                Some(surface) => round.moved(offset).is_apart(&Other::Surface(surface), gap),
-                None => round.moved(offset).is_apart(&Other::Hull(&it.vertices), gap),
-            }),
-            (Some(round), None) => {
-                let moved = other.widened().translated(offset);
-                Some(match moved.is_convex() {
-                    true => round.is_apart(&Other::Hull(moved.vertices()), gap),
-                    false => round.is_apart(&Other::Surface(&moved.surface()), gap),
-                })
-            }
-            (None, None) => None,
-        }
+        let other = Moved { body: self.body(placed), pose: &Pose::at(Vec3::zeros()), offset: &offset };
+        it.body.is_apart(&other, gap, || Ok::<_, GjkError>(hulls())) == Ok(true)
     }
 }
 

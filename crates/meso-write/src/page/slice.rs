@@ -1,7 +1,7 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
 use crate::export::appearance::{CLASSES, fill, phase_colour};
-use meso_collision::geometry::Polyhedron;
+use meso_collision::geometry::{BodyForm, Polyhedron};
 use meso_collision::math::Vec3;
 use meso_concrete::PhaseNames;
 use meso_concrete::aggregate::{Aggregate, Kind};
@@ -118,7 +118,7 @@ fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Res
 }
 
 fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
-    if !aggregate.body.is_convex() {
+    if aggregate.body.form() == BodyForm::Surface {
         return cut_with_dents(aggregate, axis, at, out);
     }
     let outline = polygon(&aggregate.body, axis, at);

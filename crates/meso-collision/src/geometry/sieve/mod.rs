@@ -16,7 +16,7 @@
 mod arcs;
 mod search;
 
-use crate::geometry::Polyhedron;
+use crate::geometry::{BodyForm, Polyhedron};
 use crate::simd::dispatch;
 
 /// Relative bound on the difference between a sieve size and the least side over all directions.
@@ -37,12 +37,10 @@ impl Polyhedron {
     ///
     /// A sieve meets the hull of a body with dents only.
     pub fn sieve_size(&self) -> f64 {
-        if !self.is_convex() {
-            return self.hull().map_or(0.0, |hull| hull.sieve_size());
+        match self.form() {
+            BodyForm::Hull => dispatch(search::Smallest { body: self }),
+            BodyForm::Round(round) => round.sieve_size(),
+            BodyForm::Surface => self.hull().map_or(0.0, |hull| hull.sieve_size()),
         }
-        if let Some(round) = self.round() {
-            return round.sieve_size();
-        }
-        dispatch(search::Smallest { body: self })
     }
 }

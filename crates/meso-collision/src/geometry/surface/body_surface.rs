@@ -3,7 +3,7 @@
 use super::nearest::nearest_on_triangle;
 use super::triangles::Triangles;
 use crate::geometry::round::{FACETS, Round};
-use crate::geometry::{Plane, Polyhedron};
+use crate::geometry::{BodyForm, Plane, Polyhedron};
 use crate::math::Vec3;
 
 /// The surface of a body, laid out for distances from points.
@@ -23,13 +23,13 @@ pub struct BodySurface {
 impl BodySurface {
     /// The surface of `body`.
     pub fn new(body: &Polyhedron) -> Self {
-        if let Some(round) = body.round() {
-            let around = body.facets_grown(&round, FACETS.outwards);
-            return Self { round: Some(round), ..Self::of_convex(&around) };
-        }
-        match body.hull() {
-            Ok(hull) if !body.is_convex() => Self { dents: Some(body.surface()), ..Self::of_convex(&hull) },
-            _ => Self::of_convex(body),
+        match (body.form(), body.hull()) {
+            (BodyForm::Round(round), _) => {
+                let around = body.facets_grown(&round, FACETS.outwards);
+                Self { round: Some(round), ..Self::of_convex(&around) }
+            }
+            (BodyForm::Surface, Ok(hull)) => Self { dents: Some(body.surface()), ..Self::of_convex(&hull) },
+            (BodyForm::Hull | BodyForm::Surface, _) => Self::of_convex(body),
         }
     }
 
