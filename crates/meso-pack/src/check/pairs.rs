@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
         let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
-        let of = convex_hull(&at(0.0)).unwrap();
+        let of = convex_hull(&[Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()]).unwrap();
         let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)), of: &of };
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
         assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
