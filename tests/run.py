@@ -41,6 +41,7 @@ TESTED = ["--workspace", "--exclude", "meso-bench"]
 # The slow tier has one profile for tests and benches, with every check of the crates that are built without, and a wheel of its own.
 UNCHECKED = r"\[profile\.dev\.package\.(meso-\w+)\]\n(?:codegen-units = 1\n)?debug-assertions = false\noverflow-checks = true"
 CORE = re.findall(UNCHECKED, (ROOT / "Cargo.toml").read_text(encoding="utf-8"))
+assert len(CORE) >= 9, "Cargo.toml has profiles of crates that this expression does not find"
 ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in CORE)
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 

@@ -681,4 +681,8 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
     let near = Test { gauges: vec![lvdt(2.0, 2.1)], ..Test::default() };
     let error = Run::new(meshed.sample(), &brittle(), &near).err().unwrap();
     assert!(error.to_string().contains("its planes meet the same nodes"), "{error}");
+    let mut lone = meshed;
+    lone.mesh.points.push(meso_core::math::Vec3::new(3.0, 3.0, 3.0));
+    let error = Run::new(lone.sample(), &brittle(), &Test::default()).err().unwrap();
+    assert!(error.to_string().contains("1 of its nodes belong to no cell"), "{error}");
 }

@@ -45,8 +45,7 @@ impl Files for Beside<'_> {
         let needed = free::of_surface(name, &bytes);
         if let Some(free) = free::memory().filter(|free| *free < needed) {
             let [needed, free] = [needed, free].map(|bytes| bytes >> 20);
-            let why =
-                format!("takes about {needed} MB of memory, and {free} MB are free; save it with fewer triangles");
+            let why = format!("takes about {needed} MB of memory, and {free} MB are free; save it with fewer corners");
             return Err(io::Error::other(format!("{} {why}", path.display())));
         }
         Ok(bytes)

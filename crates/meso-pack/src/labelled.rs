@@ -16,7 +16,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{OutOfRange, Ranges, mark_caps, parallel};
 use meso_place::{CoreReport, LabelReport, Report, StopReason};
-use meso_spec::{Spec, SpecError};
+use meso_spec::{MAX_LENGTH_MM, Spec, SpecError};
 use std::collections::BTreeSet;
 
 /// How a label volume becomes a model.
@@ -211,9 +211,9 @@ impl LabelOptions {
             )
         };
         let edges = <Volume>::EDGES_MM;
-        for h in self.voxel_size_mm.iter().flatten() {
-            is_in("voxel_size_mm", *h, [*edges.start(), *edges.end()], "mm")?;
-        }
+        let accepted = format!("it must be {:e} to {:e} mm", edges.start(), edges.end());
+        let edge = |h: &f64| Ranges("labels").require("voxel_size_mm", *h, edges.contains(h), &*accepted);
+        self.voxel_size_mm.iter().flatten().try_for_each(edge)?;
         is_in("step", step, [1.0, 8.0], "voxels")?;
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
         is_in("tolerance", tolerance, [0.0, 1.0], "voxels")?;
@@ -322,6 +322,11 @@ impl LabelOptions {
         let counts = volume.counts;
         if counts.iter().any(|count| *count < LEAST_COUNT) {
             return Err(LabelsError::Flat { counts });
+        }
+        for (edge, count) in self.edges_mm(volume).into_iter().zip(counts) {
+            let fits = edge * count as f64 <= MAX_LENGTH_MM;
+            let accepted = format!("{count} of them may be {MAX_LENGTH_MM:e} mm long");
+            Ranges("labels").require("voxel_size_mm", edge, fits, accepted)?;
         }
         if u32::try_from(volume.of.len() + 1).is_err() {
             return Err(LabelsError::Long { voxels: volume.of.len() });
@@ -530,7 +535,7 @@ mod tests {
                 imported(&ball, &LabelOptions { voxel_size_mm: Some(edges), ..LabelOptions::default() });
             }
         }
-        for edge in [9e-7, 1.1e6, f64::NAN] {
+        for edge in [9e-7, 6e4, 1.1e6, f64::NAN] {
             let odd = Volume { spacing_mm: Some([1.0, edge, 1.0]), ..ball.clone() };
             let error = of_labels(&odd, &LabelOptions::default(), &Silent).unwrap_err();
             assert!(matches!(error, LabelsError::Option(_)), "{error}");

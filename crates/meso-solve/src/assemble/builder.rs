@@ -162,7 +162,7 @@ impl<'a> Builder<'a> {
     /// The block's own number of a node.
     fn local(&self, node: u32) -> u16 {
         let place = self.nodes.partition_point(|&other| other < self.number[node as usize]);
-        u16::try_from(place).expect("a block has fewer nodes than a number of 16 bits names")
+        u16::try_from(place).expect("a block has at most 32,768 nodes")
     }
 
     /// Eights of elements; empty lanes hold the last element without its weight.

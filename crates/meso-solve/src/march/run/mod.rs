@@ -214,6 +214,10 @@ impl<'a> Run<'a> {
         };
         let (gauges, leader) = (setter.all(&test.gauges())?, test.leader());
         sample.validate_volume()?;
+        let lone = mass.iter().filter(|mass| !mass.is_normal()).count();
+        if lone > 0 {
+            return Err(SolveError::mesh(format!("{lone} of its nodes belong to no cell; leave them out")));
+        }
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];
