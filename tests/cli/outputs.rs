@@ -127,7 +127,7 @@ fn surfaces_beyond_the_free_memory_are_refused_with_both_figures() {
             let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path("")).output().unwrap();
             let message = String::from_utf8(output.stderr).unwrap();
             assert_eq!(output.status.code(), Some(2), "{message}");
-            assert!(message.contains(" MB of memory, and ") && message.contains("fewer triangles"), "{message}");
+            assert!(message.contains(" MB of memory, and ") && message.contains("fewer corners"), "{message}");
         }
     }
 }
