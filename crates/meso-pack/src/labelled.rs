@@ -318,12 +318,12 @@ impl LabelOptions {
 
     /// Refuses a volume that is no specimen.
     fn accept(&self, volume: &Volume<u16>) -> Result<(), LabelsError> {
-        Self { voxel_size_mm: Some(self.edges_mm(volume)), ..self.clone() }.validate()?;
-        let counts = volume.counts;
+        let (edges, counts) = (self.edges_mm(volume), volume.counts);
+        Self { voxel_size_mm: Some(edges), ..self.clone() }.validate()?;
         if counts.iter().any(|count| *count < LEAST_COUNT) {
             return Err(LabelsError::Flat { counts });
         }
-        for (edge, count) in self.edges_mm(volume).into_iter().zip(counts) {
+        for (edge, count) in edges.into_iter().zip(counts) {
             let fits = edge * count as f64 <= MAX_LENGTH_MM;
             let accepted = format!("{count} of them may be {MAX_LENGTH_MM:e} mm long");
             Ranges("labels").require("voxel_size_mm", edge, fits, accepted)?;

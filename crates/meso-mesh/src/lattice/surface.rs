@@ -226,10 +226,12 @@ impl Surface {
             }
         }
         let planes: Vec<Plane> = body.planes().collect();
+        let has_dents = body.form() == BodyForm::Surface;
+        let triangles = if has_dents { body.triangles().map(|t| t.map(at)).collect() } else { Vec::new() };
         Self {
             eights: EightPlanes::all(&planes),
             planes,
-            triangles: body.triangles().map(|t| t.map(at)).filter(|_| body.form() == BodyForm::Surface).collect(),
+            triangles,
             edges: Edges::new(&edges),
             eight_corners: body.vertices().chunks(LANES).map(eight_points).collect(),
             corners: body.vertices().to_vec(),
