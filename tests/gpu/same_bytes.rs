@@ -273,6 +273,23 @@ fn plates_in_real_time_and_strengths_that_grow_with_the_rate_have_the_bytes_of_t
 }
 
 #[test]
+fn bars_and_masses_have_the_bytes_of_the_processor_on_a_device() {
+    let Some(device) = device() else { return };
+    let (cube, rate_effect, frames) = (cube(20.0, 4.0), true, 2);
+    for (kind, duration_s) in [
+        (TestKind::Hopkinson, 6e-5),
+        (TestKind::HopkinsonSplitting, 4e-5),
+        (TestKind::Spall, 4e-5),
+        (TestKind::Drop, 4e-5),
+    ] {
+        let test = Test { kind, rate_effect, frames, duration_s: Some(duration_s), ..Test::default() };
+        let response = same(&cube, &test, &device);
+        let pushed = response.result.energies.external;
+        assert!(pushed > 0.0, "{kind:?}: {:?}", response.result);
+    }
+}
+
+#[test]
 fn phases_that_swell_or_shrink_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let cube = cube(16.0, 4.0);

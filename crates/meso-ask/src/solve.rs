@@ -97,7 +97,7 @@ impl SolveAsk {
         }
         if self.on_device {
             let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
-            meso_solve::device::accept(kind, &self.test()).map_err(|error| self.wrong(&error))?;
+            meso_solve::device::accept(kind).map_err(|error| self.wrong(&error))?;
         }
         Ok(())
     }

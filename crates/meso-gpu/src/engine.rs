@@ -31,8 +31,13 @@ const BATCH: Duration = Duration::from_millis(250);
 /// A run on a device.
 pub(crate) struct Engine {
     host: Box<dyn Host>,
-    /// Kernels of a step, with their groups and threads.
+    /// Kernels of a step, with their groups and threads: the first lets the elements resist.
     steps: Vec<(Kernel, usize, usize)>,
+    /// What gives the motion ahead of the supports' of the met nodes, its buffer, and its last answer.
+    meets: Option<((Kernel, usize, usize), Buffer)>,
+    ahead: Vec<[[f64; 3]; 2]>,
+    /// Whether the elements have resisted in the step that comes next.
+    has_resisted: bool,
     begin: Kernel,
     state: Buffer,
     sums: Buffer,
@@ -118,6 +123,16 @@ impl Engine {
         let [first, places] = upload.shares();
         let (first, places, mass) = (store.of(&first)?, store.of(&places)?, store.of(upload.mass())?);
         let (touch, kinds, numbers) = (store.of(&touch)?, store.of(&kinds)?, store.of(&numbers)?);
+        let met_nodes = upload.met();
+        let ahead = vec![[[0.0; 3]; 2]; met_nodes.len()];
+        let meeting = if met_nodes.is_empty() {
+            None
+        } else {
+            let (which, answers) = (store.of(&met_nodes)?, store.of(ahead.as_flattened().as_flattened())?);
+            let arguments =
+                [store.of(&[met_nodes.len() as u32])?, rules, first, places, shares, mass, u, v, which, answers];
+            Some((arguments, answers))
+        };
         let moving = [sizes, rules, state, first, places, shares, mass, u, v, touch, kinds, numbers, work, met];
         let summing = [sizes, state, work, met, store.of(&tables.span_touches)?, spent, sums];
         let watching = [sizes, store.of(&watched)?, u, sums];
@@ -132,9 +147,30 @@ impl Engine {
         } else if !watched.is_empty() {
             steps.push((host.kernel("watch", &watching)?, watched.len().div_ceil(NODES), NODES));
         }
+        let groups = met_nodes.len().div_ceil(NODES);
+        let meets = meeting
+            .map(|(arguments, answers)| Ok::<_, String>(((host.kernel("ahead", &arguments)?, groups, NODES), answers)));
+        let meets = meets.transpose()?;
         let begin = host.kernel("begin", &[rules, state])?;
         let watched = watched.len();
-        Ok(Self { host, steps, begin, state, sums, answer, watched, u, v, memory, dissipated, pace: None, bytes })
+        Ok(Self {
+            host,
+            steps,
+            meets,
+            ahead,
+            has_resisted: false,
+            begin,
+            state,
+            sums,
+            answer,
+            watched,
+            u,
+            v,
+            memory,
+            dissipated,
+            pace: None,
+            bytes,
+        })
     }
 }
 
@@ -241,11 +277,24 @@ fn scalars_of(state: &[f64; STATE]) -> Scalars {
 }
 
 impl Device for Engine {
+    fn resist(&mut self) -> Result<&[[[f64; 3]; 2]], String> {
+        let kernels = self.steps.first().into_iter().chain(self.meets.as_ref().map(|(kernel, _)| kernel));
+        for &(kernel, groups, threads) in kernels {
+            self.host.launch(kernel, groups, threads)?;
+        }
+        if let Some((_, answers)) = self.meets {
+            self.host.read(answers, 0, cast_slice_mut(self.ahead.as_flattened_mut().as_flattened_mut()))?;
+        }
+        self.has_resisted = true;
+        Ok(&self.ahead)
+    }
+
     fn step(&mut self, supports: &[Moved], free: [f64; 1 + STRAINS]) -> Result<StepSums<'_>, String> {
         let moved = supports.iter().flat_map(|moved| [moved.travel, moved.mean_speed, moved.pressure]);
         let numbers: Vec<f64> = moved.chain(free).collect();
         self.host.write(self.state, 8 * STATE, cast_slice(&numbers))?;
-        for &(kernel, groups, threads) in &self.steps {
+        let taken = usize::from(std::mem::take(&mut self.has_resisted));
+        for &(kernel, groups, threads) in &self.steps[taken..] {
             self.host.launch(kernel, groups, threads)?;
         }
         self.host.read(self.sums, 0, cast_slice_mut(&mut self.answer))?;

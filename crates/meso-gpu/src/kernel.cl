@@ -304,6 +304,30 @@ DEVICE double meet(GLOBAL const double* face, const double travel, const double 
   return m * (a->v - free_a) / dt;
 }
 
+/* The blocks' force on a node, share by share. */
+DEVICE void force_on(const uint i, GLOBAL const uint* node_first, GLOBAL const uint* node_places, GLOBAL const float4* shares, double* f) {
+  double x = 0, y = 0, z = 0;
+  const uint end = node_first[i + 1];
+  for (uint q = node_first[i]; q < end; q++) {
+    const float4 share = shares[node_places[q]];
+    x = x + (double)share.x; y = y + (double)share.y; z = z + (double)share.z;
+  }
+  f[0] = x; f[1] = y; f[2] = z;
+}
+
+/* Displacements of nodes, and their velocities after a step without supports. */
+KERNEL(256) ahead(GLOBAL const uint* RESTRICT count, GLOBAL const double* RESTRICT rules, GLOBAL const uint* RESTRICT node_first,
+    GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares, GLOBAL const double* RESTRICT mass,
+    GLOBAL const double* RESTRICT u, GLOBAL const double* RESTRICT v, GLOBAL const uint* RESTRICT met, GLOBAL double* RESTRICT to) {
+  const uint own = GROUP * 256 + THREAD;
+  if (own >= count[0]) return;
+  const uint i = met[own];
+  double f[3];
+  force_on(i, node_first, node_places, shares, f);
+  const double push = rules[R_DT] / mass[i];
+  for (uint k = 0; k < 3; k++) { to[6 * own + k] = u[3 * i + k]; to[6 * own + 3 + k] = v[3 * i + k] - f[k] * push; }
+}
+
 /* Nodes sum the blocks' shares and move; loads push them, and plates correct those that they meet. */
 KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
     GLOBAL const uint* RESTRICT node_first, GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares,
@@ -312,12 +336,9 @@ KERNEL_OF_NODES nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RE
   const uint i = GROUP * 256 + THREAD;
   if (i >= sizes[S_NODES] || state[HALT] != 0) return;
   const double dt = rules[R_DT];
-  double f0 = 0, f1 = 0, f2 = 0;
-  const uint end = node_first[i + 1];
-  for (uint q = node_first[i]; q < end; q++) {
-    const float4 share = shares[node_places[q]];
-    f0 = f0 + (double)share.x; f1 = f1 + (double)share.y; f2 = f2 + (double)share.z;
-  }
+  double f[3];
+  force_on(i, node_first, node_places, shares, f);
+  const double f0 = f[0], f1 = f[1], f2 = f[2];
   const double m = mass[i], push = dt / m;
   const double b0 = v[3 * i], b1 = v[3 * i + 1], b2 = v[3 * i + 2];
   Axis x = {u[3 * i], b0 - f0 * push, 0, false}, y = {u[3 * i + 1], b1 - f1 * push, 0, false}, z = {u[3 * i + 2], b2 - f2 * push, 0, false};

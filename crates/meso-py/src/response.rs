@@ -102,7 +102,7 @@ impl Asked {
         self.test.suits(specimen).map_err(|error| wrong(&error.into()))?;
         let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
         if device.is_some() {
-            meso_solve::device::accept(mesh.kind, &self.test).map_err(|error| wrong(&error))?;
+            meso_solve::device::accept(mesh.kind).map_err(|error| wrong(&error))?;
         }
         Ok(Self { device, ..self })
     }

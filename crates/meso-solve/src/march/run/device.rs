@@ -21,21 +21,15 @@ use meso_element::lanes::LANES;
 use meso_element::real::Real;
 use meso_element::uniform::Uniform;
 use meso_mesh::CellKind;
-use meso_trial::{Control, Drive, MOST_SUPPORTS, Rule, SupportSpec, Test, TestKind};
+use meso_trial::{Control, MOST_SUPPORTS, Rule};
 
-/// Refuses meshes and tests that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
+/// Refuses meshes that devices cannot take. The command asks before it packs, and [`Run::upload`] again.
 ///
 /// # Errors
-/// Cells and supports that devices have no code for, with a remedy.
-pub fn accept(kind: CellKind, test: &Test) -> Result<(), SolveError> {
+/// Cells that devices have no code for, with a remedy.
+pub fn accept(kind: CellKind) -> Result<(), SolveError> {
     if kind == CellKind::Hexahedron {
         let why = "voxels run on the processor only; take tetrahedra, or the device cpu";
-        return Err(SolveError::Device(why.to_owned()));
-    }
-    let answers = |support: &SupportSpec| matches!(support.drive, Some(Drive::Bar { .. } | Drive::Mass { .. }));
-    let is_named = test.is_fast() && test.supports.is_empty() && test.kind != TestKind::Impact;
-    if is_named || test.supports.iter().any(answers) {
-        let why = "bars and masses run on the processor only; take the device cpu";
         return Err(SolveError::Device(why.to_owned()));
     }
     Ok(())
@@ -43,6 +37,13 @@ pub fn accept(kind: CellKind, test: &Test) -> Result<(), SolveError> {
 
 /// A machine that has a run's data and takes its steps.
 pub trait Device: Send + Sync {
+    /// Lets the elements resist, as the first half of the next [`step`](Self::step). Gives the displacements of the
+    /// [met](Upload::met) nodes, mm, and the velocities that they would have after the step without supports, mm/s.
+    ///
+    /// # Errors
+    /// Says why the device failed.
+    fn resist(&mut self) -> Result<&[[[f64; 3]; 2]], String>;
+
     /// Takes one step in which the supports move so, and phases have the strains of [`Free::strains`] without stress.
     ///
     /// # Errors
@@ -147,6 +148,24 @@ pub enum Action {
 pub(super) struct Remote {
     device: Box<dyn Device>,
     watched: Vec<u32>,
+    /// Nodes under supports that answer, ascending, and their motion ahead of this step's supports.
+    met: Vec<u32>,
+    ahead: Vec<[[f64; 3]; 2]>,
+}
+
+impl Remote {
+    /// Lets the elements resist, and brings back the motion of the nodes under supports that answer.
+    pub(super) fn resist(&mut self) -> Result<(), String> {
+        self.ahead.clear();
+        self.ahead.extend_from_slice(self.device.resist()?);
+        Ok(())
+    }
+
+    /// Displacement and velocity along `axis` of a node under a support that answers, after a step without supports.
+    pub(super) fn free(&self, node: usize, axis: usize) -> Option<[f64; 2]> {
+        let own = self.met.binary_search(&(node as u32)).ok()?;
+        self.ahead.get(own).map(|motion| motion.map(|values| values[axis]))
+    }
 }
 
 /// Elements of one phase and kind within a block.
@@ -158,13 +177,14 @@ impl Run<'_> {
     /// # Errors
     /// See [`accept`].
     pub fn upload(&self) -> Result<Upload<'_>, SolveError> {
-        accept(self.sample.mesh.kind, &self.test)?;
+        accept(self.sample.mesh.kind)?;
         Ok(Upload(self))
     }
 
     /// Hands all further steps to `device`, which was made of the [`upload`](Self::upload) of this state.
     pub fn hand_to(&mut self, device: Box<dyn Device>) {
-        self.device = Some(Remote { device, watched: watched(&self.gauges) });
+        let (watched, met) = (watched(&self.gauges), self.supports.met());
+        self.device = Some(Remote { device, watched, met, ahead: Vec::new() });
     }
 
     /// Takes one step, or on a device those of a plain test that lead to the next event.
@@ -182,7 +202,9 @@ impl Run<'_> {
 
     /// Takes one step on the device.
     pub(super) fn step_there(&mut self, motion: &Motion) -> Result<(Sums, f64), String> {
-        let Some(Remote { device, watched }) = &mut self.device else { return Err("there is no device".to_owned()) };
+        let Some(Remote { device, watched, .. }) = &mut self.device else {
+            return Err("there is no device".to_owned());
+        };
         let supports = self.supports.all.len();
         let free = self.common.free.as_ref().map(Free::strains).unwrap_or_default();
         let taken = device.step(&motion.supports[..supports], free)?;
@@ -369,6 +391,11 @@ impl Upload<'_> {
     /// Nodes whose displacements the run reads after every step.
     pub fn watched(&self) -> Vec<u32> {
         watched(&self.0.gauges)
+    }
+
+    /// Nodes under bars and masses, whose speed hangs on the forces of the step; ascending.
+    pub fn met(&self) -> Vec<u32> {
+        self.0.supports.met()
     }
 
     /// Places of all nodes, mm, where phases have strains without stress; else none.

@@ -331,13 +331,16 @@ impl<'a> Run<'a> {
         let state = &self.state;
         let is_driven = self.supports.is_driven;
         let now = state.progress * dt - self.path.lead_s;
-        let resisted = self.supports.answer() && self.device.is_none();
+        let resisted = self.supports.answer();
         if resisted {
-            self.resist();
+            self.resist()?;
         }
         if is_driven {
-            let Self { supports, nodes, forces, state, .. } = self;
-            let free = |node, axis| nodes.free(forces, dt, (node, axis));
+            let Self { supports, nodes, forces, state, device, .. } = self;
+            let free = |node, axis| match device.as_ref().and_then(|remote| remote.free(node, axis)) {
+                Some([u, v]) => [nodes.mass[node], u, v],
+                None => nodes.free(forces, dt, (node, axis)),
+            };
             supports.drive((dt, now), free, &mut state.held);
         }
         let state = &self.state;
@@ -385,7 +388,7 @@ impl<'a> Run<'a> {
             return self.step_there(motion);
         }
         if !resisted {
-            self.resist();
+            self.resist()?;
         }
         let sums = self.nodes.advance(&self.forces, &self.supports, motion);
         Ok((sums, self.spent.iter().sum()))
@@ -475,7 +478,10 @@ impl<'a> Run<'a> {
     }
 
     /// The elements' forces at the present displacements.
-    fn resist(&mut self) {
+    fn resist(&mut self) -> Result<(), String> {
+        if let Some(remote) = &mut self.device {
+            return remote.resist();
+        }
         let Self { blocks, forces, spent, common, nodes, set, .. } = self;
         let (displacement, set) = (&nodes.displacement[..], *set);
         let mut rest = &mut forces[..];
@@ -488,6 +494,7 @@ impl<'a> Run<'a> {
         blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
             SCRATCH.with_borrow_mut(|scratch| *spent = set.step(Pass { block, common, displacement, out, scratch }));
         });
+        Ok(())
     }
 
     /// Adds a row of the curve from the steps since the last one, unless a value is NaN or infinite.

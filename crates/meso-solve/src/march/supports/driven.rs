@@ -68,6 +68,15 @@ impl Supports {
         self.all.iter().any(Fixture::answers)
     }
 
+    /// Nodes that may meet a plate whose speed hangs on the specimen's forces; ascending.
+    pub(crate) fn met(&self) -> Vec<u32> {
+        let answering = self.all.iter().filter_map(|fixture| fixture.driven.as_ref()).filter(|driven| driven.answers());
+        let mut nodes: Vec<u32> = answering.flat_map(|driven| &driven.contacts).map(|contact| contact.node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
     /// Largest speed that a drive gives, mm/s.
     pub(crate) fn fastest(&self) -> f64 {
         self.all.iter().map(|fixture| fixture.fastest().abs()).fold(0.0, f64::max)
