@@ -139,7 +139,7 @@ fn a_device_has_the_bytes_of_the_processor_under_every_law_smoothing_test_and_co
         (LawName::Cdpm2, None, Tension, Servo, 64),
         (LawName::Elastic, Edges, Compression, Servo, 32),
     ] {
-        let test = cube.short(Test { law, smoothing: Some(smoothing), kind, control, ..Test::default() });
+        let test = cube.short(Test { law, smoothing: Some(smoothing), kind, control: Some(control), ..Test::default() });
         let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
         assert!(response.result.energies.dissipated > 0.0 || law == LawName::Elastic, "{test:?}");
     }
@@ -155,7 +155,7 @@ fn every_combination_has_the_bytes_of_the_processor_far_beyond_its_peak() {
         let law = [LawName::Cdp, LawName::Cdpm2, LawName::Meso, LawName::Elastic][number % 4];
         let smoothing = Some([Smoothing::Edges, Smoothing::None][number / 4 % 2]);
         let kind = [TestKind::Compression, TestKind::Tension][number / 8 % 2];
-        let control = [Control::Servo, Control::Steady][number / 16];
+        let control = Some([Control::Servo, Control::Steady][number / 16]);
         let test = cube.within(4000.0, Test { law, smoothing, kind, control, ..Test::default() });
         for threads in [32, 128] {
             let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
@@ -206,7 +206,7 @@ fn gauges_turns_and_controls_by_gauges_have_the_bytes_of_the_processor_on_a_devi
     let to_and_fro = vec![turn(0.001, TurnOf::Strain), turn(2.0, TurnOf::Stress), turn(0.003, TurnOf::Strain)];
     for test in [
         Test { gauges: vec![lvdt, sides], ..Test::default() },
-        Test { control: Control::LateralStrain, law: LawName::Meso, ..Test::default() },
+        Test { control: Some(Control::LateralStrain), law: LawName::Meso, ..Test::default() },
         Test { turns: to_and_fro, ..Test::default() },
     ] {
         acts(&same(&cube, &cube.within(400.0, test), &device));
@@ -217,7 +217,7 @@ fn gauges_turns_and_controls_by_gauges_have_the_bytes_of_the_processor_on_a_devi
 fn strips_rollers_and_glued_halves_have_the_bytes_of_the_processor_on_a_device() {
     let Some(device) = device() else { return };
     let (cube, beam) = (cube(20.0, 4.0), beam());
-    let control = Control::CrackMouth;
+    let control = Some(Control::CrackMouth);
     let bending = Test { kind: TestKind::Bending, strain: Some(0.0015), ..Test::default() };
     let opened = vec![Turn { at: 0.03, of: TurnOf::Opening }, Turn { at: 0.5, of: TurnOf::Stress }];
     for (body, steps, test) in [

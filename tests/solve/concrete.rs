@@ -160,7 +160,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let damage = Damage::default();
     // A servo adds frames.
-    let control = Control::Steady;
+    let control = Some(Control::Steady);
     let test = Test { frames: 4, kind: TestKind::Tension, control, ..damaged_plasticity() };
     meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();

@@ -150,7 +150,7 @@ fn test(deck: &Deck) -> Test {
         duration_s: Some(duration),
         time_step_s: Some(real(step.card("FIXED MASS SCALING").unwrap().parameter("DT"))),
         smoothing: Some(Smoothing::None),
-        control: Control::Steady,
+        control: Some(Control::Steady),
         ..damaged_plasticity()
     }
 }

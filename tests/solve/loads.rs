@@ -420,13 +420,13 @@ fn a_gauge_that_controls_a_test_keeps_its_rate_while_the_specimen_breaks() {
         (&cube, TestKind::Compression, Control::LateralStrain, "lateral_strain"),
         (&beam, TestKind::Bending, Control::CrackMouth, "crack_mouth_mm"),
     ] {
-        let led = meshed.solve(&brittle(), &Test { kind, control, ..Test::default() });
+        let led = meshed.solve(&brittle(), &Test { kind, control: Some(control), ..Test::default() });
         let gauges = if kind == TestKind::Bending {
             vec![Gauge::CrackMouth { name: name.to_owned(), over_mm: None }]
         } else {
             vec![Gauge::LateralStrain { name: name.to_owned() }]
         };
-        let plain = meshed.solve(&brittle(), &Test { kind, control: Control::Steady, gauges, ..Test::default() });
+        let plain = meshed.solve(&brittle(), &Test { kind, control: Some(Control::Steady), gauges, ..Test::default() });
         // Rates over a twentieth of the test, from the end of the ramp to the peak, and at most.
         let figures = |response: &Response| {
             let rates = rates(response, name, response.curve.len() / 20);
@@ -558,7 +558,7 @@ fn a_turn_at_a_stress_that_the_specimen_never_had_is_warned_about() {
 pub(crate) fn all_kinds() -> Vec<(Meshed, Test)> {
     let of = |kind| Test { kind, duration_s: Some(1e-4), rows: 100, ..Test::default() };
     let round = [TestKind::Tension, TestKind::Triaxial, TestKind::Cyclic, TestKind::Splitting].map(of);
-    let led = Test { control: Control::LateralStrain, ..of(TestKind::Compression) };
+    let led = Test { control: Some(Control::LateralStrain), ..of(TestKind::Compression) };
     let rows = Course::Through(vec![[10.0, 2e-4], [40.0, 5e-4]]);
     let below = Some(Below { mortar: 1e-4.into(), ..Below::default() });
     let swelling =
@@ -647,7 +647,7 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         (of(TestKind::Shear), &cylinder, "no plane sides for its plates"),
         (of(TestKind::Shear), &cube, "no two notches"),
         (
-            Test { control: Control::CrackMouth, ..Test::default() },
+            Test { control: Some(Control::CrackMouth), ..Test::default() },
             &cube,
             "test.control is crack-mouth; the specimen has no notch",
         ),

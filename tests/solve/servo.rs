@@ -6,7 +6,7 @@ use meso_solve::{Control, Frame, LawName, Observer, Row, Test};
 use std::cell::RefCell;
 
 fn steady() -> Test {
-    Test { control: Control::Steady, ..damaged_plasticity() }
+    Test { control: Some(Control::Steady), ..damaged_plasticity() }
 }
 
 /// Number of the row with the highest stress.

@@ -46,7 +46,7 @@ fn torn(mut meshed: Meshed, law: LawName, half_width: f64, smoothing: Smoothing,
     (materials.mortar.poisson_ratio, materials.itz.poisson_ratio) = (0.0, 0.0);
     materials.itz.youngs_modulus_mpa = materials.mortar.youngs_modulus_mpa;
     let (strain, duration_s) = (Some(way_mm / height), Some(1e-3 * (way_mm / TORN_MM).sqrt()));
-    let control = Control::Steady;
+    let control = Some(Control::Steady);
     let test = Test {
         kind: TestKind::Tension,
         strain,

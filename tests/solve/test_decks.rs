@@ -52,7 +52,7 @@ fn elastic_decks_of_named_tests_are_as_stiff_in_calculix_as_in_the_engine() {
         law: LawName::Elastic,
         smoothing: Some(Smoothing::None),
         strain: Some(strain),
-        control: Control::Steady,
+        control: Some(Control::Steady),
         ..Test::default()
     };
     let beam = notched([90.0, 9.0, 24.0], [6.0, 0.0, 3.0], 3.0);
@@ -99,7 +99,7 @@ fn the_crack_mouth_of_an_elastic_beam_opens_as_in_calculix() {
         smoothing: Some(Smoothing::None),
         strain: Some(2e-4),
         span_mm: Some(78.0),
-        control: Control::Steady,
+        control: Some(Control::Steady),
         ..Test::default()
     };
     let response = beam.solve(&brittle(), &test);
@@ -209,7 +209,7 @@ fn a_cyclic_deck_turns_at_its_strains() {
 fn histories_that_a_deck_cannot_follow_are_refused_with_a_remedy() {
     let meshed = Meshed::mortar([6.0; 3], Method::FITTED, 3.0);
     let cyclic = Test { kind: TestKind::Cyclic, ..Test::default() };
-    let led = Test { control: Control::LateralStrain, ..Test::default() };
+    let led = Test { control: Some(Control::LateralStrain), ..Test::default() };
     for (test, why) in [(cyclic, "give turns of a strain"), (led, "test.control is lateral-strain; a deck's plates")] {
         let error = test.loads(&meshed.sample()).unwrap_err().to_string();
         assert!(error.contains(why), "{error}");

@@ -52,20 +52,6 @@ pub fn test(path: &Path, read: &Reader<'_>) -> Result<Test, AskError> {
     with_tables(test, path, read)
 }
 
-/// The test of a TEST.toml for a deck, whose plates keep their speed.
-///
-/// # Errors
-/// As [`test`], and a test by a servo.
-pub fn deck_test(path: &Path, read: &Reader<'_>) -> Result<Test, AskError> {
-    let both = |text: &str| Ok((options_from_toml::<Value>(text)?, options_from_toml::<Test>(text)?));
-    let (tree, test) = toml(path, read, both)?;
-    if tree.get("control").is_some_and(|control| control == "servo") {
-        let why = "a deck's plates keep their speed; take \"steady\", or leave it out";
-        return Err(AskError::Usage(format!("{}: test.control is servo; {why}", path.display())));
-    }
-    with_tables(test, path, read)
-}
-
 /// The tree of a TEST.toml, with turns, courses and speeds where it names tables.
 ///
 /// # Errors

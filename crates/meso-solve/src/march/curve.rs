@@ -2,7 +2,7 @@
 
 use crate::error::TEST;
 use meso_concrete::OutOfRange;
-use meso_trial::{Gauge, Test};
+use meso_trial::{Gauge, OF_PLATES, Test};
 use serde::{Deserialize, Serialize};
 
 /// A row of the curve: means over the steps since the row before, energies at its end.
@@ -87,7 +87,7 @@ impl Row {
 
 /// Checks that no gauge is named like a column that every curve has.
 pub(crate) fn validate_columns(test: &Test) -> Result<(), OutOfRange> {
-    let own = test.gauges.iter().map(Gauge::name).find(|name| Row::COLUMNS.contains(name));
+    let own = test.gauges.iter().map(Gauge::name).find(|name| Row::COLUMNS.contains(name) || OF_PLATES.contains(name));
     own.map_or(Ok(()), |name| Err(TEST.error("gauges.name", name, "every curve has this column; take another name")))
 }
 

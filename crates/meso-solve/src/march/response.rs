@@ -191,7 +191,7 @@ impl Response {
             test: run.test.kind,
             setup: run.setup.clone(),
             friction: run.test.friction(),
-            control: run.test.control,
+            control: run.test.control(),
             law: run.test.law,
             smoothing: run.test.smoothing(run.sample.mesh.kind),
             elements: run.sample.mesh.cell_count(),

@@ -73,7 +73,7 @@ impl MeshStep {
         let analysis = match section.value("analysis") {
             None => Analysis::None,
             Some(Value::String(name)) if files::is_toml(Path::new(&name)) => {
-                files::deck_test(&section.file(&name), read)?.into()
+                files::test(&section.file(&name), read)?.into()
             }
             Some(table @ Value::Object(_)) => section.test("analysis", table)?.into(),
             Some(word) => section.read("analysis", &word)?,

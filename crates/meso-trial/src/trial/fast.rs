@@ -106,16 +106,14 @@ impl Test {
                     drive: Some(bar(speed)),
                     ..strip
                 });
-                return Ok(Rig { supports: supports.collect(), ..split });
+                let ends = [("lower", Side::ZMin), ("upper", Side::ZMax)];
+                let pressed = ends.into_iter().filter_map(|(name, on)| self.pressed(name, on));
+                return Ok(Rig { supports: supports.chain(pressed).collect(), ..split });
             }
             TestKind::Hopkinson => {
-                let mut all =
-                    vec![driven("input", Side::ZMin, bar(wave())), driven("output", Side::ZMax, bar(Speed::default()))];
-                if let Some(pressure_mpa) = self.pressure_mpa {
-                    let mantle = SupportSpec::new("mantle", Side::Mantle);
-                    all.push(SupportSpec { rule: Rule::Pressure, pressure_mpa, ..mantle });
-                }
-                all
+                let output = driven("output", Side::ZMax, bar(Speed::default()));
+                let bars = [driven("input", Side::ZMin, bar(wave())), output];
+                bars.into_iter().chain(self.pressed("mantle", Side::Mantle)).collect()
             }
             TestKind::Spall => {
                 let rows = vec![[0.0, 0.0], [rise, 0.5 * v], [2.0 * pulse, 0.0]];
@@ -141,6 +139,12 @@ impl Test {
         };
         let section_mm2 = geometry.section_mm2;
         Ok(Rig { supports, axis: 2, length_mm: geometry.size_mm[2], section_mm2, breaking_mm2: section_mm2 })
+    }
+
+    /// The test's pressure on a side, if it has one.
+    fn pressed(&self, name: &str, on: Side) -> Option<SupportSpec> {
+        let spec = |pressure_mpa| SupportSpec { rule: Rule::Pressure, pressure_mpa, ..SupportSpec::new(name, on) };
+        self.pressure_mpa.map(spec)
     }
 
     /// Checks the values of a named test in real time, which others do not have.
@@ -227,8 +231,8 @@ impl Test {
             return Ok(());
         }
         let steady = "a test in real time keeps its speed; take control = \"steady\", or leave it out";
-        let follows = matches!(self.control, Control::CrackMouth | Control::LateralStrain);
-        TEST.require("control", word(&self.control), !follows, steady)?;
+        let control = self.control();
+        TEST.require("control", word(&control), control == Control::Steady, steady)?;
         let lasts = "a test in real time lasts as long as you say; give duration_s, as in duration_s = 2e-4";
         let has_end = self.duration_s.is_some() || self.kind.is_fast();
         TEST.require("duration_s", "absent", has_end, lasts)?;
@@ -262,7 +266,7 @@ mod tests {
         let drive = Some(Drive::Mass { mass_kg: 1.0, speed_m_per_s: 5.0 });
         let striker = SupportSpec { drive, ..SupportSpec::new("striker", Side::ZMax) };
         let supports = vec![SupportSpec::new("base", Side::ZMin), striker];
-        let mut test = Test { supports, control: Control::Steady, duration_s: Some(1e-4), ..Test::default() };
+        let mut test = Test { supports, duration_s: Some(1e-4), ..Test::default() };
         test.validate().unwrap();
         edit(&mut test);
         test.validate().unwrap_err().to_string()
@@ -278,10 +282,11 @@ mod tests {
         };
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 15] = [
+        let edits: [(Edit, &str); 16] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
-            (&|test| test.control = Control::CrackMouth, "test.control is crack-mouth"),
+            (&|test| test.control = Some(Control::CrackMouth), "test.control is crack-mouth"),
+            (&|test| test.control = Some(Control::Servo), "test.control is servo; a test in real time keeps its speed"),
             (&|test| test.duration_s = None, "test.duration_s is absent"),
             (&|test| test.strain = Some(0.01), "test.strain is 0.01"),
             (&|test| test.supports[0].moves = 0.5, "test.supports.base.moves is 0.5"),

@@ -116,6 +116,10 @@ pub struct SupportSpec {
 /// bar to the specimen and from it.
 pub const OF_SUPPORTS: [&str; 4] = ["_n", "_m_per_s", "_in_mpa", "_out_mpa"];
 
+/// Columns of a test in real time between two plates: the rate of strain, and the stress of the lower one less that of the upper
+/// one over their mean.
+pub const OF_PLATES: [&str; 2] = ["rate_per_s", "equilibrium"];
+
 /// Supports of a test, at most.
 pub const MOST_SUPPORTS: usize = 8;
 

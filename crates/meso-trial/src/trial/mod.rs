@@ -12,7 +12,7 @@ mod tables;
 
 pub use drive::{Drive, Speed};
 pub use expansion::{Below, Course, Expansion, PHASES, STRAINS};
-pub use load::{Along, Gauge, MOST_SUPPORTS, OF_SUPPORTS, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
+pub use load::{Along, Gauge, MOST_SUPPORTS, OF_PLATES, OF_SUPPORTS, Rule, Side, Strip, SupportSpec, Turn, TurnOf};
 pub use named::Rig;
 pub use setup::Setup;
 pub use setup::word;
@@ -46,8 +46,8 @@ pub struct Test {
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub time_step_s: Option<f64>,
     /// Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in
-    /// a deck
-    pub control: Control,
+    /// a deck [default: servo; steady in real time]
+    pub control: Option<Control>,
     /// Share of the time in which the plates gain their speed.
     #[cfg_attr(feature = "schema", schemars(range(min = 0.01, max = 1.0)))]
     pub ramp: f64,
@@ -69,7 +69,8 @@ pub struct Test {
     pub hourglass: f64,
     /// Cohesive faces.
     pub interface: Interface,
-    /// Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent.
+    /// Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent. Of a test between bars: on the mantle, or on
+    /// the ends of a split specimen; none where absent.
     #[cfg_attr(feature = "schema", schemars(range(min = -100.0, max = 1000.0)))]
     pub pressure_mpa: Option<f64>,
     /// Lateral over axial stress of a biaxial test; 1 where absent.
@@ -189,7 +190,7 @@ impl Default for Test {
             strain: None,
             duration_s: None,
             time_step_s: None,
-            control: Control::Servo,
+            control: None,
             ramp: 0.3,
             rows: 400,
             frames: 0,
@@ -359,10 +360,15 @@ impl Test {
         self.turns.clone()
     }
 
+    /// How the plates keep their speed.
+    pub fn control(&self) -> Control {
+        self.control.unwrap_or(if self.is_fast() { Control::Steady } else { Control::Servo })
+    }
+
     /// Gauges of the test, with the one that controls it.
     pub fn gauges(&self) -> Vec<Gauge> {
         let mut gauges = if self.gauges.is_empty() { named::gauges(self.kind) } else { self.gauges.clone() };
-        if let Some(own) = self.control.gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
+        if let Some(own) = self.control().gauge().filter(|own| gauges.iter().all(|gauge| !own.is_like(gauge))) {
             gauges.push(own);
         }
         gauges
@@ -370,14 +376,14 @@ impl Test {
 
     /// Place of the gauge that controls the path, among all gauges.
     pub fn leader(&self) -> Option<usize> {
-        self.control.gauge().and_then(|own| self.gauges().iter().position(|gauge| own.is_like(gauge)))
+        self.control().gauge().and_then(|own| self.gauges().iter().position(|gauge| own.is_like(gauge)))
     }
 
     /// Whether the curve has columns of gauges and supports.
     pub fn has_extra(&self) -> bool {
         let is_plain = matches!(self.kind, TestKind::Compression | TestKind::Tension);
         !(is_plain
-            && self.control.gauge().is_none()
+            && self.control().gauge().is_none()
             && self.expansion.is_none()
             && self.supports.is_empty()
             && self.gauges.is_empty()
@@ -428,10 +434,11 @@ impl Test {
 impl Test {
     /// Refuses values that the named test does not have.
     fn validate_kind(&self) -> Result<(), OutOfRange> {
-        let pressed = matches!(self.kind, TestKind::Triaxial | TestKind::Hopkinson);
+        use TestKind::{Hopkinson, HopkinsonSplitting, Triaxial};
+        let pressed = matches!(self.kind, Triaxial | Hopkinson | HopkinsonSplitting);
         let (split, bent) = (self.kind.splits(), self.kind.is_beam() || self.kind == TestKind::Drop);
         for (key, value, has, of) in [
-            ("pressure_mpa", self.pressure_mpa, pressed, "triaxial and hopkinson"),
+            ("pressure_mpa", self.pressure_mpa, pressed, "triaxial, hopkinson and hopkinson-splitting"),
             ("stress_ratio", self.stress_ratio, self.kind == TestKind::Biaxial, "biaxial"),
             ("strip_mm", self.strip_mm, bent || split, "splitting, hopkinson-splitting, bending and drop"),
             ("span_mm", self.span_mm, bent, "bending and drop"),
@@ -441,8 +448,8 @@ impl Test {
         }
         let rubs = self.friction.is_none() || self.rubs();
         TEST.require("friction", self.friction.unwrap_or_default(), rubs, "only tests whose plates rub take it")?;
-        let widens = self.control != Control::LateralStrain || self.presses() || !self.supports.is_empty();
-        TEST.require("control", word(&self.control), widens, "only tests that press a specimen all through take it")
+        let widens = self.control() != Control::LateralStrain || self.presses() || !self.supports.is_empty();
+        TEST.require("control", word(&self.control()), widens, "only tests that press a specimen all through take it")
     }
 
     /// Whether plates of the named test press a specimen all through.

@@ -134,7 +134,7 @@ impl Test {
         if geometry.notch_mm > 0.0 || self.kind.is_beam() || mouths.iter().all(Option::is_some) {
             return Ok(());
         }
-        let key = if self.control == Control::CrackMouth { "control" } else { "gauges.kind" };
+        let key = if self.control() == Control::CrackMouth { "control" } else { "gauges.kind" };
         let why =
             "the specimen has no notch, whose mouth opens; take a notched-prism, a gauge with over_mm, or bending";
         Err(TEST.error(key, "crack-mouth", why).into())

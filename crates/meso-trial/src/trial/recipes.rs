@@ -56,7 +56,10 @@ impl TestKind {
                 let [speed, pulse, rise] = [test.speed_m_per_s(), test.pulse_s(), test.rise_s()];
                 let pressed = match self {
                     Self::Hopkinson => "# pressure_mpa = 5.0        # on the mantle\n",
-                    Self::HopkinsonSplitting => "# strip_mm = 10.0           # absent: a tenth of the diameter\n",
+                    Self::HopkinsonSplitting => {
+                        "# strip_mm = 10.0           # absent: a tenth of the diameter\n\
+                         # pressure_mpa = 5.0        # on both ends\n"
+                    }
                     _ => "",
                 };
                 format!(

@@ -107,7 +107,7 @@ impl Meshing {
     pub(crate) fn ask(&self) -> Result<DeckAsk, Failure> {
         let analysis = match &self.deck.analysis {
             AnalysisText::Named(analysis) => analysis.clone(),
-            AnalysisText::File(path) => files::deck_test(path, &inputs::text)?.into(),
+            AnalysisText::File(path) => files::test(path, &inputs::text)?.into(),
         };
         Ok(DeckAsk { mesh: self.mesh.ask()?, analysis: Some(analysis), ..self.unread() })
     }

@@ -156,7 +156,7 @@ impl Args {
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         // A servo adds steps while the specimen breaks.
-        let at_least = if asked.control != Control::Steady && !asked.is_fast() { "at least " } else { "" };
+        let at_least = if asked.control() != Control::Steady { "at least " } else { "" };
         let (test, law, strain) = (names::of(&asked.kind), names::of(&asked.law), asked.strain());
         let swollen = asked.expansion().map(|expansion| expansion.words());
         let loads = if asked.is_fast() {

@@ -315,7 +315,7 @@ impl Upload<'_> {
             steps: outline.steps,
             stride: outline.stride,
             ramp: [run.path.speed, run.path.ramp_s],
-            servo: (run.test.control == Control::Servo).then(|| Servo::rule(outline.steps as f64)),
+            servo: (run.test.control() == Control::Servo).then(|| Servo::rule(outline.steps as f64)),
             sound: [run.plate_energy(), super::drive::RUNAWAY],
         }
     }

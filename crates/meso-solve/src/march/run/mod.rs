@@ -34,7 +34,7 @@ use meso_mesh::materials::{MATERIALS, Materials, Scatter, StrengthField};
 use meso_mesh::{CellKind, Phase};
 use meso_trial::Sample;
 use meso_trial::{Control, Setup, Smoothing, Test};
-use meso_trial::{MOST_SUPPORTS, OF_SUPPORTS, TurnOf};
+use meso_trial::{MOST_SUPPORTS, OF_PLATES, OF_SUPPORTS, TurnOf};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
@@ -227,12 +227,9 @@ impl<'a> Run<'a> {
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
         let state = State::default();
-        // Plates in real time keep their speed.
-        let control = if test.is_fast() { Control::Steady } else { test.control };
-        let test = Test { control, ..test.clone() };
         let run = Self {
             sample,
-            test,
+            test: test.clone(),
             common,
             blocks,
             patches,
@@ -375,7 +372,7 @@ impl<'a> Run<'a> {
             return Ok(());
         }
         state.spent += spent;
-        if self.test.control != Control::Steady {
+        if self.test.control() != Control::Steady {
             self.hold_back([spent, sums.external - sums.friction], steps);
         }
         Ok(())
@@ -470,11 +467,17 @@ impl<'a> Run<'a> {
             let ends = if driven.waves(0.0, 0.0).is_some() { &OF_SUPPORTS[1..] } else { &OF_SUPPORTS[1..2] };
             ends.iter().map(move |end| format!("{name}{end}"))
         });
-        let names = self.gauges.iter().map(|gauge| gauge.name.clone()).chain(forces).chain(moved);
+        let plates = OF_PLATES.iter().filter(|_| self.is_between_plates()).map(|&name| name.to_owned());
+        let names = self.gauges.iter().map(|gauge| gauge.name.clone()).chain(forces).chain(moved).chain(plates);
         if !self.test.has_extra() {
             return Extra::default();
         }
         Extra { names: names.collect(), values: self.state.extra.clone() }
+    }
+
+    /// Whether two plates press or pull in real time.
+    fn is_between_plates(&self) -> bool {
+        self.supports.is_driven && self.supports.has_two_ends()
     }
 
     /// The elements' forces at the present displacements.
@@ -527,6 +530,11 @@ impl<'a> Run<'a> {
                     let [force, speed] = [force, speed].map(|sum| fixture.face.inward * sum / count);
                     self.state.extra.push(1e-3 * speed);
                     self.state.extra.extend(driven.waves(force, speed).into_iter().flatten());
+                }
+                if self.is_between_plates() {
+                    let rate = self.supports.between(speeds.iter().copied()) / count / self.supports.length_mm;
+                    let apart = if row.stress_mpa == 0.0 { 0.0 } else { (bottom - top) / row.stress_mpa };
+                    self.state.extra.extend([rate, apart]);
                 }
             }
         }

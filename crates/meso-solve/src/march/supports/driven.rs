@@ -84,7 +84,12 @@ impl Supports {
 
     /// Way of the plates towards each other, or apart, in the test's sense, mm; 0 where the test has one end alone.
     pub(crate) fn approach(&self, held: &[Held; MOST_SUPPORTS]) -> f64 {
-        let at = |end| self.all.iter().zip(held).find(|(fixture, _)| fixture.end == Some(end)).map(|(_, [at, ..])| *at);
+        self.between(held.iter().map(|[at, ..]| *at))
+    }
+
+    /// What the supports have, the upper end's less the lower one's in the test's sense; 0 where the test has one end alone.
+    pub(crate) fn between(&self, own: impl Iterator<Item = f64> + Clone) -> f64 {
+        let at = |end| self.all.iter().zip(own.clone()).find(|(fixture, _)| fixture.end == Some(end)).map(|(_, x)| x);
         at(0).zip(at(1)).map_or(0.0, |(bottom, top)| self.sign * (top - bottom))
     }
 

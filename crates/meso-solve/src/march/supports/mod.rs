@@ -144,10 +144,15 @@ impl Supports {
         [stress(-bottom), stress(top)]
     }
 
+    /// Whether plates stand on both ends.
+    pub(crate) fn has_two_ends(&self) -> bool {
+        let has = |end| self.all.iter().any(|fixture| fixture.end == Some(end));
+        has(0) && has(1)
+    }
+
     /// Mean of the stresses of both ends, or the stress of the one that the test has.
     pub(crate) fn mean(&self, [bottom, top]: [f64; 2]) -> f64 {
-        let has = |end| self.all.iter().any(|fixture| fixture.end == Some(end));
-        let is_one = self.is_driven && !(has(0) && has(1));
+        let is_one = self.is_driven && !self.has_two_ends();
         if is_one { bottom + top } else { 0.5 * (top + bottom) }
     }
 

@@ -159,7 +159,7 @@ fn the_impulse_of_supports_in_real_time_is_the_change_of_momentum() {
         let test = Test {
             supports,
             law: LawName::Elastic,
-            control: Control::Steady,
+            control: Some(Control::Steady),
             smoothing: Some(body.smoothing),
             duration_s: Some(1e-4),
             ..Test::default()
