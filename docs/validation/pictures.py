@@ -11,7 +11,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import run
 
-HERE = Path(__file__).resolve().parent
 # Height of the specimens of each published curve, mm.
 TESTS = {"kupfer_uniaxial": ("Kupfer et al. 1969, 200 mm", 200.0), "karsan_jirsa_uniaxial": ("Karsan and Jirsa 1969, 82 mm", 82.0)}
 
@@ -45,13 +44,6 @@ def main() -> None:
     bent(done, images / "validation-beams.png")
 
 
-def published(name: str) -> tuple[list[float], list[float]]:
-    """Strain and stress of a published curve, compression positive, in rising strain."""
-    with (HERE / f"{name}.csv").open() as file:
-        points = sorted((-float(strain), -float(stress)) for strain, stress in csv.reader(file))
-    return [e for e, _ in points], [s for _, s in points]
-
-
 def curves(done: dict[str, run.Curve], path: Path, names: list[str]) -> None:
     """Stress over strain, one colour a case and one line a seed; uniaxial tests beside compression at low friction."""
     figure, axes = plt.subplots(figsize=(6, 4))
@@ -64,7 +56,7 @@ def curves(done: dict[str, run.Curve], path: Path, names: list[str]) -> None:
                 drawn = True
     if path.stem == "validation-curve":
         for marker, (name, (label, _)) in zip("os", TESTS.items()):
-            strain, stress = published(name)
+            strain, stress = run.published(name)
             axes.plot([1000 * e for e in strain], stress, f"k{marker}", ms=3, mfc="none", label=label)
     save(figure, axes, path, "strain, per mille", "stress, MPa", drawn=drawn)
 
@@ -82,7 +74,7 @@ def beyond(done: dict[str, run.Curve], path: Path, side: float) -> None:
                 axes.plot(way, [s / curve.peak for s in curve.stress[top:]], f"C{number}", lw=1, label=label)
                 drawn = True
     for marker, (name, (label, height)) in zip("os", TESTS.items()):
-        strain, stress = published(name)
+        strain, stress = run.published(name)
         top = max(range(len(stress)), key=stress.__getitem__)
         way = [(e - strain[top]) * height for e in strain[top:]]
         axes.plot(way, [s / stress[top] for s in stress[top:]], f"k{marker}", ms=3, mfc="none", label=label)

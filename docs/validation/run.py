@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-MINI_MM, SMALL_MM, LARGE_MM = 36.0, 100.0, 150.0
+SMALL_MM, LARGE_MM = 100.0, 150.0
 
 
 @dataclass(frozen=True)
@@ -161,8 +161,6 @@ def of_seed(seed: int, side: float) -> list[Case]:
         # No packing is empty: mortar has a few grains.
         packed = max(fraction, 0.002)
         found.append(Case("fraction", f"{fraction}", seed, (min(side, 72.0),) * 3, short, fraction=packed))
-    for mu in ("0.1", "0.6"):
-        found.append(Case("mini", mu, seed, (MINI_MM,) * 3, {"friction": mu, "strain": "0.012"}))
     found.append(Case("vonk", "150", seed, (LARGE_MM,) * 3, {"friction": "0.1", "strain": "0.006"}))
     found.append(Case("kupfer", "200", seed, (200.0, 50.0, 200.0), {"friction": "0.005", "strain": "0.007"}))
     return found
@@ -278,6 +276,15 @@ class Curve:
         return max(range(len(self.stress)), key=self.stress.__getitem__)
 
     @property
+    def strain_at_peak(self) -> float:
+        """Strain at the largest stress."""
+        return self.strain[self.top]
+
+    def secant(self) -> float:
+        """Modulus to the first point at 30 % of the peak or more, MPa."""
+        return next(s / e for e, s in zip(self.strain, self.stress) if s >= 0.3 * self.peak)
+
+    @property
     def peak(self) -> float:
         """Largest stress, MPa."""
         return self.stress[self.top]
@@ -355,7 +362,7 @@ def judge(chosen: list[Case], out: Path) -> None:
         table.writerows([case.name, *figures(curve)] for case, curve in done.items())
     with (out / "rows.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["row", "quantity", "bar", "mean", "scatter", "seeds", "verdict"])
+        table.writerow(["source", "quantity", "bar", "mean", "scatter", "seeds", "verdict"])
         for row in ROWS:
             line = verdict(row, done)
             table.writerow(line)
@@ -377,16 +384,16 @@ Curves = dict[str, Curve]
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table of issue and page."""
+    """A row of the page: whose figure it is, the quantity, and its bar."""
 
-    number: str
+    source: str
     quantity: str
     low: float
     high: float
     of: Callable[[Curves], float | None]
 
 
-def ratio(above: str, below: str) -> Callable[[Curves], float | None]:
+def over(above: str, below: str) -> Callable[[Curves], float | None]:
     """Ratio of two peaks."""
     return lambda curves: curves[above].peak / curves[below].peak
 
@@ -417,7 +424,7 @@ def heights_apart(curves: Curves) -> float:
     return worst
 
 
-def beam_rows(number: str, name: str) -> list[Row]:
+def beam_rows(source: str, name: str) -> list[Row]:
     """Peak, opening at it, and work of a published beam: within its envelope, or a share beyond it."""
     beam, case = envelope(BEAMS[name][1].published), f"beam-{name}"
     low, high = beam["load_min_n"], beam["load_max_n"]
@@ -425,49 +432,98 @@ def beam_rows(number: str, name: str) -> list[Row]:
     opening = beam["cmod_mm"][high.index(max(high))]
     work = [under(beam["cmod_mm"], side, 0.1) for side in (low, high)]
     rows = [
-        Row(number, f"{name}: peak, N", (1 - wider) * max(low), (1 + wider) * max(high), lambda c: max(c[case].load)),
-        Row(number, f"{name}: opening at the peak, mm", 0.75 * opening, 1.25 * opening, lambda c: c[case].mouth_at_peak),
-        Row(number, f"{name}: work until 0.1 mm, N mm", 0.9 * work[0], 1.1 * work[1], lambda c: c[case].opened()),
+        Row(source, f"{name}: peak, N", (1 - wider) * max(low), (1 + wider) * max(high), lambda c: max(c[case].load)),
+        Row(source, f"{name}: opening at the peak, mm", 0.75 * opening, 1.25 * opening, lambda c: c[case].mouth_at_peak),
+        Row(source, f"{name}: work until 0.1 mm, N mm", 0.9 * work[0], 1.1 * work[1], lambda c: c[case].opened()),
     ]
     return rows if name != "no-notch" else [rows[0], rows[2]]
 
 
+def published(name: str) -> tuple[list[float], list[float]]:
+    """Strain and stress of a published curve, compression positive, in rising strain."""
+    with (HERE / f"{name}.csv").open() as file:
+        points = sorted((-float(strain), -float(stress)) for strain, stress in csv.reader(file))
+    return [e for e, _ in points], [s for _, s in points]
+
+
+def of_test(name: str, height_mm: float) -> Curve:
+    """A published curve of a specimen of this height."""
+    strain, stress = published(name)
+    return Curve(strain, stress, height_mm, {}, [], [])
+
+
+def about(share: float, *values: float) -> tuple[float, float]:
+    """A bar: a share below the least value and above the largest."""
+    return (1 - share) * min(values), (1 + share) * max(values)
+
+
+KUPFER = {ratio: of_test(f"kupfer_{name}", 200.0) for ratio, name in ((0.0, "uniaxial"), (1.0, "1_1"), (0.52, "1_052"))}
+KARSAN = of_test("karsan_jirsa_uniaxial", 82.0)
+READ = "Kupfer et al. 1969", "Karsan and Jirsa 1969", "BAM 2024, KIT 2023"
+REMEMBERED = "remembered"
+
+
+def strain_at(name: str) -> Callable[[Curves], float]:
+    """Strain at the peak of a case, per mille."""
+    return lambda curves: 1000 * curves[name].strain_at_peak
+
+
+def file_rows() -> list[Row]:
+    """Rows whose bars are points of files beside this program."""
+    kupfer, karsan, shapes = READ
+    alone, free = KUPFER[0.0], "height-100"
+    rows = [
+        Row(kupfer, "modulus over strength, friction 0.005", *about(0.15, alone.secant() / alone.peak),
+            lambda c: c[free].result["modulus_mpa"] / c[free].peak),
+        Row(kupfer, "strain at the peak, friction 0.005, per mille", *about(0.15, 1000 * alone.strain_at_peak), strain_at(free)),
+        Row(karsan, "the same", *about(0.15, 1000 * KARSAN.strain_at_peak), strain_at(free)),
+    ]
+    for ratio, case in ((1.0, "biaxial-1"), (0.52, "biaxial-0.52")):
+        test = KUPFER[ratio]
+        rows += [
+            Row(kupfer, f"1 : {ratio:g} over one side, friction 0.005", *about(0.08, test.peak / alone.peak), over(case, free)),
+            Row(kupfer, f"strain at the peak, 1 : {ratio:g}, per mille", *about(0.15, 1000 * test.strain_at_peak), strain_at(case)),
+        ]
+    both = f"{kupfer}; {karsan}"
+    rows += [
+        Row(both, "from the peak to 60 % of it, friction 0.005, mm", *about(0.25, alone.beyond_to(0.6), KARSAN.beyond_to(0.6)),
+            lambda c: c[free].beyond_to(0.6)),
+        Row(both, "energy beyond the peak to 60 %, friction 0.005, N/mm", *about(0.25, alone.energy(0.6), KARSAN.energy(0.6)),
+            lambda c: c[free].energy(0.6)),
+        *(Row(kupfer, f"left at {strain:.1%} of 200 x 200 x 50 mm", alone.left_at(strain) - 0.15, min(1, alone.left_at(strain) + 0.15),
+              lambda c, strain=strain: c["kupfer-200"].left_at(strain)) for strain in (0.003, 0.004, 0.005)),
+        Row(shapes, "cylinder, h = 2 d, over cube, steel", 0.808, 0.915, over("slenderness-0.6-h2", "cube-0.6")),
+    ]
+    return [*rows, *beam_rows("Gregoire et al. 2013", "no-notch"), *beam_rows("Gregoire et al. 2013", "half-notch"),
+            *beam_rows("Garcia-Alvarez et al. 2012", "mixed-mode")]  # fmt: skip
+
+
+# Rows of files, of standards and of the paper, and rows that are remembered and test nothing.
 ROWS = [
-    Row("1", "modulus, GPa", 29, 35, lambda c: c["cube-0.1"].result["modulus_mpa"] / 1000),
-    Row("2", "strain at the peak, friction 0.1, per mille", 1.8, 2.4, lambda c: 1000 * c["cube-0.1"].strain[c["cube-0.1"].top]),
-    Row("2", "strain at the peak, friction 0.005, per mille", 1.8, 2.4,
-        lambda c: 1000 * c["height-100"].strain[c["height-100"].top]),
-    Row("3", "peak of 150 mm, friction 0.1, MPa", 33.8, 37.4, lambda c: c["vonk-150"].peak),
-    Row("3", "peak of 100 mm, friction 0.1, MPa", 33.8, 37.4, lambda c: c["cube-0.1"].peak),
-    Row("4", "from peak to half, friction 0.1, mm", 0.25, 0.7, lambda c: c["cube-0.1"].beyond_to(0.5)),
-    Row("4", "from peak to half, friction 0.005, mm", 0.25, 0.7, lambda c: c["height-100"].beyond_to(0.5)),
-    Row("5", "energy beyond the peak to 20 %, friction 0.1, N/mm", 10, 25, lambda c: c["cube-0.1"].energy(0.2)),
-    Row("5", "energy beyond the peak to 20 %, friction 0.005, N/mm", 10, 25, lambda c: c["height-100"].energy(0.2)),
-    Row("6", "prisms of h = d / 2, d, 2 d: shares of the peak apart", 0, 0.25, heights_apart),
-    Row("7", "friction 0.6 over 0.1", 1.15, 1.3, ratio("cube-0.6", "cube-0.1")),
-    Row("8", "teflon, h = d over h = 2 d", 0.9, 1.1, ratio("slenderness-0.005-h1", "slenderness-0.005-h2")),
-    Row("8", "steel, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.6-h2", "slenderness-0.6-h1")),
-    Row("8", "steel over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.6-h1", "slenderness-0.005-h1")),
-    Row("8", "plates of 0.13, h = 2 d over h = d", 0.81, 0.93, ratio("slenderness-0.13-h2", "slenderness-0.13-h1")),
-    Row("8", "plates of 0.13 over teflon, h = d", 1.15, 1.3, ratio("slenderness-0.13-h1", "slenderness-0.005-h1")),
-    Row("8", "cylinder, h = 2 d, over cube, steel", 0.808, 0.915, ratio("slenderness-0.6-h2", "cube-0.6")),
-    Row("9", "f_t / f_c", 0.06, 0.10, ratio("tension-72", "cube-0.1")),
-    Row("9", "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
-    Row("10", "stress of least volume over the peak", 0.75, 0.95, figure("cube-0.1", "least_volume_over_peak")),
-    Row("10", "Poisson's ratio to 30 % of the peak", 0.15, 0.22, figure("cube-0.1", "poisson_ratio")),
-    Row("12", "1 : 1 over uniaxial, friction 0.005", 1.07, 1.25, ratio("biaxial-1", "height-100")),
-    Row("12", "1 : 0.52 over uniaxial, friction 0.005", 1.14, 1.34, ratio("biaxial-0.52", "height-100")),
-    Row("13", "strength at a fraction of 0.2 over mortar's", 0, 1, ratio("fraction-0.2", "fraction-0.0")),
-    Row("13", "strength at a fraction of 0.4 over mortar's", 0, 1, ratio("fraction-0.4", "fraction-0.0")),
-    Row("13", "strength at a fraction of 0.6 over mortar's", 0, 1.2, ratio("fraction-0.6", "fraction-0.0")),
-    Row("14", "peaks of 2.4, 2.0, 1.6 mm apart", 0, 0.03,
+    *file_rows(),
+    Row("EN 1992-1-1, Table 3.1", "modulus at a peak of 35 MPa, GPa", 29, 35, lambda c: c["cube-0.1"].result["modulus_mpa"] / 1000),
+    Row("EN 1992-1-1, Table 3.1", "strain at the peak, friction 0.1, per mille", 1.8, 2.4, strain_at("cube-0.1")),
+    Row("EN 1992-1-1, Table 3.1", "f_t / f_c", 0.06, 0.10, over("tension-72", "cube-0.1")),
+    Row("ASTM C42", "cylinder, steel, h = 2 d over h = d", 0.81, 0.93, over("slenderness-0.6-h2", "slenderness-0.6-h1")),
+    Row("Vonk 1992, as the method paper has it", "peak, friction 0.1, MPa", 33.8, 37.4, lambda c: c["cube-0.1"].peak),
+    Row("Vonk 1992, as the method paper has it", "peak of 150 mm, friction 0.1, MPa", 33.8, 37.4, lambda c: c["vonk-150"].peak),
+    Row("-", "peaks in elements of 2.4, 2.0, 1.6 mm apart", 0, 0.03,
         apart("elements-2.4", "elements-2.0", "elements-1.6", of=lambda curve: curve.peak)),
-    Row("14", "displacements to half of 2.4, 2.0, 1.6 mm apart", 0, 0.2,
+    Row("-", "displacements to half of 2.4, 2.0, 1.6 mm apart", 0, 0.2,
         apart("elements-2.4", "elements-2.0", "elements-1.6", of=lambda curve: curve.beyond_to(0.5))),
-    Row("7 of Kupfer", "left at 0.3 % of 200 x 200 x 50 mm", 0.79, 1.0, lambda c: c["kupfer-200"].left_at(0.003)),
-    Row("7 of Kupfer", "left at 0.4 %", 0.61, 0.91, lambda c: c["kupfer-200"].left_at(0.004)),
-    Row("7 of Kupfer", "left at 0.5 %", 0.44, 0.74, lambda c: c["kupfer-200"].left_at(0.005)),
-    *beam_rows("15", "no-notch"), *beam_rows("16", "half-notch"), *beam_rows("17", "mixed-mode"),
+    Row(REMEMBERED, "from the peak to half, friction 0.1, mm", 0.25, 0.7, lambda c: c["cube-0.1"].beyond_to(0.5)),
+    Row(REMEMBERED, "from the peak to half, friction 0.005, mm", 0.25, 0.7, lambda c: c["height-100"].beyond_to(0.5)),
+    Row(REMEMBERED, "energy beyond the peak to 20 %, friction 0.1, N/mm", 10, 25, lambda c: c["cube-0.1"].energy(0.2)),
+    Row(REMEMBERED, "energy beyond the peak to 20 %, friction 0.005, N/mm", 10, 25, lambda c: c["height-100"].energy(0.2)),
+    Row(REMEMBERED, "prisms of h = d / 2, d, 2 d: shares of the peak apart", 0, 0.25, heights_apart),
+    Row(REMEMBERED, "cube, friction 0.6 over 0.1", 1.15, 1.3, over("cube-0.6", "cube-0.1")),
+    Row(REMEMBERED, "cylinder, teflon, h = d over h = 2 d", 0.9, 1.1, over("slenderness-0.005-h1", "slenderness-0.005-h2")),
+    Row(REMEMBERED, "cylinder, h = d, steel over teflon", 1.15, 1.3, over("slenderness-0.6-h1", "slenderness-0.005-h1")),
+    Row(REMEMBERED, "work of fracture, N/mm", 0.06, 0.14, lambda c: c["tension-72"].work()),
+    Row(REMEMBERED, "stress of least volume over the peak", 0.75, 0.95, figure("cube-0.1", "least_volume_over_peak")),
+    Row(REMEMBERED, "Poisson's ratio to 30 % of the peak", 0.15, 0.22, figure("cube-0.1", "poisson_ratio")),
+    Row(REMEMBERED, "strength at a fraction of 0.2 over mortar's", 0.9, 1.1, over("fraction-0.2", "fraction-0.0")),
+    Row(REMEMBERED, "strength at a fraction of 0.4 over mortar's", 0.9, 1.1, over("fraction-0.4", "fraction-0.0")),
 ]  # fmt: skip
 
 
@@ -483,11 +539,11 @@ def verdict(row: Row, done: dict[Case, Curve]) -> list[str]:
         found += [] if value is None else [value]
     bar = f"{row.low:g} to {row.high:g}"
     if not found:
-        return [row.number, row.quantity, bar, "-", "-", "0", "not run, or not reached"]
+        return [row.source, row.quantity, bar, "-", "-", "0", "not run, or not reached"]
     mean = statistics.fmean(found)
     scatter = statistics.stdev(found) if len(found) > 1 else 0.0
     word = "inside" if row.low <= mean <= row.high else "outside"
-    return [row.number, row.quantity, bar, f"{mean:.3g}", f"{scatter:.2g}", str(len(found)), word]
+    return [row.source, row.quantity, bar, f"{mean:.3g}", f"{scatter:.2g}", str(len(found)), word]
 
 
 if __name__ == "__main__":

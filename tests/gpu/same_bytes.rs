@@ -139,7 +139,8 @@ fn a_device_has_the_bytes_of_the_processor_under_every_law_smoothing_test_and_co
         (LawName::Cdpm2, None, Tension, Servo, 64),
         (LawName::Elastic, Edges, Compression, Servo, 32),
     ] {
-        let test = cube.short(Test { law, smoothing: Some(smoothing), kind, control: Some(control), ..Test::default() });
+        let test =
+            cube.short(Test { law, smoothing: Some(smoothing), kind, control: Some(control), ..Test::default() });
         let response = same(&cube, &test, &DeviceName { threads, ..device.clone() });
         assert!(response.result.energies.dissipated > 0.0 || law == LawName::Elastic, "{test:?}");
     }

@@ -18,6 +18,6 @@ pub use loads::{Hold, Loads, Motion, Pressure, RigidSupport};
 pub use meso_mesh::materials::LawName;
 pub use sample::{Geometry, Sample, gross_section_mm2};
 pub use trial::{
-    Along, Below, Control, Course, Drive, Expansion, Gauge, Interface, MOST_SUPPORTS, OF_PLATES, OF_SUPPORTS, PHASES, Rig, Rule,
-    STRAINS, Setup, Side, Smoothing, Speed, Strip, SupportSpec, Test, TestKind, Turn, TurnOf, word,
+    Along, Below, Control, Course, Drive, Expansion, Gauge, Interface, MOST_SUPPORTS, OF_PLATES, OF_SUPPORTS, PHASES,
+    Rig, Rule, STRAINS, Setup, Side, Smoothing, Speed, Strip, SupportSpec, Test, TestKind, Turn, TurnOf, word,
 };

@@ -275,10 +275,10 @@ impl Test {
 fn motion(drive: &Drive, sample: &Sample, on_mm2: f64, jump_s: f64) -> Motion {
     match drive {
         Drive::Speed { speed_m_per_s } => Motion::Speed(speed_m_per_s.rows(jump_s)),
-        Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, speed_m_per_s } => {
+        Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, .. } => {
             let impedance = area_mm2.unwrap_or(on_mm2) * (youngs_modulus_mpa * density_t_per_mm3).sqrt();
             let mass_t = impedance * sample.element_size_mm / FASTEST_WAVE;
-            let wave = if drive.fastest() == 0.0 { Vec::new() } else { speed_m_per_s.rows(jump_s) };
+            let wave = if drive.fastest() == 0.0 { Vec::new() } else { drive.arrived(on_mm2).rows(jump_s) };
             Motion::Bar { impedance, mass_t, wave }
         }
         Drive::Mass { mass_kg, speed_m_per_s } => {

@@ -89,10 +89,7 @@ impl Test {
         let [pulse, rise] = [self.pulse_s(), self.rise_s()];
         // Bars of a split specimen have its diameter.
         let area_mm2 = self.kind.splits().then(|| FRAC_PI_4 * geometry.size_mm[0] * geometry.size_mm[0]);
-        let bar = |speed_m_per_s| {
-            let [youngs_modulus_mpa, density_t_per_mm3] = STEEL;
-            Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, speed_m_per_s }
-        };
+        let bar = |speed| Drive::bar(STEEL, area_mm2, speed);
         let base = SupportSpec { friction, ..SupportSpec::new("base", Side::ZMin) };
         // A striker of the same bar gives it half of its speed.
         let wave = || Speed::Over(vec![[0.0, 0.0], [rise, 0.5 * v], [pulse, 0.5 * v], [pulse + rise, 0.0]]);
@@ -274,15 +271,19 @@ mod tests {
 
     #[test]
     fn keys_of_a_quasi_static_test_are_refused_in_real_time() {
-        let bar = |youngs_modulus_mpa, rows| Drive::Bar {
-            youngs_modulus_mpa,
+        let bar = |modulus, rows| Drive::bar([modulus, 7.85e-9], None, Speed::Over(rows));
+        let sent = |travel_mm, poisson_ratio, speed_m_per_s| Drive::Bar {
+            youngs_modulus_mpa: 2.1e5,
             density_t_per_mm3: 7.85e-9,
             area_mm2: None,
-            speed_m_per_s: Speed::Over(rows),
+            speed_m_per_s,
+            travel_mm,
+            poisson_ratio,
         };
+        let wave = || Speed::Over(vec![[0.0, 0.0], [1e-5, 1.0]]);
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 16] = [
+        let edits: [(Edit, &str); 20] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
             (&|test| test.control = Some(Control::CrackMouth), "test.control is crack-mouth"),
@@ -297,6 +298,10 @@ mod tests {
             (&|test| drive(test, Drive::Mass { mass_kg: 1.0, speed_m_per_s: 5000.0 }), "speed_m_per_s is 5000"),
             (&|test| drive(test, bar(210.0, vec![[0.0, 1.0]])), "drive.youngs_modulus_mpa is 210"),
             (&|test| drive(test, bar(2.1e5, vec![[1.0, 1.0], [0.5, 1.0]])), "drive.speed_m_per_s is 0.5; times"),
+            (&|test| drive(test, sent(Some(f64::NAN), None, wave())), "drive.travel_mm is NaN; it must be 0 to 1e5"),
+            (&|test| drive(test, sent(Some(10.0), Some(0.6), wave())), "drive.poisson_ratio is 0.6"),
+            (&|test| drive(test, sent(None, Some(0.3), wave())), "without a travel_mm does not disperse"),
+            (&|test| drive(test, sent(Some(10.0), None, Speed::Steady(1.0))), "a wave of rows of time and speed"),
             (&|test| drive(test, bar(2.1e5, vec![])), "give a row of a time and a speed"),
             (
                 &|test| drive(test, Drive::Speed { speed_m_per_s: Speed::Table("a.csv".to_owned()) }),

@@ -7,7 +7,7 @@
 
 use crate::march::supports::contact::Contact;
 use crate::march::supports::{Fixture, Held, Supports};
-use meso_trial::{Drive, MOST_SUPPORTS, Rule};
+use meso_trial::{Drive, MOST_SUPPORTS, Rule, Speed};
 
 /// Steps of Newton at most; some three are usual.
 const MOST: usize = 100;
@@ -16,6 +16,8 @@ const MOST: usize = 100;
 #[derive(Clone, Debug)]
 pub(crate) struct Driven {
     pub(crate) drive: Drive,
+    /// Its speed, or that of the wave of its bar where it meets the specimen.
+    speed: Speed,
     /// The speed of largest size that it gives, mm/s towards the specimen.
     pub(crate) fastest: f64,
     /// Impedance of its bar, tonne/s; 0 without one.
@@ -31,12 +33,13 @@ impl Driven {
     /// A plate that has no nodes yet.
     pub(crate) fn of(drive: Drive) -> Self {
         let fastest = drive.fastest();
-        Self { drive, fastest, impedance: 0.0, area_mm2: 0.0, mass: 0.0, contacts: Vec::new() }
+        Self { drive, fastest, speed: Speed::default(), impedance: 0.0, area_mm2: 0.0, mass: 0.0, contacts: Vec::new() }
     }
 
     /// Puts it on a side of this area with these nodes.
     pub(crate) fn stand_on(&mut self, side_mm2: f64, contacts: Vec<Contact>) {
         self.contacts = contacts;
+        self.speed = self.drive.arrived(side_mm2);
         match self.drive {
             Drive::Speed { .. } => {}
             Drive::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, .. } => {
@@ -120,7 +123,7 @@ impl Supports {
                 *speed = inward * driven.fastest;
             }
             *before = *speed;
-            let wave = |time| driven.drive.speed().map_or(0.0, |speed| speed.at(time));
+            let wave = |time| driven.speed.at(time);
             let is_waiting = time < 0.0 && matches!(driven.drive, Drive::Mass { .. });
             let next = if is_waiting {
                 0.0
@@ -177,12 +180,7 @@ mod tests {
 
     #[test]
     fn waves_add_up_to_the_force_of_the_bars_end() {
-        let drive = Drive::Bar {
-            youngs_modulus_mpa: 2.1e5,
-            density_t_per_mm3: 7.85e-9,
-            area_mm2: Some(100.0),
-            speed_m_per_s: meso_trial::Speed::Steady(1.0),
-        };
+        let drive = Drive::bar([2.1e5, 7.85e-9], Some(100.0), Speed::Steady(1.0));
         let mut driven = Driven::of(drive);
         driven.stand_on(50.0, Vec::new());
         let [incoming, outgoing] = driven.waves(3000.0, 500.0).unwrap();

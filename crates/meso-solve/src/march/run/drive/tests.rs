@@ -143,12 +143,7 @@ fn a_body_in_free_fall_keeps_its_shape_to_the_last_bit() {
 #[test]
 fn the_impulse_of_supports_in_real_time_is_the_change_of_momentum() {
     for body in Body::all() {
-        let bar = |youngs_modulus_mpa, speed| Drive::Bar {
-            youngs_modulus_mpa,
-            density_t_per_mm3: 7.85e-9,
-            area_mm2: None,
-            speed_m_per_s: Speed::Steady(speed),
-        };
+        let bar = |modulus, speed| Drive::bar([modulus, 7.85e-9], None, Speed::Steady(speed));
         let mass = Drive::Mass { mass_kg: 0.01, speed_m_per_s: 3.0 };
         let of = |name, on, rule, drive| SupportSpec { rule, drive: Some(drive), ..SupportSpec::new(name, on) };
         let supports = vec![
