@@ -357,7 +357,7 @@ def judge(chosen: list[Case], out: Path) -> None:
     done = {case: curve for case in chosen if (curve := read(case, out))}
     with (out / "cases.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        names = "case modulus_gpa peak_mpa peak_strain left_0.3 left_0.4 left_0.5 end half_mm energy_n_per_mm kinetic balance"
+        names = "case modulus_gpa peak_mpa peak_strain left_0.3 left_0.4 left_0.5 end to_60_mm half_mm energy_to_60 energy_n_per_mm kinetic balance"
         table.writerow(names.split())
         table.writerows([case.name, *figures(curve)] for case, curve in done.items())
     with (out / "rows.csv").open("w", newline="") as file:
@@ -373,7 +373,7 @@ def figures(curve: Curve) -> list[str]:
     """Cells of a case in cases.csv."""
     result, left = curve.result, [curve.left_at(strain) for strain in (0.003, 0.004, 0.005)]
     values = [result["modulus_mpa"] / 1000, curve.peak, curve.strain[curve.top] * 1000, *left]
-    values += [curve.stress[-1] / curve.peak, curve.beyond_to(0.5), curve.energy(0.2)]
+    values += [curve.stress[-1] / curve.peak, curve.beyond_to(0.6), curve.beyond_to(0.5), curve.energy(0.6), curve.energy(0.2)]
     values += [result["kinetic_over_internal_max"], result["energy_balance_error"]]
     return ["" if value is None else f"{value:.4g}" for value in values]
 

@@ -190,7 +190,7 @@ fn a_bar_of_elements_and_a_bar_as_a_support_give_one_curve() {
     assert!(off < 0.01 * most, "{off} of {most}");
 }
 
-/// A pulse whose steep front disperses on 200 mm of a bar 8 mm thick, in elements and by Love's theory.
+/// A pulse whose steep front disperses on 200 mm of a bar 8 mm thick, in elements and by the theory of a round one.
 #[test]
 fn a_pulse_that_travels_along_a_bar_disperses_as_in_elements() {
     let (ratio, way) = (0.3, 200.0);

@@ -3,10 +3,10 @@
 //! The end of a long bar with the modulus E, the density rho and the section A has the force Z (2 v_i - v): Z = A
 //! sqrt(E rho), v is the speed of the end, and v_i the particle speed of the wave that comes along the bar. It is exact
 //! where sections of the bar stay plane (Kolsky 1963, Stress Waves in Solids, Chapter II). On its way along the bar a wave is
-//! dispersed: a part of the frequency w has the phase speed c sqrt(1 - (nu k w / c)^2), c = sqrt(E / rho), where the inertia
-//! across a bar with the polar radius of gyration k counts (Love; Graff 1975, Wave Motion in Elastic Solids, 2.5).
+//! dispersed as in a round bar (`dispersion`).
 
 use crate::error::TEST;
+use crate::trial::dispersion;
 use meso_concrete::OutOfRange;
 use meso_mesh::materials::{DENSITY, MODULUS};
 use serde::{Deserialize, Serialize};
@@ -80,8 +80,6 @@ impl Default for Speed {
 
 /// Poisson's ratio of steel.
 const STEEL: f64 = 0.29;
-/// Samples of a wave that is dispersed, a power of two.
-const SAMPLES: usize = 2048;
 
 /// Fastest plates and waves, m/s: in steel 100 m/s is a stress of 4 GPa, in mortar a strain of 0.03.
 const FASTEST: f64 = 100.0;
@@ -134,45 +132,12 @@ impl Speed {
     }
 
     /// Speeds between which it stays, m/s.
-    fn speeds(&self) -> Vec<f64> {
+    pub(super) fn speeds(&self) -> Vec<f64> {
         match self {
             Self::Steady(speed) => vec![*speed],
             Self::Over(rows) => rows.iter().map(|row| row[1]).collect(),
             Self::Table(_) => Vec::new(),
         }
-    }
-
-    /// It with its changes at some places of `SAMPLES` over its time, and as long again and `rest_s` more, turned by `phase` at
-    /// each frequency, 1/s.
-    fn turned(&self, rest_s: f64, phase: impl Fn(f64) -> f64) -> Self {
-        let last = if let Self::Over(rows) = self { rows.last().map_or(0.0, |row| row[0]) } else { 0.0 };
-        let dt = (2.0 * last + rest_s) / SAMPLES as f64;
-        let at = |k: usize| 1e-3 * self.at(k as f64 * dt);
-        let changes: Vec<f64> = (0..SAMPLES).map(|k| if k == 0 { at(0) } else { at(k) - at(k - 1) }).collect();
-        let turn = |k: usize| libm::sincos(std::f64::consts::TAU * (k % SAMPLES) as f64 / SAMPLES as f64);
-        let turns: Vec<(f64, f64)> = (0..SAMPLES).map(turn).collect();
-        let sum = |values: &dyn Fn(usize) -> [f64; 2], m: usize, sign: f64| {
-            (0..SAMPLES).fold([0.0; 2], |[re, im], k| {
-                let ([a, b], (s, c)) = (values(k), turns[(k * m) % SAMPLES]);
-                [re + a * c - sign * b * s, im + sign * a * s + b * c]
-            })
-        };
-        // A real signal: frequencies above half of the samples mirror those below.
-        let parts: Vec<[f64; 2]> = (0..=SAMPLES / 2)
-            .map(|m| {
-                let [re, im] = sum(&|k| [changes[k], 0.0], m, -1.0);
-                let (s, c) = libm::sincos(-phase(std::f64::consts::TAU * m as f64 / (SAMPLES as f64 * dt)));
-                let weight = if m == 0 || m == SAMPLES / 2 { 1.0 } else { 2.0 } / SAMPLES as f64;
-                [weight * (re * c - im * s), weight * (re * s + im * c)]
-            })
-            .collect();
-        let none = [0.0; 2];
-        let mut speed = 0.0;
-        let rows = (0..SAMPLES).map(|k| {
-            speed += sum(&|m| parts.get(m).copied().unwrap_or(none), k, 1.0)[0];
-            [k as f64 * dt, speed]
-        });
-        Self::Over(rows.collect())
     }
 
     fn validate(&self, key: &str) -> Result<(), OutOfRange> {
@@ -223,16 +188,12 @@ impl Drive {
             return speed;
         };
         let (way, ratio) = (travel_mm.unwrap_or_default(), poisson_ratio.unwrap_or(STEEL));
-        if way * ratio == 0.0 || speed.speeds().iter().all(|speed| *speed == 0.0) {
+        if way == 0.0 || speed.speeds().iter().all(|speed| *speed == 0.0) {
             return speed;
         }
         let sound = (youngs_modulus_mpa / density_t_per_mm3).sqrt();
-        let across = ratio * (area_mm2.unwrap_or(side_mm2) / std::f64::consts::TAU).sqrt() / sound;
-        // No part is slower than a wave on the surface.
-        let slowest = (0.87 + 1.12 * ratio) / (1.0 + ratio) / (2.0 * (1.0 + ratio)).sqrt();
-        let pace = |w: f64| (1.0 - (across * w).powi(2)).max(slowest * slowest).sqrt();
-        let rest_s = way / sound * (1.0 / slowest - 1.0);
-        speed.turned(rest_s, |w| w * way / sound * (1.0 / pace(w) - 1.0))
+        let radius = (area_mm2.unwrap_or(side_mm2) / std::f64::consts::PI).sqrt();
+        dispersion::dispersed(&speed, way / sound, radius / sound, ratio)
     }
 
     /// The speed of largest size that it gives to a plate, mm/s, signed.

@@ -1,6 +1,7 @@
 //! Options of a test: the serde view of `mesocrete solve`, of a TEST.toml and of `mesh.solve(...)`.
 
 mod conflict;
+mod dispersion;
 mod drive;
 mod expansion;
 mod fast;
