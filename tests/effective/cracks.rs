@@ -8,8 +8,8 @@ use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent};
 use meso_effective::{
-    At, CrackValues, Cracked, Effective, EffectiveError, EffectiveOptions, Moduli, PhaseModuli, Phases, Property,
-    effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
+    At, CrackValues, Cracked, Effective, EffectiveError, EffectiveOptions, FieldCells, Moduli, PhaseModuli, Phases,
+    Property, effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
 };
 
 const SIDE: f64 = 16.0;
@@ -160,7 +160,8 @@ fn the_error_of_one_mesh_contains_the_value_of_finer_ones() {
     let options = EffectiveOptions { axes: [true, false, false], ..EffectiveOptions::new(Property::Diffusivity, 1.5) };
     let with_fields = EffectiveOptions { fields: true, ..options };
     let (today, fields) = effective_in_tetrahedra(&model, &values, &with_fields, 1.5, &Silent).unwrap();
-    let own = Specimened::sound((*fields[0].mesh).clone());
+    let FieldCells::Tetrahedra(mesh) = &fields[0].cells else { panic!("the cells are tetrahedra") };
+    let own = Specimened::sound((**mesh).clone());
     let (found, _) = effective_in_cracks(&own.ask(1.0), &values, &CrackValues::default(), &options, &Silent).unwrap();
     let (value, error, exact) = (entry(&found, 0, 0), found.error[0][0].unwrap(), entry(&today, 0, 0));
     assert!(value == today.fine[0][0].unwrap() && value > exact && value - exact < error, "{value} {error} {exact}");

@@ -100,8 +100,9 @@ fn fields_of_oblique_layers_have_the_mean_flux_of_the_tensor() {
     let (found, fields) = effective((&bodies[..], &specimen), &phases(1.0, 10.0, 1.0), &options, &Silent).unwrap();
     for (column, field) in fields.iter().enumerate() {
         for row in 0..3 {
-            let sum: f64 = field.flux.iter().map(|flux| f64::from(flux[row])).sum();
-            let (mean, entry) = (sum / field.flux.len() as f64, found.fine[row][column].unwrap());
+            let flux = field.values.as_chunks::<3>().0;
+            let sum: f64 = flux.iter().map(|flux| f64::from(flux[row])).sum();
+            let (mean, entry) = (sum / flux.len() as f64, found.fine[row][column].unwrap());
             assert!((mean - entry).abs() < 1e-5, "{mean} {entry} in {row}, {column}");
         }
     }

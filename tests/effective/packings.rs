@@ -2,7 +2,7 @@
 
 use crate::bodies::{entry, phases};
 use meso_core::{Model, Silent, Spec, pack};
-use meso_effective::{Effective, EffectiveError, EffectiveOptions, FluxField, Property, effective};
+use meso_effective::{Effective, EffectiveError, EffectiveOptions, Property, PropertyField, effective};
 
 pub(crate) fn packing(fraction: f64, side: f64, rest: &str) -> Model {
     let text = format!(
@@ -11,7 +11,7 @@ pub(crate) fn packing(fraction: f64, side: f64, rest: &str) -> Model {
     pack(&Spec::from_toml(&text).unwrap(), &Silent).unwrap()
 }
 
-fn solve(model: &Model, h: f64, axes: [bool; 3], itz: f64) -> (Effective, Vec<FluxField>) {
+fn solve(model: &Model, h: f64, axes: [bool; 3], itz: f64) -> (Effective, Vec<PropertyField>) {
     let options = EffectiveOptions { axes, ..EffectiveOptions::new(Property::Diffusivity, h) };
     effective(model, &phases(1.0, 0.0, itz), &options, &Silent).unwrap()
 }
@@ -100,7 +100,7 @@ fn results_are_the_same_on_any_number_of_threads() {
             let options = EffectiveOptions { fields: true, ..EffectiveOptions::new(Property::Diffusivity, 1.0) };
             let (found, fields) = effective(&model, &phases(1.0, 0.1, 7.0), &options, &Silent).unwrap();
             let mut bytes = serde_json::to_vec(&found).unwrap();
-            fields.iter().for_each(|field| field.write_vti(&mut bytes).unwrap());
+            fields.iter().for_each(|field| field.write(&mut bytes).unwrap());
             bytes
         })
     });

@@ -12,8 +12,8 @@ use meso_core::mesh::{Mesh, Phase};
 use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Silent, Spec, pack};
 use meso_effective::{
-    Boundary, Effective, EffectiveError, EffectiveOptions, MeshField, Moduli, PhaseModuli, Phases, Property, Stiffness,
-    StiffnessOptions, effective_in_tetrahedra, stiffness_in_tetrahedra,
+    Boundary, Effective, EffectiveError, EffectiveOptions, FieldCells, Moduli, PhaseModuli, Phases, Property,
+    PropertyField, Stiffness, StiffnessOptions, effective_in_tetrahedra, stiffness_in_tetrahedra,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -31,7 +31,7 @@ fn solve_along(axes: [bool; 3], bodies: &[Aggregate], specimen: &Specimen, phase
     effective_in_tetrahedra((bodies, specimen), phases, &options, h, &Silent).unwrap().0
 }
 
-fn stiffness(bodies: &[Aggregate], specimen: &Specimen, stone: Moduli, h: f64) -> (Stiffness, Vec<MeshField>) {
+fn stiffness(bodies: &[Aggregate], specimen: &Specimen, stone: Moduli, h: f64) -> (Stiffness, Vec<PropertyField>) {
     let phases =
         PhaseModuli { mortar: given(MORTAR), aggregate: given(stone), itz: given(MORTAR), ..Default::default() };
     let options = StiffnessOptions { fields: true, ..StiffnessOptions::new(h) };
@@ -138,7 +138,7 @@ fn tetrahedra_are_the_same_on_any_number_of_threads() {
             let (found, fields) =
                 effective_in_tetrahedra(&model, &phases(1.0, 0.0, 7.0), &options, 1.5, &Silent).unwrap();
             let mut bytes = serde_json::to_vec(&found).unwrap();
-            fields.iter().for_each(|field| field.write_vtu(&mut bytes).unwrap());
+            fields.iter().for_each(|field| field.write(&mut bytes).unwrap());
             let options = StiffnessOptions::new(2.5);
             let found = stiffness_in_tetrahedra(&model, &PhaseModuli::default(), &options, 2.5, &Silent).unwrap().0;
             bytes.extend(serde_json::to_vec(&found).unwrap());
@@ -246,7 +246,7 @@ fn energy(deck: &str) -> Option<f64> {
 fn moduli_are_those_of_calculix_on_the_same_tetrahedra() {
     let bodies = [aggregate(sphere(Vec3::new(5.1, 4.8, 5.3), 3.0, 2), 0.0)];
     let (found, fields) = stiffness(&bodies, &cube(10.0, false), STONE, 1.25);
-    let mesh = &fields[0].mesh;
+    let FieldCells::Tetrahedra(mesh) = &fields[0].cells else { panic!("the cells are tetrahedra") };
     for (entry, strain) in [
         (found.fine[0][0], [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]]),
         (found.fine[3][3], [[0.0; 3], [0.0, 0.0, 0.5], [0.0, 0.5, 0.0]]),

@@ -4,18 +4,19 @@ use crate::boundary::Boundary;
 use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
 use crate::estimate::{Estimate, Sizes};
-use crate::field::{Flow, FluxField, Fluxes};
-use crate::grid::{self, End, Grid, Space};
+use crate::field::PropertyField;
+use crate::flow::Flow;
+use crate::grid::{self, Grid, Space};
 use crate::links::{Layer, Links};
 use crate::phases::{PhaseValues, Phases, Property};
 use crate::resolution::Resolution;
 use crate::shares;
+use crate::solutions::{Column, Estimates, Solutions, reporting};
 use crate::solver::{self, Energy};
-use meso_collision::simd::widest;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
-use meso_concrete::watch::{Stage, Watch};
-use meso_concrete::{Parts, images, parallel};
+use meso_concrete::watch::Watch;
+use meso_concrete::{Parts, images};
 use meso_concrete::{Phase, PhaseNames};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -140,7 +141,7 @@ pub fn effective<'a>(
     phases: &Phases,
     options: &EffectiveOptions,
     watch: &dyn Watch,
-) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
+) -> Result<(Effective, Vec<PropertyField>), EffectiveError> {
     let Parts { bodies, specimen, phases: names } = parts.into();
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
@@ -156,7 +157,7 @@ pub(crate) fn of_medium(
     counts: [usize; 3],
     options: &EffectiveOptions,
     watch: &dyn Watch,
-) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
+) -> Result<(Effective, Vec<PropertyField>), EffectiveError> {
     error::accept_tolerance(options.tolerance)?;
     options.boundary.accept_for(false)?;
     let stages = options.axes.iter().filter(|axis| **axis).count().max(1);
@@ -164,13 +165,12 @@ pub(crate) fn of_medium(
     let coarse = EffectiveOptions { fields: false, ..*options };
     let grids = if medium.has_bounds() { Vec::new() } else { grid::coarser(counts) };
     let on = |counts: &[usize; 3]| Task { options: &coarse, stages: 0, ..task }.columns(*counts);
-    let coarser = grids.iter().map(on).collect::<Result<Vec<_>, _>>()?;
-    let mut fine = task.columns(counts)?;
-    let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
+    let coarser = grids.iter().map(on).collect::<Result<_, _>>()?;
+    let fine = task.columns(counts)?;
     let resolution = Resolution::of_voxels(task.space.boundary("fixed"), counts, task.space.spacing(counts));
     let largest = task.space.spacing(counts).into_iter().fold(0.0, f64::max);
     let sizes = Sizes { show: medium.shows_errors(largest), ..Sizes::new(grid::ratios(counts)) };
-    Ok((Effective::new(options.what, &fine, (&coarser, sizes), medium.phases(), resolution), fields))
+    Ok(Effective::new(options.what, Solutions { fine, coarser, sizes }, medium.phases(), resolution))
 }
 
 /// Geometry and values of phases that conduct.
@@ -267,40 +267,9 @@ struct Task<'a> {
     stages: usize,
 }
 
-/// The solution for a gradient along an axis.
-pub(crate) struct Column<F> {
-    pub(crate) axis: usize,
-    pub(crate) flux: [f64; 3],
-    pub(crate) iterations: usize,
-    pub(crate) error: f64,
-    /// Bounds of the exact value along the gradient.
-    pub(crate) bounds: Option<[f64; 2]>,
-    /// Most by which the value along the gradient exceeds the exact one, where neither bounds nor other sizes say it.
-    pub(crate) excess: Option<f64>,
-    pub(crate) field: Option<F>,
-}
-
-impl<F> Column<F> {
-    /// No part carries a flux along an axis.
-    fn blocked(axis: usize) -> Self {
-        Self { axis, flux: [0.0; 3], iterations: 0, error: 0.0, bounds: Some([0.0; 2]), excess: None, field: None }
-    }
-}
-
-/// Reports the iterations of solution number `done` of `stages`, if there are any.
-pub(crate) fn reporting(watch: &dyn Watch, done: usize, stages: usize) -> impl Fn(usize, f64) {
-    move |iteration, _| {
-        // Some 20 iterations are usual.
-        let share = (done as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / 10.0)) / stages as f64;
-        if stages > 0 {
-            watch.stage(Stage::Solve, share);
-        }
-    }
-}
-
 impl Task<'_> {
     /// The solutions along the axes asked for. Periodic axes share one grid; a walled one is turned to the third place.
-    fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column<FluxField>>, EffectiveError> {
+    fn columns(&self, counts: [usize; 3]) -> Result<Vec<Column<3>>, EffectiveError> {
         let asked = |periodic: bool| {
             let is = move |axis: usize| self.space.periodic[axis] == periodic;
             (0..3).filter(move |axis| self.options.axes[*axis] && is(*axis))
@@ -316,7 +285,7 @@ impl Task<'_> {
             let (grid, links) = self.links(counts, axis, true);
             columns.push(self.column(&grid, &links, 2, axis, columns.len())?);
         }
-        columns.sort_by_key(|column| column.axis);
+        columns.sort_by_key(|column| column.component);
         Ok(columns)
     }
 
@@ -334,11 +303,13 @@ impl Task<'_> {
         axis: usize,
         last: usize,
         done: usize,
-    ) -> Result<Column<FluxField>, EffectiveError> {
+    ) -> Result<Column<3>, EffectiveError> {
         let place = |axis: usize| (last + 1 + axis) % 3;
+        // No part carries a flux along the axis.
+        let blocked = || Column { bounds: Some([0.0; 2]), ..Column::new(place(axis), [0.0; 3], (0, 0.0)) };
         let is_blocked = !links.carries[axis];
         if is_blocked && !self.options.fields {
-            return Ok(Column::blocked(place(axis)));
+            return Ok(blocked());
         }
         let nothing = vec![0.0; if links.coupled() > 0 { links.counts.iter().product() } else { 0 }];
         let given = Flow { grid, links, axis, potential: &nothing };
@@ -347,120 +318,65 @@ impl Task<'_> {
         let report = reporting(self.watch, done, self.stages);
         let found = solver::solve(links, rhs, Energy::falling(energy), self.options.tolerance, &report)?;
         let flow = Flow { grid, links, axis, potential: &found.potential };
-        let field = self.options.fields.then(|| flow.field(last));
+        let field = self.options.fields.then(|| flow.field(self.options.what, last));
         if is_blocked {
-            return Ok(Column { field, ..Column::blocked(place(axis)) });
+            return Ok(Column { field, ..blocked() });
         }
         let mean = flow.mean();
         let mut flux = [0.0; 3];
         (0..3).for_each(|axis| flux[place(axis)] = mean[axis]);
         let bounds = self.medium.bounds(&flow, last, mean[axis]);
-        let (iterations, error) = (found.iterations, found.error);
-        Ok(Column { axis: place(axis), flux, iterations, error, bounds, excess: None, field })
+        Ok(Column { bounds, field, ..Column::new(place(axis), flux, (found.iterations, found.error)) })
     }
 }
 
 impl Effective {
-    /// The result of the solutions on fine cells, and on coarser ones with their sizes, or with the bounds of each solution.
-    pub(crate) fn new<F>(
+    /// The result of the solutions, and their fields.
+    pub(crate) fn new(
         what: Property,
-        columns: &[Column<F>],
-        (coarser, sizes): (&[Vec<Column<F>>], Sizes),
+        mut solutions: Solutions<3>,
         phases: Vec<PhaseShare>,
         resolution: Resolution,
-    ) -> Self {
-        let solver_error = columns.iter().map(|column| column.error).fold(0.0, f64::max);
-        let iterations = columns.iter().map(|column| column.iterations).collect();
+    ) -> (Self, Vec<PropertyField>) {
         let shares: Vec<(f64, f64)> = phases.iter().map(|phase| (phase.value, phase.volume_fraction)).collect();
         let bounds = PropertyBounds::of(&shares);
         let are_bounds = bounds::are_within(shares.iter().map(|share| share.1));
-        let fine = tensor(columns);
-        let coarser: Vec<FluxTensor> = coarser.iter().map(|columns| tensor(columns)).collect();
-        let mut found = by_sizes(&fine, &coarser, sizes);
-        for column in columns.iter().filter(|column| column.bounds.is_some()) {
-            by_bounds(&mut found, columns, column, &bounds);
+        let mut found = solutions.estimates(|row, column| usize::from(row == column));
+        for column in &solutions.fine {
+            by_bounds(&mut found, &solutions.fine, column, &bounds);
         }
-        for column in columns.iter().filter(|column| column.excess.is_some()) {
-            by_excess(&mut found, columns, column, &bounds);
-        }
-        let each = |of: &dyn Fn(Estimate) -> f64| {
-            let entry = |row: usize, column: usize| {
-                let estimate = found[row][column]?.solved(solver_error, fine[column][column]?);
-                // Voigt and Reuss bound the diagonal of every specimen, and Voigt the other entries (Cauchy and Schwarz).
-                let (low, high) =
-                    if row == column { (bounds.reuss, bounds.voigt) } else { (-bounds.voigt, bounds.voigt) };
-                Some(of(if are_bounds { estimate.within(low, high) } else { estimate }))
-            };
-            [0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column)))
-        };
-        let (tensor, error) = (each(&|estimate| estimate.value), each(&|estimate| estimate.error));
-        let coarse = coarser.first().copied().unwrap_or_default();
-        let remedy = if sizes.show { resolution.remedy() } else { JOINED };
+        // Voigt and Reuss bound the diagonal of every specimen, and Voigt the other entries (Cauchy and Schwarz).
+        let [tensor, error] = solutions.settled(&found, |row, column| {
+            are_bounds.then_some([if row == column { bounds.reuss } else { -bounds.voigt }, bounds.voigt])
+        });
+        let (fine, coarse) = solutions.tensors();
+        let remedy = if solutions.sizes.show { resolution.remedy() } else { JOINED };
         // Cracks have directions, and the bounds of Hashin and Shtrikman are those of an isotropic mixture.
         let is_isotropic = phases.iter().all(|phase| phase.name != CRACK);
         let warnings = warnings(what, (&bounds, is_isotropic), [&tensor, &error], remedy);
-        let resolution = Resolution { iterations, solver_error, ..resolution };
-        Self { what, at: At::default(), tensor, error, fine, coarse, bounds, phases, resolution, warnings }
+        let (at, coarse, resolution) = (At::default(), coarse.unwrap_or_default(), resolution.solved(&solutions));
+        (Self { what, at, tensor, error, fine, coarse, bounds, phases, resolution, warnings }, solutions.fields())
     }
 }
 
-/// Entries with their errors.
-type Estimates = [[Option<Estimate>; 3]; 3];
-
-/// Estimates from several sizes of cells. Entries on the diagonal are alike, and so are the others.
-fn by_sizes(fine: &FluxTensor, coarser: &[FluxTensor], sizes: Sizes) -> Estimates {
-    let mut found = Estimates::default();
-    for on_diagonal in [true, false] {
-        let places = (0..9).map(|place| (place / 3, place % 3));
-        let places = places.filter(|(row, column)| (row == column) == on_diagonal && fine[*row][*column].is_some());
-        let places: Vec<(usize, usize)> = places.collect();
-        let on = |number: usize, (row, column): (usize, usize)| coarser.get(number).and_then(|of| of[row][column]);
-        let of: Vec<_> = places.iter().map(|at| (fine[at.0][at.1].unwrap_or(0.0), on(0, *at), on(1, *at))).collect();
-        for ((row, column), estimate) in places.into_iter().zip(sizes.estimates(&of)) {
-            found[row][column] = Some(estimate);
-        }
-    }
-    found
-}
-
-/// Replaces the estimates of a column by those from its bounds. The deviation of a fine tensor from the exact one is a positive form,
-/// which limits entries off the diagonal by those on it (Cauchy and Schwarz).
-fn by_bounds<F>(found: &mut Estimates, columns: &[Column<F>], column: &Column<F>, of_all: &PropertyBounds) {
-    let off = |own: &Column<F>| Some(own.bounds?[1] - own.flux[own.axis]);
-    beside(found, columns, column, of_all, off);
-    found[column.axis][column.axis] = column.bounds.map(|[low, high]| Estimate::between(low, high));
-}
-
-/// Replaces the estimates of a column by those from the most by which it exceeds the exact value.
-fn by_excess<F>(found: &mut Estimates, columns: &[Column<F>], column: &Column<F>, of_all: &PropertyBounds) {
-    beside(found, columns, column, of_all, |own| own.excess);
-    let on_diagonal = |error| Estimate { value: column.flux[column.axis], error };
-    found[column.axis][column.axis] = column.excess.map(on_diagonal);
-}
-
-/// Replaces a column's estimates off the diagonal, by how far the values on it are `off`.
-fn beside<F>(
-    found: &mut Estimates,
-    columns: &[Column<F>],
-    column: &Column<F>,
-    of_all: &PropertyBounds,
-    off: impl Fn(&Column<F>) -> Option<f64>,
-) {
-    let off = |axis: usize| {
-        let own = columns.iter().find(|column| column.axis == axis);
-        own.and_then(&off).unwrap_or(of_all.voigt).max(0.0)
+/// Replaces the estimates of a column that has bounds, or the most by which it exceeds the exact value. The deviation of a fine tensor
+/// from the exact one is a positive form, which limits entries off the diagonal by those on it (Cauchy and Schwarz).
+fn by_bounds(found: &mut Estimates<3>, columns: &[Column<3>], column: &Column<3>, of_all: &PropertyBounds) {
+    let own = column.component;
+    let on_diagonal = match (column.bounds, column.excess) {
+        (Some([low, high]), _) => Estimate::between(low, high),
+        (None, Some(error)) => Estimate { value: column.mean[own], error },
+        (None, None) => return,
     };
-    for (row, found) in found.iter_mut().enumerate().filter(|(row, _)| *row != column.axis) {
-        found[column.axis] = Some(Estimate { value: column.flux[row], error: (off(row) * off(column.axis)).sqrt() });
+    let over = |of: &Column<3>| of.bounds.map(|[_, high]| high - of.mean[of.component]).or(of.excess);
+    let off = |axis: usize| {
+        let other = columns.iter().find(|column| column.component == axis);
+        other.and_then(over).unwrap_or(of_all.voigt).max(0.0)
+    };
+    for (row, found) in found.iter_mut().enumerate() {
+        let beside = || Estimate { value: column.mean[row], error: (off(row) * off(own)).sqrt() };
+        found[own] = Some(if row == own { on_diagonal } else { beside() });
     }
-}
-
-fn tensor<F>(columns: &[Column<F>]) -> FluxTensor {
-    let mut tensor = [[None; 3]; 3];
-    for column in columns {
-        (0..3).for_each(|row| tensor[row][column.axis] = Some(column.flux[row]));
-    }
-    tensor
 }
 
 /// An error above this share of an entry on the diagonal is worth a warning.
@@ -485,64 +401,4 @@ fn warnings(
         bounds.remark(&format!("{} along {axis}", what.name()), *value, *error, remedy)
     };
     (!axes.is_empty()).then_some(large).into_iter().chain(found.iter().filter_map(remark)).collect()
-}
-
-impl Flow<'_> {
-    /// Mean flux along the grid's axes. Along the gradient it is the energy, whose error is the square of the potential's.
-    fn mean(&self) -> [f64; 3] {
-        let layers = parallel::map(self.links.counts[2], |k| self.sums(k));
-        [0, 1, 2].map(|axis| {
-            let which = if axis == self.axis { 3 } else { axis };
-            layers.iter().map(|sums| sums[which]).sum::<f64>() / self.grid.volume()
-        })
-    }
-
-    /// Energy of the given gradient alone.
-    fn given_energy(&self) -> f64 {
-        let [nx, ny, nz] = self.links.counts;
-        let (len, along_z) = (nx * ny, self.axis == 2);
-        let layers = nz + usize::from(along_z && self.grid.ends[2] == End::Fixed);
-        let nothing = vec![0.0; len];
-        let layer = |k: usize| {
-            let links = &self.links.across[self.axis][k * len..][..len];
-            let given = self.length(self.axis, if along_z { k } else { 1 });
-            let [_, energy] = widest(Fluxes { own: &nothing, below: &nothing, links, given });
-            energy
-        };
-        let coupled = (0..self.links.coupled()).map(|number| {
-            let [differences, fluxes] = self.coupled_fluxes(number);
-            differences.iter().zip(fluxes).map(|(difference, flux)| difference * flux).sum::<f64>()
-        });
-        parallel::map(layers, layer).iter().sum::<f64>() + coupled.sum::<f64>()
-    }
-
-    /// Flux into each voxel that the given gradient leaves over.
-    fn sources(&self) -> Vec<f64> {
-        let [nx, ny, nz] = self.links.counts;
-        let links = &self.links.across[self.axis];
-        let length = |k: usize| self.length(self.axis, if self.axis == 2 { k } else { 1 });
-        let mut sources = vec![0.0; nx * ny * nz];
-        parallel::chunks_mut(&mut sources, nx * ny, |k, layer| {
-            let (from, to) = (length(k), length(k + 1));
-            let source = |below: f32, above: f32| f64::from(above) * to - f64::from(below) * from;
-            for (j, row) in layer.chunks_mut(nx).enumerate() {
-                let links = |j: usize, k: usize| &links[(k * ny + j) * nx..][..nx];
-                let below = links(j, k);
-                let above = match self.axis {
-                    0 => {
-                        row[nx - 1] = source(below[nx - 1], below[0]);
-                        &below[1..]
-                    }
-                    1 => links(if j + 1 == ny { 0 } else { j + 1 }, k),
-                    _ => links(j, k + 1),
-                };
-                let ends = below.iter().zip(above);
-                row.iter_mut().zip(ends).for_each(|(row, (below, above))| *row = source(*below, *above));
-            }
-        });
-        for number in 0..self.links.coupled() {
-            self.links.coupled_out(number, self.potential, self.given(), |voxel, flux| sources[voxel] -= flux);
-        }
-        sources
-    }
 }

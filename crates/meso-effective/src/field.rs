@@ -1,248 +1,112 @@
-//! Potentials and fluxes at the voxels, for viewers.
+//! Fluxes and stresses of a solution, for viewers.
 
-use crate::grid::{End, Grid};
-use crate::links::Links;
-use meso_collision::simd::{Wide, widest};
+use meso_mesh::Mesh;
+use meso_view::vtk::Still;
+use meso_view::vtk::mesh::{Field, write_fields};
 use std::io::{self, BufWriter, Write};
+use std::sync::Arc;
 
-/// Potential and flux at every voxel, for a unit gradient along one axis.
-pub struct FluxField {
-    /// Axis of the gradient: 0, 1, 2 for x, y, z.
-    pub axis: usize,
-    /// Voxels along x, y, z.
-    pub counts: [usize; 3],
-    /// Lower corner, mm.
-    pub origin_mm: [f64; 3],
-    /// Edges of a voxel, mm.
-    pub spacing_mm: [f64; 3],
-    /// Potential at the voxels' centres, x fastest.
+/// Names of strains and stresses in the order of this crate.
+pub(crate) const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "yz", "zx", "xy"];
+/// Components in VTK's order of a symmetric tensor: xx, yy, zz, xy, yz, xz.
+const OF_VTK: [usize; 6] = [0, 1, 2, 5, 3, 4];
+
+/// Potential and flux for a unit gradient along an axis, or stress for a unit of mean strain.
+#[derive(Clone, Debug)]
+pub struct PropertyField {
+    /// Name of the property.
+    pub what: &'static str,
+    /// Component of the gradient, 0 to 2 for x, y, z, or of the strain, 0 to 5 for xx, yy, zz, yz, zx, xy.
+    pub component: usize,
+    /// Cells of the values.
+    pub cells: FieldCells,
+    /// Potential at the voxels' centres, x fastest, or at the nodes of tetrahedra; empty for stresses.
     pub potential: Vec<f32>,
-    /// Flux at the voxels' centres along x, y, z.
-    pub flux: Vec<[f32; 3]>,
+    /// Fluxes x, y, z of the cells, or their mean stresses xx, yy, zz, xy, yz, xz, MPa.
+    pub values: Vec<f32>,
 }
 
-/// Fluxes through the links of a grid whose potential is that of a unit gradient along `axis`, and a periodic part.
-pub(crate) struct Flow<'a> {
-    pub(crate) grid: &'a Grid,
-    pub(crate) links: &'a Links,
-    pub(crate) axis: usize,
-    pub(crate) potential: &'a [f64],
+/// Cells that a field has values in.
+#[derive(Clone, Debug)]
+pub enum FieldCells {
+    /// Voxels of a box.
+    Voxels {
+        /// Voxels along x, y, z.
+        counts: [usize; 3],
+        /// Lower corner, mm.
+        origin_mm: [f64; 3],
+        /// Edges of a voxel, mm.
+        spacing_mm: [f64; 3],
+    },
+    /// A mesh of all fields.
+    Tetrahedra(Arc<Mesh>),
 }
 
-impl Flow<'_> {
-    /// Length of the link below voxel `number` along an axis, 0 without a link; `counts` gives the link above the last.
-    pub(crate) fn length(&self, axis: usize, number: usize) -> f64 {
-        self.grid.link(axis, number).map_or(0.0, |link| link.to - link.from)
+impl PropertyField {
+    /// Stresses of cells, in the order of this crate, for the strain `component`.
+    pub(crate) fn of_stress(component: usize, cells: FieldCells, mut stress: Vec<[f32; 6]>) -> Self {
+        stress.iter_mut().for_each(|stress| *stress = OF_VTK.map(|row| stress[row]));
+        Self { what: "stiffness", component, cells, potential: Vec::new(), values: stress.into_flattened() }
     }
 
-    /// Flux through the link below voxel `at` along `axis`, and its energy; along z also above the last layer.
-    fn through(&self, axis: usize, at: [usize; 3]) -> (f64, f64) {
-        let [nx, ny, nz] = self.links.counts;
-        let index = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
-        let count = self.links.counts[axis];
-        let u = |mut at: [usize; 3], place: Option<usize>| {
-            place.map_or(0.0, |place| {
-                at[axis] = place;
-                self.potential[index(at)]
-            })
-        };
-        let open = self.grid.ends[axis] == End::Fixed;
-        let above = if at[axis] < count { Some(at[axis]) } else { (!open).then_some(0) };
-        let below = if at[axis] > 0 { Some(at[axis] - 1) } else { (!open).then_some(count - 1) };
-        let link = if axis < 2 && at[axis] == count { [at[0] % nx, at[1] % ny, at[2]] } else { at };
-        debug_assert!(link[2] <= nz);
-        let given = if axis == self.axis { self.length(axis, at[axis]) } else { 0.0 };
-        let difference = given + u(at, above) - u(at, below);
-        let flux = f64::from(self.links.across[axis][index(link)]) * difference;
-        (flux, flux * difference)
+    /// Whether the values are stresses, six a cell; a flux has three.
+    pub(crate) fn is_stress(&self) -> bool {
+        self.potential.is_empty()
     }
 
-    /// Flux at the centre of a voxel, along the grid's axes.
-    fn at_centre(&self, at: [usize; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|axis| {
-            let mut above = at;
-            above[axis] += 1;
-            (self.through(axis, at).0 + self.through(axis, above).0) / (2.0 * self.grid.area(axis))
-        })
-    }
-
-    /// Differences of potential along the links of a coupled voxel, and the coupled fluxes through them.
-    pub(crate) fn coupled_fluxes(&self, number: usize) -> [[f64; 6]; 2] {
-        self.links.coupled_fluxes(number, self.potential, self.given())
-    }
-
-    /// Given differences of potential along whole links of each axis.
-    pub(crate) fn given(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| if axis == self.axis { self.grid.spacing[axis] } else { 0.0 })
-    }
-
-    /// Sums over the links of a layer: flux times length, along the grid's axes, and flux times difference of potential, the
-    /// energy. The last layer has the links above it, too.
-    pub(crate) fn sums(&self, k: usize) -> [f64; 4] {
-        let [_, ny, nz] = self.links.counts;
-        let mut sums = [0.0; 4];
-        let last = k + 1 == nz && self.grid.ends[2] == End::Fixed;
-        for j in 0..ny {
-            let above = last.then_some((2, k + 1));
-            for (axis, layer) in [(0, k), (1, k), (2, k)].into_iter().chain(above) {
-                let length = self.length(axis, if axis == 2 { layer } else { 1 });
-                let [flux, energy] = self.row_sums(axis, j, layer, if axis == self.axis { length } else { 0.0 });
-                sums[axis] += flux * length;
-                sums[3] += energy;
-            }
-        }
-        for number in self.links.coupled_in(k) {
-            let [differences, fluxes] = self.coupled_fluxes(number);
-            for (side, flux) in fluxes.into_iter().enumerate() {
-                sums[side / 2] += flux * self.grid.spacing[side / 2];
-                sums[3] += flux * differences[side];
-            }
-        }
-        sums
-    }
-
-    /// Sums of the fluxes through the links along `axis` below a row of voxels, and of their energies.
-    fn row_sums(&self, axis: usize, j: usize, k: usize, given: f64) -> [f64; 2] {
-        let [nx, ny, nz] = self.links.counts;
-        let outside = vec![0.0; nx];
-        let start = |j: usize, k: usize| (k * ny + j) * nx;
-        let row = |j: usize, k: usize| &self.potential[start(j, k)..][..nx];
-        let links = &self.links.across[axis][start(j, k)..][..nx];
-        let before = |i: usize, n: usize| if i == 0 { n - 1 } else { i - 1 };
-        let walled = self.grid.ends[2] == End::Fixed;
-        let own = if k == nz { &outside[..] } else { row(j, k) };
-        let sums = |own, below, links| widest(Fluxes { own, below, links, given });
-        match axis {
-            0 => {
-                let [ends, inner] =
-                    [sums(&own[..1], &own[nx - 1..], &links[..1]), sums(&own[1..], &own[..nx - 1], &links[1..])];
-                [ends[0] + inner[0], ends[1] + inner[1]]
-            }
-            1 => sums(own, row(before(j, ny), k), links),
-            _ if k == 0 && walled => sums(own, &outside, links),
-            _ => sums(own, row(j, before(k, nz)), links),
-        }
-    }
-
-    /// The field in the specimen's axes, of which `last` is the grid's third.
-    pub(crate) fn field(&self, last: usize) -> FluxField {
-        let turned = |axis: usize| (axis + 2 - last) % 3;
-        let spacing_mm = [0, 1, 2].map(|axis| self.grid.spacing[turned(axis)]);
-        let origin_mm = [0, 1, 2].map(|axis| self.grid.origin[turned(axis)]);
-        let counts = [0, 1, 2].map(|axis| self.grid.counts[turned(axis)]);
-        let [nx, ny, nz] = counts;
-        let at = |number: usize| {
-            let place = [number % nx, number / nx % ny, number / (nx * ny)];
-            let mut at = [0; 3];
-            (0..3).for_each(|axis| at[turned(axis)] = place[axis]);
-            at
-        };
-        let [gx, gy, _] = self.grid.counts;
-        let total = |number: usize| {
-            let at = at(number);
-            let given = (at[self.axis] as f64 + 0.5) * self.grid.spacing[self.axis];
-            (given + self.potential[(at[2] * gy + at[1]) * gx + at[0]]) as f32
-        };
-        let flux = |number: usize| {
-            let flux = self.at_centre(at(number));
-            [0, 1, 2].map(|axis| flux[turned(axis)] as f32)
-        };
-        let axis = (0..3).find(|axis| turned(*axis) == self.axis).unwrap_or(last);
-        let mut flux: Vec<[f32; 3]> = (0..nx * ny * nz).map(flux).collect();
-        let place = |voxel: usize| {
-            let at = [voxel % gx, voxel / gx % gy, voxel / (gx * gy)];
-            (at[turned(2)] * ny + at[turned(1)]) * nx + at[turned(0)]
-        };
-        for number in 0..self.links.coupled() {
-            let [_, coupled] = self.coupled_fluxes(number);
-            for (side, voxel, beside) in self.links.coupled_ends(number) {
-                let (axis, half) = ((side / 2 + last + 1) % 3, coupled[side] / (2.0 * self.grid.area(side / 2)));
-                flux[place(voxel)][axis] += half as f32;
-                flux[place(beside)][axis] += half as f32;
-            }
-        }
-        FluxField { axis, counts, origin_mm, spacing_mm, potential: (0..nx * ny * nz).map(total).collect(), flux }
-    }
-}
-
-/// A run of links with the potentials at their ends and the given difference.
-pub(crate) struct Fluxes<'a> {
-    pub(crate) own: &'a [f64],
-    pub(crate) below: &'a [f64],
-    pub(crate) links: &'a [f32],
-    pub(crate) given: f64,
-}
-
-impl Wide for Fluxes<'_> {
-    type Output = [f64; 2];
-    #[inline(always)]
-    fn run(self) -> [f64; 2] {
-        let (mut flux, mut energy) = ([0.0; 8], [0.0; 8]);
-        let mut add = |i: usize, link: f32, own: f64, below: f64| {
-            let difference = self.given + own - below;
-            let through = f64::from(link) * difference;
-            flux[i] += through;
-            energy[i] += through * difference;
-        };
-        let (links, links_rest) = self.links.as_chunks::<8>();
-        let (own, own_rest) = self.own.as_chunks::<8>();
-        let (below, below_rest) = self.below.as_chunks::<8>();
-        for ((links, own), below) in links.iter().zip(own).zip(below) {
-            (0..8).for_each(|i| add(i, links[i], own[i], below[i]));
-        }
-        (0..links_rest.len()).for_each(|i| add(i, links_rest[i], own_rest[i], below_rest[i]));
-        [flux.iter().sum(), energy.iter().sum()]
-    }
-}
-
-impl FluxField {
-    /// Writes VTK image data (`.vti`) for ParaView and PyVista.
+    /// Writes VTK image data (`.vti`) of voxels, or a VTK grid (`.vtu`) of tetrahedra, for ParaView and PyVista.
     ///
     /// # Errors
     /// Fails with the errors of `out`.
-    pub fn write_vti(&self, out: impl Write) -> io::Result<()> {
-        let Self { counts, origin_mm, spacing_mm, potential, flux, .. } = self;
-        let place = Place { counts: *counts, origin_mm: *origin_mm, spacing_mm: *spacing_mm };
-        let arrays = [("potential", 1, potential.as_slice()), ("flux", 3, flux.as_flattened())];
-        place.write_vti("Scalars=\"potential\" Vectors=\"flux\"", &arrays, out)
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let (name, components) = if self.is_stress() { ("stress", 6) } else { ("flux", 3) };
+        let potential = Field { name: "potential", components: 1, values: &self.potential };
+        let potential = if self.is_stress() { &[][..] } else { &[potential] };
+        let values = Field { name, components, values: &self.values };
+        match &self.cells {
+            FieldCells::Tetrahedra(mesh) => write_fields(mesh, potential, &[values], &mut Still::default(), out),
+            FieldCells::Voxels { counts, origin_mm, spacing_mm } => {
+                let arrays = potential.iter().chain([&values]);
+                write_vti((counts, origin_mm, spacing_mm), &arrays.collect::<Vec<_>>(), out)
+            }
+        }
     }
 }
 
-/// Voxels in space.
-pub(crate) struct Place {
-    /// Voxels along x, y, z.
-    pub(crate) counts: [usize; 3],
-    pub(crate) origin_mm: [f64; 3],
-    pub(crate) spacing_mm: [f64; 3],
-}
-
-impl Place {
-    /// Writes arrays of cells, each with its name and number of components; `active` names those that viewers begin with.
-    pub(crate) fn write_vti(&self, active: &str, arrays: &[(&str, usize, &[f32])], out: impl Write) -> io::Result<()> {
-        let mut out = BufWriter::new(out);
-        let Self { counts: [nx, ny, nz], origin_mm: [x, y, z], spacing_mm: [dx, dy, dz] } = self;
-        let extent = format!("0 {nx} 0 {ny} 0 {nz}");
-        writeln!(out, "<?xml version=\"1.0\"?>")?;
+/// Writes arrays of voxels; viewers begin with the last.
+fn write_vti(
+    ([nx, ny, nz], [x, y, z], [dx, dy, dz]): (&[usize; 3], &[f64; 3], &[f64; 3]),
+    arrays: &[&Field<'_>],
+    out: impl Write,
+) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    let extent = format!("0 {nx} 0 {ny} 0 {nz}");
+    let active = if arrays.len() > 1 { "Scalars=\"potential\" Vectors=\"flux\"" } else { "Tensors=\"stress\"" };
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(out, "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">")?;
+    writeln!(out, "<ImageData WholeExtent=\"{extent}\" Origin=\"{x} {y} {z}\" Spacing=\"{dx} {dy} {dz}\">")?;
+    writeln!(out, "<Piece Extent=\"{extent}\">\n<CellData {active}>")?;
+    let mut offset = 0;
+    for Field { name, components, values } in arrays {
         writeln!(
             out,
-            "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+            "<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
         )?;
-        writeln!(out, "<ImageData WholeExtent=\"{extent}\" Origin=\"{x} {y} {z}\" Spacing=\"{dx} {dy} {dz}\">")?;
-        writeln!(out, "<Piece Extent=\"{extent}\">\n<CellData {active}>")?;
-        let mut offset = 0;
-        for (name, components, values) in arrays {
-            writeln!(
-                out,
-                "<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>"
-            )?;
-            offset += 8 + 4 * values.len();
-        }
-        write!(out, "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
-        for (_, _, values) in arrays {
-            out.write_all(&(4 * values.len() as u64).to_le_bytes())?;
-            values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
-        }
-        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
-        out.flush()
+        offset += 8 + 4 * values.len();
     }
+    write!(out, "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_")?;
+    for Field { values, .. } in arrays {
+        out.write_all(&(4 * values.len() as u64).to_le_bytes())?;
+        values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?;
+    }
+    out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+    out.flush()
+}
+
+/// Von Mises' stress of stresses xx, yy, zz, xy, yz, xz.
+pub(crate) fn von_mises(stress: &[f32]) -> f32 {
+    let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(|i| stress[i]);
+    let square = |a: f32| a * a;
+    let normal = square(xx - yy) + square(yy - zz) + square(zz - xx);
+    (normal / 2.0 + 3.0 * (square(xy) + square(yz) + square(xz))).sqrt()
 }

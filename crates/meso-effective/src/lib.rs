@@ -22,11 +22,13 @@
 
 mod boundary;
 mod bounds;
+
 mod effective;
 mod elastic;
 mod error;
 mod estimate;
 mod field;
+mod flow;
 mod grid;
 mod labels;
 mod links;
@@ -36,6 +38,7 @@ mod resolution;
 pub mod results;
 mod sections;
 mod shares;
+mod solutions;
 mod solver;
 mod surfaces;
 mod tetrahedra;
@@ -43,17 +46,15 @@ mod tetrahedra;
 pub use boundary::Boundary;
 pub use bounds::PropertyBounds;
 pub use effective::{At, Effective, EffectiveOptions, FluxTensor, PhaseShare, effective};
-pub use elastic::{
-    ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, StressField, stiffness,
-};
+pub use elastic::{ElasticBounds, ElasticShare, Isotropic, Stiffness, StiffnessOptions, StiffnessTensor, stiffness};
 pub use error::EffectiveError;
-pub use field::FluxField;
+pub use field::{FieldCells, PropertyField};
 pub use labels::{LabelPhases, LabelSpecimen, effective_of_labels, stiffness_of_labels};
 pub use moduli::{GivenModuli, Moduli, PhaseModuli};
 pub use phases::{GivenValues, PhaseValues, Phases, Property};
 pub use resolution::Resolution;
 pub use surfaces::ByPhase;
 pub use tetrahedra::{
-    CrackValues, Cracked, MeshField, Unloading, effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
+    CrackValues, Cracked, Unloading, effective_in_cracks, effective_in_tetrahedra, moduli_in_cracks,
     stiffness_in_tetrahedra,
 };

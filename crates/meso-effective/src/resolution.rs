@@ -1,5 +1,6 @@
 //! The division of a specimen, and the solutions on it.
 
+use crate::solutions::Solutions;
 use serde::Serialize;
 
 /// The division of a specimen into voxels or tetrahedra, and the solutions on it.
@@ -45,6 +46,11 @@ impl Resolution {
     fn new(boundary: [&'static str; 3]) -> Self {
         let (voxels, voxel_size_mm, elements, element_size_mm) = (None, None, None, None);
         Self { boundary, voxels, voxel_size_mm, elements, element_size_mm, iterations: Vec::new(), solver_error: 0.0 }
+    }
+
+    /// With the solutions on the fine voxels or tetrahedra.
+    pub(crate) fn solved<const N: usize>(self, of: &Solutions<N>) -> Self {
+        Self { iterations: of.iterations(), solver_error: of.error(), ..self }
     }
 
     /// The remedy of a large error.

@@ -210,10 +210,7 @@ impl LabelOptions {
                 format!("it must be {low} to {high} {unit}"),
             )
         };
-        let edges = <Volume>::EDGES_MM;
-        let accepted = format!("it must be {:e} to {:e} mm", edges.start(), edges.end());
-        let edge = |h: &f64| Ranges("labels").require("voxel_size_mm", *h, edges.contains(h), &*accepted);
-        self.voxel_size_mm.iter().flatten().try_for_each(edge)?;
+        self.voxel_size_mm.iter().try_for_each(|edges| <Volume>::accept_edges("labels", edges))?;
         is_in("step", step, [1.0, 8.0], "voxels")?;
         is_in("smoothing", smoothing, [0.5, 4.0], "voxels")?;
         is_in("tolerance", tolerance, [0.0, 1.0], "voxels")?;

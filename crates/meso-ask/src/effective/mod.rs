@@ -10,17 +10,17 @@ use crate::flags::{names, values};
 use crate::strains::{self, Strain};
 use crate::{AskError, Giver, Machine};
 use meso_concrete::{OutOfRange, Ranges};
-use meso_core::import::{ending, volume};
+use meso_core::import::ending;
+use meso_core::import::volume::{self, Volume};
 use meso_core::mesh::MethodName;
 use meso_core::{Model, Spec, Watch, spec};
 use meso_effective::results::{
-    CURVE, FIGURES, Found, PAGE, PropertyField, field_ending, field_file, stress_file, write_curve, write_curve_page,
-    write_figures, write_page,
+    CURVE, FIGURES, Found, PAGE, field_ending, field_files, write_curve, write_curve_page, write_figures, write_page,
 };
 use meso_effective::{
     Boundary, CrackValues, Cracked, EffectiveError, EffectiveOptions, LabelPhases, LabelSpecimen, Phases, Property,
-    StiffnessOptions, effective, effective_in_cracks, effective_in_tetrahedra, effective_of_labels, moduli_in_cracks,
-    stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
+    PropertyField, StiffnessOptions, effective, effective_in_cracks, effective_in_tetrahedra, effective_of_labels,
+    moduli_in_cracks, stiffness, stiffness_in_tetrahedra, stiffness_of_labels,
 };
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -320,7 +320,7 @@ impl EffectiveAsk {
     pub fn settle(&self, of: Facts<'_>, mut values: PhaseTables) -> Result<Vec<EffectiveTask>, EffectiveError> {
         self.accept(of.input())?;
         if let Facts::Labels(specimen) = of {
-            specimen.validate()?;
+            <Volume>::accept_edges("effective", &specimen.spacing_mm)?;
         }
         for (place, (name, strain)) in self.eigenstrain.iter().enumerate() {
             let is_new = self.eigenstrain[..place].iter().all(|(other, _)| other != name);
@@ -426,15 +426,15 @@ impl EffectiveAsk {
     /// Names of the files that a run writes.
     pub fn files(&self, input: Input) -> Vec<String> {
         let ending = field_ending(self.method == MethodName::Lattice || input == Input::Run);
-        let fields =
-            self.what.properties(input).into_iter().filter(|_| self.has_fields()).flat_map(|property| match property {
-                Some(what) => {
-                    let axes = (0..3).filter(|axis| self.axes.flags()[*axis]);
-                    axes.map(|axis| field_file(what, axis, ending)).collect::<Vec<_>>()
-                }
-                None if input == Input::Run => Vec::new(),
-                None => (0..6).map(|row| stress_file(row, ending)).collect(),
-            });
+        let properties = self.what.properties(input).into_iter().filter(|_| self.has_fields());
+        let fields = properties.flat_map(|what| match what {
+            Some(_) => {
+                let files = field_files(what, ending).into_iter().zip(self.axes.flags());
+                files.filter(|(_, is_asked)| *is_asked).map(|(file, _)| file).collect()
+            }
+            None if input == Input::Run => Vec::new(),
+            None => field_files(None, ending),
+        });
         let curve = (self.frame == Some(FramePick::All)).then(|| CURVE.to_owned());
         [FIGURES, PAGE].map(str::to_owned).into_iter().chain(curve).chain(fields).collect()
     }
@@ -598,53 +598,46 @@ impl EffectiveTask {
     /// Those that only the solution shows, such as equations that do not converge.
     pub fn solve(&self, of: Subject<'_>, watch: &dyn Watch) -> Result<(Found, Vec<PropertyField>), EffectiveError> {
         let Division { in_tetrahedra, size_mm: size, cracks, axes } = self.division;
-        match (&self.work, of, &self.values) {
+        match (self.work, of, &self.values) {
+            (Work::Flux(options), of, values) => {
+                let (found, fields) = match (of, values) {
+                    (Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
+                        effective_in_tetrahedra(model, phases, &options, size, watch)?
+                    }
+                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
+                        effective(model, phases, &options, watch)?
+                    }
+                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
+                        effective_of_labels(specimen, phases, &options, watch)?
+                    }
+                    (Subject::Frame(of), PhaseTables::Packing(phases)) => {
+                        effective_in_cracks(&of, phases, &cracks, &options, watch)?
+                    }
+                    _ => return Err(mismatch()),
+                };
+                Ok((Found::Flux(Box::new(found)), fields))
+            }
             (Work::Stiffness(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
                 let found = moduli_in_cracks(&of, &phases.stiffness, axes, options.tolerance, watch)?;
                 Ok((Found::Unloading(Box::new(found)), Vec::new()))
             }
-            (Work::Flux(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
-                let (found, fields) = effective_in_cracks(&of, phases, &cracks, options, watch)?;
-                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))
-            }
-            (Work::Flux(options), Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
-                let (found, fields) = effective_in_tetrahedra(model, phases, options, size, watch)?;
-                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::MeshFlux(options.what, field))))
-            }
-            (Work::Flux(options), of, values) => {
-                let (found, fields) = match (of, values) {
-                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
-                        effective(model, phases, options, watch)?
-                    }
-                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
-                        effective_of_labels(specimen, phases, options, watch)?
-                    }
-                    _ => return Err(mismatch()),
-                };
-                Ok((Found::Flux(Box::new(found)), all(fields, |field| PropertyField::Flux(options.what, field))))
-            }
-            (Work::Stiffness(options), Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
-                let (found, fields) = stiffness_in_tetrahedra(model, &phases.stiffness, options, size, watch)?;
-                Ok((Found::Stiffness(Box::new(found)), all(fields, PropertyField::MeshStress)))
-            }
             (Work::Stiffness(options), of, values) => {
                 let (found, fields) = match (of, values) {
+                    (Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
+                        stiffness_in_tetrahedra(model, &phases.stiffness, &options, size, watch)?
+                    }
                     (Subject::Packing(model), PhaseTables::Packing(phases)) => {
-                        stiffness(model, &phases.stiffness, options, watch)?
+                        stiffness(model, &phases.stiffness, &options, watch)?
                     }
                     (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
-                        stiffness_of_labels(specimen, phases, options, watch)?
+                        stiffness_of_labels(specimen, phases, &options, watch)?
                     }
                     _ => return Err(mismatch()),
                 };
-                Ok((Found::Stiffness(Box::new(found)), all(fields, PropertyField::Stress)))
+                Ok((Found::Stiffness(Box::new(found)), fields))
             }
         }
     }
-}
-
-fn all<T>(fields: Vec<T>, of: impl Fn(T) -> PropertyField) -> Vec<PropertyField> {
-    fields.into_iter().map(of).collect()
 }
 
 #[cfg(test)]

@@ -1,22 +1,23 @@
 //! From a packing to its stiffness: three grids, six mean strains, error, bounds and expansion.
 
 use super::equations::Elastic;
-use super::field::StressField;
 use super::rows::LayerSums;
 use super::voxels::Voxels;
 use crate::bounds::{self, PropertyBounds};
 use crate::error::{self, EffectiveError};
 use crate::estimate::{Estimate, Sizes};
+use crate::field::{FieldCells, PropertyField};
 use crate::grid::{self, Grid, Space};
 use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
 use crate::resolution::Resolution;
 use crate::shares::volume_fractions;
+use crate::solutions::{Column, Solutions, reporting};
 use crate::solver::{Energy, Equations, solve_equations};
 use crate::surfaces::Surface;
 use meso_collision::simd::widest;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::specimen::Specimen;
-use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::watch::{Silent, Watch};
 use meso_concrete::{Parts, images, parallel};
 use meso_concrete::{Phase, PhaseNames};
 use serde::Serialize;
@@ -140,7 +141,7 @@ pub fn stiffness<'a>(
     moduli: &PhaseModuli,
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+) -> Result<(Stiffness, Vec<PropertyField>), EffectiveError> {
     let Parts { bodies, specimen, phases: names } = parts.into();
     let table = moduli.table(&names)?;
     let bodies = error::accepted(bodies)?;
@@ -155,14 +156,14 @@ pub(crate) fn of_medium(
     counts: [usize; 3],
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
+) -> Result<(Stiffness, Vec<PropertyField>), EffectiveError> {
     error::accept_tolerance(options.tolerance)?;
     let space = medium.space();
     let grid = |counts: [usize; 3]| Grid::new(&space, counts, 2, false);
-    let on = |grid: Grid, voxels: &Voxels, fields: bool, report: &dyn Fn(f64)| {
-        Solved::of(&mut Elastic::new(&grid, voxels), options.tolerance, fields, report)
+    let on = |counts: [usize; 3], voxels: &Voxels, (fields, watch): (bool, &dyn Watch)| {
+        columns(&mut Elastic::new(&grid(counts), voxels), options.tolerance, fields, watch)
     };
-    let coarse = |(counts, voxels): ([usize; 3], Voxels)| on(grid(counts), &voxels, false, &|_| ());
+    let coarse = |(counts, voxels): ([usize; 3], Voxels)| on(counts, &voxels, (false, &Silent));
     let fine = medium.voxels(&grid(counts));
     let coarser: Result<Vec<_>, _> = if medium.is_of_voxels() {
         fine.coarser(counts, space.spacing(counts)).into_iter().map(coarse).collect()
@@ -170,12 +171,10 @@ pub(crate) fn of_medium(
         let of = |counts: [usize; 3]| coarse((counts, medium.voxels(&grid(counts))));
         grid::coarser(counts).into_iter().map(of).collect()
     };
-    let coarser = coarser?;
-    let mut fine = on(grid(counts), &fine, options.fields, &|share| watch.stage(Stage::Solve, share))?;
-    let fields = std::mem::take(&mut fine.fields);
+    let (coarser, fine) = (coarser?, on(counts, &fine, (options.fields, watch))?);
     let resolution = Resolution::of_voxels(space.boundary("uniform-strain"), counts, space.spacing(counts));
-    let coarser = (&coarser[..], Sizes::new(grid::ratios(counts)));
-    Ok((Stiffness::new(&fine, coarser, medium.phases(), resolution), fields))
+    let solutions = Solutions { fine, coarser, sizes: Sizes::new(grid::ratios(counts)) };
+    Ok(Stiffness::new(solutions, medium.phases(), resolution))
 }
 
 /// Geometry and constants of elastic phases.
@@ -240,20 +239,8 @@ impl ElasticShare {
     }
 }
 
-/// Solutions on one division of a specimen.
-pub(crate) struct Solved<F> {
-    tensor: StiffnessTensor,
-    /// Mean stress of the specimen without strain.
-    eigenstress: [f64; 6],
-    iterations: Vec<usize>,
-    error: f64,
-    pub(crate) fields: Vec<F>,
-}
-
 /// Elastic equations of a specimen with a mean strain.
 pub(crate) trait Strained: Equations<Number = f64> {
-    /// A component of the field for viewers.
-    type Field;
     /// Volume of the specimen, mm3.
     fn volume(&self) -> f64;
     /// Number of unknowns.
@@ -263,100 +250,85 @@ pub(crate) trait Strained: Equations<Number = f64> {
     /// Sums over the specimen.
     fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums;
     /// The stresses, for the strain `component`.
-    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> Self::Field;
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> PropertyField;
 }
 
-/// Iterations of a usual solution.
-const USUAL: f64 = 40.0;
-
-impl<F> Solved<F> {
-    /// The solutions for six unit strains; `report` receives the share of them that is done.
-    pub(crate) fn of(
-        strained: &mut impl Strained<Field = F>,
-        tolerance: f64,
-        fields: bool,
-        report: &dyn Fn(f64),
-    ) -> Result<Self, EffectiveError> {
-        let mut solved = Self {
-            tensor: [[0.0; 6]; 6],
-            eigenstress: [0.0; 6],
-            iterations: Vec::new(),
-            error: 0.0,
-            fields: Vec::new(),
-        };
-        for column in 0..6 {
-            let share = |iteration: usize| (column as f64 + 1.0 - 1.0 / (1.0 + iteration as f64 / USUAL)) / 6.0;
-            solved.add(strained, column, (tolerance, fields), &|iteration, _| report(share(iteration)))?;
-        }
-        let mean = |i: usize, j: usize| (solved.tensor[i][j] + solved.tensor[j][i]) / 2.0;
-        solved.tensor = [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|j| mean(i, j)));
-        Ok(solved)
+/// The solutions for six unit strains.
+pub(crate) fn columns(
+    strained: &mut impl Strained,
+    tolerance: f64,
+    fields: bool,
+    watch: &dyn Watch,
+) -> Result<Vec<Column<6>>, EffectiveError> {
+    let mut columns = (0..6)
+        .map(|component| column(strained, component, (tolerance, fields), &reporting(watch, component, 6)))
+        .collect::<Result<Vec<_>, _>>()?;
+    for (i, j) in (0..6).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        let mean = (columns[i].mean[j] + columns[j].mean[i]) / 2.0;
+        (columns[i].mean[j], columns[j].mean[i]) = (mean, mean);
     }
+    Ok(columns)
+}
 
-    /// Solves for a unit strain, and adds its column.
-    fn add(
-        &mut self,
-        strained: &mut impl Strained<Field = F>,
-        column: usize,
-        (tolerance, fields): (f64, bool),
-        report: &dyn Fn(usize, f64),
-    ) -> Result<(), EffectiveError> {
-        let mut mean = [0.0; 6];
-        mean[column] = 1.0;
-        let nothing = vec![0.0; strained.len()];
-        let energy = strained.sums(&nothing, &mean).energy;
-        let mut rhs = nothing.clone();
-        strained.forces(&nothing, &mean, &mut rhs);
-        rhs.iter_mut().for_each(|force| *force = -*force);
-        drop(nothing);
-        let found = solve_equations(strained, rhs, Energy::falling(energy), tolerance, report)?;
-        let sums = strained.sums(&found.potential, &mean);
-        let volume = strained.volume();
-        (0..6).for_each(|row| self.tensor[row][column] = sums.stress[row] / volume);
-        self.tensor[column][column] = sums.energy / volume;
-        self.eigenstress[column] = sums.eigen / volume;
-        if fields {
-            self.fields.push(strained.field(&found.potential, &mean, column));
-        }
-        self.iterations.push(found.iterations);
-        self.error = self.error.max(found.error);
-        Ok(())
-    }
+/// The solution for a unit strain.
+fn column(
+    strained: &mut impl Strained,
+    component: usize,
+    (tolerance, fields): (f64, bool),
+    report: &dyn Fn(usize, f64),
+) -> Result<Column<6>, EffectiveError> {
+    let mut mean = [0.0; 6];
+    mean[component] = 1.0;
+    let nothing = vec![0.0; strained.len()];
+    let energy = strained.sums(&nothing, &mean).energy;
+    let mut rhs = nothing.clone();
+    strained.forces(&nothing, &mean, &mut rhs);
+    rhs.iter_mut().for_each(|force| *force = -*force);
+    drop(nothing);
+    let found = solve_equations(strained, rhs, Energy::falling(energy), tolerance, report)?;
+    let sums = strained.sums(&found.potential, &mean);
+    let volume = strained.volume();
+    let mut stress = sums.stress.map(|sum| sum / volume);
+    stress[component] = sums.energy / volume;
+    let field = fields.then(|| strained.field(&found.potential, &mean, component));
+    let column = Column::new(component, stress, (found.iterations, found.error));
+    Ok(Column { eigenstress: sums.eigen / volume, field, ..column })
 }
 
 impl Stiffness {
-    /// The result of the solutions on fine cells and on coarser ones, with their sizes.
-    pub(crate) fn new<F>(
-        fine: &Solved<F>,
-        (coarser, sizes): (&[Solved<F>], Sizes),
+    /// The result of the solutions, and their fields.
+    pub(crate) fn new(
+        mut solutions: Solutions<6>,
         phases: Vec<(Moduli, ElasticShare)>,
         resolution: Resolution,
-    ) -> Self {
+    ) -> (Self, Vec<PropertyField>) {
         let bounds = ElasticBounds::of(&phases);
-        let found = fine.by_sizes(coarser, sizes);
-        let solver_error = fine.error;
         let are_bounds = bounds::are_within(phases.iter().map(|(_, share)| share.volume_fraction));
-        let within = |of: Estimate, low: f64, high: f64| if are_bounds { of.within(low, high) } else { of };
-        let each = |of: &dyn Fn(Estimate) -> f64| {
-            let entry = |i: usize, j: usize| {
-                let estimate = found.entries[i][j].solved(solver_error, fine.tensor[j][j]);
-                let [low, high] = bounds.of_entry(i);
-                of(if i == j { within(estimate, low, high) } else { estimate })
-            };
-            let row = |i: usize| [0, 1, 2, 3, 4, 5].map(|j| entry(i, j));
-            [row(0), row(1), row(2), row(3), row(4), row(5)]
-        };
-        let (tensor, error) = (each(&|estimate| estimate.value), each(&|estimate| estimate.error));
-        let modulus = |value: f64, found: Estimate, bounds: &PropertyBounds| {
+        // Entries that an isotropic tensor has equal are alike.
+        let found = solutions.estimates(|i, j| match (i == j, i < 3, j < 3) {
+            (true, is_normal, _) => usize::from(is_normal),
+            (false, true, true) => 2,
+            _ => 3,
+        });
+        let all = |tensor: [[Option<f64>; 6]; 6]| tensor.map(|row| row.map(Option::unwrap_or_default));
+        let settled = solutions.settled(&found, |i, j| (are_bounds && i == j).then(|| bounds.of_entry(i)));
+        let [tensor, error] = settled.map(all);
+        let solver_error = solutions.error();
+        let modulus = |of: fn(&Isotropic) -> f64, bounds: &PropertyBounds| {
+            let found = solutions.like(|columns| vec![of(&Isotropic::of(&stiffness_of(columns)))])[0];
+            let value = of(&Isotropic::of(&tensor));
             let error = found.error + (value - found.value).abs();
-            within(Estimate { value, error }.solved(solver_error, value), bounds.reuss, bounds.voigt)
+            let estimate = Estimate { value, error }.solved(solver_error, value);
+            if are_bounds { estimate.within(bounds.reuss, bounds.voigt) } else { estimate }
         };
-        let of_tensor = Isotropic::of(&tensor);
-        let bulk = modulus(of_tensor.bulk_modulus_mpa, found.moduli[0], &bounds.bulk_modulus_mpa);
-        let shear = modulus(of_tensor.shear_modulus_mpa, found.moduli[1], &bounds.shear_modulus_mpa);
+        let bulk = modulus(|is| is.bulk_modulus_mpa, &bounds.bulk_modulus_mpa);
+        let shear = modulus(|is| is.shear_modulus_mpa, &bounds.shear_modulus_mpa);
         let isotropic = Isotropic::of_moduli(bulk.value, shear.value);
         let isotropic_error = isotropic.error(bulk.error, shear.error);
-        Self {
+        let strains = |first: usize| solutions.like(|columns| expansion(columns)[first..first + 3].to_vec());
+        let expansion = [strains(0), strains(3)].concat();
+        let (fine, coarse) = solutions.tensors();
+        let found = Self {
             what: "stiffness",
             warnings: soft(&phases)
                 .into_iter()
@@ -364,54 +336,23 @@ impl Stiffness {
                 .collect(),
             tensor,
             error,
-            fine: fine.tensor,
-            coarse: coarser.first().map(|coarse| coarse.tensor),
+            fine: all(fine),
+            coarse: coarse.map(all),
             isotropic,
             isotropic_error,
-            expansion: found.expansion.map(|strain| strain.value),
-            expansion_error: found.expansion.map(|strain| strain.error),
+            expansion: std::array::from_fn(|i| expansion[i].value),
+            expansion_error: std::array::from_fn(|i| expansion[i].error),
             bounds,
             phases: phases.into_iter().map(|(_, share)| share).collect(),
-            resolution: Resolution { iterations: fine.iterations.clone(), solver_error, ..resolution },
-        }
+            resolution: resolution.solved(&solutions),
+        };
+        (found, solutions.fields())
     }
 }
 
-/// Quantities with their errors.
-struct Estimates {
-    entries: [[Estimate; 6]; 6],
-    /// Bulk and shear modulus.
-    moduli: [Estimate; 2],
-    expansion: [Estimate; 6],
-}
-
-impl<F> Solved<F> {
-    /// Estimates from several sizes of cells. Entries that an isotropic tensor has equal are alike.
-    fn by_sizes(&self, coarser: &[Self], sizes: Sizes) -> Estimates {
-        let like = |of: &dyn Fn(&Self) -> Vec<f64>| {
-            let (fine, coarser): (Vec<f64>, Vec<Vec<f64>>) = (of(self), coarser.iter().map(of).collect());
-            let on = |number: usize, at: usize| coarser.get(number).map(|of| of[at]);
-            sizes.estimates(&(0..fine.len()).map(|at| (fine[at], on(0, at), on(1, at))).collect::<Vec<_>>())
-        };
-        let zero = Estimate { value: 0.0, error: 0.0 };
-        let mut entries = [[zero; 6]; 6];
-        let kind = |i: usize, j: usize| match (i == j, i < 3, j < 3) {
-            (true, is_normal, _) => usize::from(is_normal),
-            (false, true, true) => 2,
-            _ => 3,
-        };
-        for number in 0..4 {
-            let places: Vec<(usize, usize)> =
-                (0..36).map(|at| (at / 6, at % 6)).filter(|(i, j)| kind(*i, *j) == number).collect();
-            let found = like(&|of| places.iter().map(|(i, j)| of.tensor[*i][*j]).collect());
-            places.iter().zip(found).for_each(|((i, j), estimate)| entries[*i][*j] = estimate);
-        }
-        let modulus = |of: fn(&Isotropic) -> f64| like(&|solved| vec![of(&Isotropic::of(&solved.tensor))])[0];
-        let moduli = [modulus(|is| is.bulk_modulus_mpa), modulus(|is| is.shear_modulus_mpa)];
-        let [normal, shear] = [0, 3].map(|first| like(&|of| of.expansion()[first..first + 3].to_vec()));
-        let expansion = std::array::from_fn(|i| if i < 3 { normal[i] } else { shear[i - 3] });
-        Estimates { entries, moduli, expansion }
-    }
+/// The tensor of six solutions.
+fn stiffness_of(columns: &[Column<6>]) -> StiffnessTensor {
+    std::array::from_fn(|row| std::array::from_fn(|column| columns[column].mean[row]))
 }
 
 impl ElasticBounds {
@@ -496,25 +437,23 @@ impl Isotropic {
     }
 }
 
-impl<F> Solved<F> {
-    /// Strain of the free specimen, `C^-1` times the mean eigenstress.
-    fn expansion(&self) -> [f64; 6] {
-        let (mut c, mut strain) = (self.tensor, self.eigenstress);
-        // Gauss's elimination; the tensor is positive definite.
-        for pivot in 0..6 {
-            for row in pivot + 1..6 {
-                let factor = c[row][pivot] / c[pivot][pivot];
-                let from = c[pivot];
-                c[row].iter_mut().zip(from).for_each(|(to, from)| *to -= factor * from);
-                strain[row] -= factor * strain[pivot];
-            }
+/// Strain of the free specimen, `C^-1` times the mean eigenstress.
+fn expansion(columns: &[Column<6>]) -> [f64; 6] {
+    let (mut c, mut strain) = (stiffness_of(columns), std::array::from_fn(|column| columns[column].eigenstress));
+    // Gauss's elimination; the tensor is positive definite.
+    for pivot in 0..6 {
+        for row in pivot + 1..6 {
+            let factor = c[row][pivot] / c[pivot][pivot];
+            let from = c[pivot];
+            c[row].iter_mut().zip(from).for_each(|(to, from)| *to -= factor * from);
+            strain[row] -= factor * strain[pivot];
         }
-        for row in (0..6).rev() {
-            let known: f64 = (row + 1..6).map(|column| c[row][column] * strain[column]).sum();
-            strain[row] = (strain[row] - known) / c[row][row];
-        }
-        strain
     }
+    for row in (0..6).rev() {
+        let known: f64 = (row + 1..6).map(|column| c[row][column] * strain[column]).sum();
+        strain[row] = (strain[row] - known) / c[row][row];
+    }
+    strain
 }
 
 /// Sums over a specimen, times its volume.
@@ -526,8 +465,6 @@ pub(crate) struct Sums {
 }
 
 impl Strained for Elastic<'_> {
-    type Field = StressField;
-
     fn volume(&self) -> f64 {
         self.grid.volume()
     }
@@ -540,8 +477,14 @@ impl Strained for Elastic<'_> {
         self.nodal_forces(u, mean, out);
     }
 
-    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> StressField {
-        StressField::new(self, u, mean, component)
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> PropertyField {
+        let Grid { counts, origin, spacing, .. } = self.grid;
+        let ([nx, ny, nz], state) = (*counts, self.state(u, mean));
+        let at = |number: usize| [number % nx, number / nx % ny, number / (nx * ny)];
+        let stress =
+            parallel::map_short(nx * ny * nz, |number| state.mean_stress(at(number)).map(|stress| stress as f32));
+        let (origin_mm, spacing_mm) = ((*origin).into(), (*spacing).into());
+        PropertyField::of_stress(component, FieldCells::Voxels { counts: *counts, origin_mm, spacing_mm }, stress)
     }
 
     fn sums(&self, u: &[f64], mean: &[f64; 6]) -> Sums {

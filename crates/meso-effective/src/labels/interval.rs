@@ -13,7 +13,7 @@
 //! Both principles are in Hashin and Shtrikman (J. Appl. Phys. 33, 1962, 3125). The two bounds converge to each other.
 
 use super::Labelled;
-use crate::field::Flow;
+use crate::flow::Flow;
 use crate::grid::{End, Grid};
 use meso_collision::simd::{Wide, widest};
 use meso_concrete::parallel;

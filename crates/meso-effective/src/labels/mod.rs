@@ -6,9 +6,10 @@
 mod interval;
 
 use crate::effective::{self, Effective, EffectiveOptions, Medium, PhaseShare};
-use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, StressField, Voxels};
+use crate::elastic::{self, ElasticMedium, ElasticShare, Stiffness, StiffnessOptions, Voxels};
 use crate::error::EffectiveError;
-use crate::field::{Flow, FluxField};
+use crate::field::PropertyField;
+use crate::flow::Flow;
 use crate::grid::{End, Grid, Space};
 use crate::links::Links;
 use crate::moduli::{GivenModuli, Moduli, PhaseModuli, refuse_absent};
@@ -16,7 +17,7 @@ use crate::phases::{GivenValues, Phases, Property, SIZES};
 use meso_collision::math::Vec3;
 use meso_concrete::import::volume::Volume;
 use meso_concrete::watch::Watch;
-use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges, parallel};
+use meso_concrete::{Phase, PhaseNames, Ranges, parallel};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -30,19 +31,6 @@ pub struct LabelSpecimen {
     pub spacing_mm: [f64; 3],
     /// Axes along which the volume repeats itself.
     pub periodic: [bool; 3],
-}
-
-impl LabelSpecimen {
-    /// Refuses voxels of a size that none has.
-    ///
-    /// # Errors
-    /// See [`OutOfRange`].
-    pub fn validate(&self) -> Result<(), OutOfRange> {
-        let range = <Volume>::EDGES_MM;
-        let accepted = format!("it must be {:e} to {:e} mm", range.start(), range.end());
-        let require = |edge| Ranges("effective").require("voxel_size_mm", edge, range.contains(&edge), &*accepted);
-        self.spacing_mm.into_iter().try_for_each(require)
-    }
 }
 
 /// Values of a phases file for labels. The keys of a table are labels, as in `0 = 1.0`; or they are the phases of the images that
@@ -69,8 +57,8 @@ pub fn effective_of_labels(
     phases: &LabelPhases,
     options: &EffectiveOptions,
     watch: &dyn Watch,
-) -> Result<(Effective, Vec<FluxField>), EffectiveError> {
-    specimen.validate()?;
+) -> Result<(Effective, Vec<PropertyField>), EffectiveError> {
+    <Volume>::accept_edges("effective", &specimen.spacing_mm)?;
     let volume = &specimen.volume;
     let values = phases.values(options.what, volume)?;
     let (mut found, fields) = effective::of_medium(&Labelled { specimen, of: &values }, volume.counts, options, watch)?;
@@ -87,8 +75,8 @@ pub fn stiffness_of_labels(
     phases: &LabelPhases,
     options: &StiffnessOptions,
     watch: &dyn Watch,
-) -> Result<(Stiffness, Vec<StressField>), EffectiveError> {
-    specimen.validate()?;
+) -> Result<(Stiffness, Vec<PropertyField>), EffectiveError> {
+    <Volume>::accept_edges("effective", &specimen.spacing_mm)?;
     let volume = &specimen.volume;
     let moduli = phases.moduli(volume)?;
     let (mut found, fields) = elastic::of_medium(&Labelled { specimen, of: &moduli }, volume.counts, options, watch)?;

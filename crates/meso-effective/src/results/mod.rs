@@ -6,12 +6,13 @@ pub use load_curve::{CURVE, write_curve};
 
 use crate::bounds::PropertyBounds;
 use crate::effective::Effective;
-use crate::elastic::{COMPONENTS, ElasticShare, Stiffness, StressField, von_mises};
-use crate::field::FluxField;
+use crate::elastic::{ElasticShare, Stiffness};
+use crate::field::{COMPONENTS, FieldCells, PropertyField, von_mises};
 use crate::phases::Property;
 use crate::resolution::Resolution;
-use crate::tetrahedra::{MeshField, Unloading};
+use crate::tetrahedra::Unloading;
 use meso_collision::math::{Aabb, Vec3};
+use meso_mesh::Mesh;
 use meso_view::embedded::base64;
 use png::{BitDepth, ColorType, Encoder};
 use serde::Serialize;
@@ -27,61 +28,26 @@ pub fn field_ending(in_tetrahedra: bool) -> &'static str {
     if in_tetrahedra { "vtu" } else { "vti" }
 }
 
-/// Name of the file of a property's field for a gradient along `axis`: `diffusivity_x.vti`.
-pub fn field_file(what: Property, axis: usize, ending: &str) -> String {
-    format!("{}_{}.{ending}", what.name(), ["x", "y", "z"][axis])
-}
-
-/// Name of the file of the stresses for the strain `component`, 0 to 5: `stiffness_xx.vti`.
-pub fn stress_file(component: usize, ending: &str) -> String {
-    format!("stiffness_{}.{ending}", COMPONENTS[component])
+/// Names of the files of a property's fields, by the component of the gradient or the strain: `diffusivity_x.vti`,
+/// `stiffness_xx.vti`. `None` is stiffness.
+pub fn field_files(what: Option<Property>, ending: &str) -> Vec<String> {
+    let (name, components) = what.map_or(("stiffness", &COMPONENTS[..]), |what| (what.name(), &["x", "y", "z"]));
+    components.iter().map(|component| format!("{name}_{component}.{ending}")).collect()
 }
 
 /// Names of all files that results may have, but for the figures and the page.
 pub fn further_files() -> Vec<String> {
-    let of_ending = |in_tetrahedra| {
-        let ending = field_ending(in_tetrahedra);
-        let fluxes =
-            Property::ALL.into_iter().flat_map(move |what| (0..3).map(move |axis| field_file(what, axis, ending)));
-        fluxes.chain((0..COMPONENTS.len()).map(move |component| stress_file(component, ending)))
-    };
+    let properties = || Property::ALL.into_iter().map(Some).chain([None]);
+    let of_ending = |in_tetrahedra| properties().flat_map(move |what| field_files(what, field_ending(in_tetrahedra)));
     [false, true].into_iter().flat_map(of_ending).chain([CURVE.to_owned()]).collect()
-}
-
-/// A field of a computed property.
-pub enum PropertyField {
-    /// Potential and flux of diffusivity or conductivity.
-    Flux(Property, FluxField),
-    /// Stresses.
-    Stress(StressField),
-    /// Potential and flux in tetrahedra.
-    MeshFlux(Property, MeshField),
-    /// Stresses in tetrahedra.
-    MeshStress(MeshField),
 }
 
 impl PropertyField {
     /// Name of its file.
     pub fn file(&self) -> String {
-        match self {
-            Self::Flux(what, field) => field_file(*what, field.axis, field_ending(false)),
-            Self::Stress(field) => stress_file(field.strain, field_ending(false)),
-            Self::MeshFlux(what, field) => field_file(*what, field.component, field_ending(true)),
-            Self::MeshStress(field) => stress_file(field.component, field_ending(true)),
-        }
-    }
-
-    /// Writes VTK image data, or a grid of tetrahedra.
-    ///
-    /// # Errors
-    /// Fails with the errors of `out`.
-    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let out: &mut dyn Write = &mut out;
-        match self {
-            Self::Flux(_, field) => field.write_vti(out),
-            Self::Stress(field) => field.write_vti(out),
-            Self::MeshFlux(_, field) | Self::MeshStress(field) => field.write_vtu(out),
-        }
+        let component = if self.is_stress() { COMPONENTS[self.component] } else { ["x", "y", "z"][self.component] };
+        let in_tetrahedra = matches!(self.cells, FieldCells::Tetrahedra(_));
+        format!("{}_{component}.{}", self.what, field_ending(in_tetrahedra))
     }
 }
 
@@ -172,13 +138,8 @@ fn write_flux(of: &Effective, fields: &[PropertyField], out: &mut dyn Write) -> 
     write_bounds(&[("", &of.bounds)], out)?;
     write_phases(of, out)?;
     write_resolution(&of.resolution, out)?;
-    fields.iter().try_for_each(|field| match field {
-        PropertyField::Flux(what, field) if *what == of.what => write_flux_section(&Raster::of_flux(field), of, out),
-        PropertyField::MeshFlux(what, field) if *what == of.what => {
-            write_flux_section(&Raster::of_mesh(field, vector_norm), of, out)
-        }
-        _ => Ok(()),
-    })
+    let mut own = fields.iter().filter(|field| field.what == of.what.name());
+    own.try_for_each(|field| write_flux_section(&Raster::of(field), of, out))
 }
 
 fn write_resolution(of: &Resolution, out: &mut dyn Write) -> io::Result<()> {
@@ -235,11 +196,7 @@ fn write_stiffness(of: &Stiffness, fields: &[PropertyField], out: &mut dyn Write
         writeln!(out, "<p>Strain of the free specimen along x, y, z: {x:.4e}, {y:.4e}, {z:.4e}</p>")?;
     }
     write_resolution(&of.resolution, out)?;
-    fields.iter().try_for_each(|field| match field {
-        PropertyField::Stress(field) => write_stress_section(&Raster::of_stress(field), out),
-        PropertyField::MeshStress(field) => write_stress_section(&Raster::of_mesh(field, von_mises), out),
-        _ => Ok(()),
-    })
+    fields.iter().filter(|field| field.is_stress()).try_for_each(|field| write_stress_section(&Raster::of(field), out))
 }
 
 fn write_unloading(of: &Unloading, out: &mut dyn Write) -> io::Result<()> {
@@ -317,51 +274,48 @@ fn vector_norm(v: &[f32]) -> f32 {
     v.iter().map(|x| x * x).sum::<f32>().sqrt()
 }
 
-/// Axis of a section that holds the gradient or the strain.
-fn across(component: usize, is_stress: bool) -> usize {
-    usize::from(component == 1 || (is_stress && component == 3))
-}
-
 impl Raster {
-    fn of_flux(field: &FluxField) -> Self {
-        let amount = |voxel: usize| vector_norm(&field.flux[voxel]);
-        Self::of_voxels(field.axis, across(field.axis, false), field.counts, amount)
+    fn of(field: &PropertyField) -> Self {
+        // The section holds the gradient or the strain.
+        let across = usize::from(field.component == 1 || (field.is_stress() && field.component == 3));
+        let (components, amount): (_, fn(&[f32]) -> f32) =
+            if field.is_stress() { (6, von_mises) } else { (3, vector_norm) };
+        let values = field.values.chunks(components).map(amount);
+        let (component, mean) = (field.component, 0.0);
+        match &field.cells {
+            FieldCells::Voxels { counts, .. } => {
+                let values: Vec<f32> = values.collect();
+                let mean = values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64;
+                let size = [counts[across], counts[2]];
+                let pixel = |number: usize| {
+                    let mut at = [0; 3];
+                    (at[across], at[2], at[1 - across]) = (number % size[0], number / size[0], counts[1 - across] / 2);
+                    values[(at[2] * counts[1] + at[1]) * counts[0] + at[0]]
+                };
+                Self { component, size, amounts: (0..size[0] * size[1]).map(pixel).collect(), mean }
+            }
+            FieldCells::Tetrahedra(mesh) => {
+                let mut raster = Self { component, size: [0; 2], amounts: Vec::new(), mean };
+                raster.fill(mesh, across, values);
+                raster
+            }
+        }
     }
 
-    fn of_stress(field: &StressField) -> Self {
-        let amount = |voxel: usize| von_mises(&field.stress[voxel]);
-        Self::of_voxels(field.strain, across(field.strain, true), field.counts, amount)
-    }
-
-    fn of_voxels(component: usize, across: usize, counts: [usize; 3], amount: impl Fn(usize) -> f32) -> Self {
-        let [nx, ny, nz] = counts;
-        let size = [counts[across], nz];
-        let pixel = |number: usize| {
-            let mut at = [0; 3];
-            (at[across], at[2], at[1 - across]) = (number % size[0], number / size[0], counts[1 - across] / 2);
-            amount((at[2] * ny + at[1]) * nx + at[0])
-        };
-        let count = nx * ny * nz;
-        let mean = (0..count).map(|voxel| f64::from(amount(voxel))).sum::<f64>() / count as f64;
-        Self { component, size, amounts: (0..size[0] * size[1]).map(pixel).collect(), mean }
-    }
-
-    /// Pixels of the cells that cross the plane in the middle.
-    fn of_mesh(field: &MeshField, amount: fn(&[f32]) -> f32) -> Self {
-        let (mesh, components) = (&field.mesh, field.components());
-        let across = across(field.component, components == 6);
+    /// Fills the pixels by the cells that cross the plane in the middle.
+    fn fill(&mut self, mesh: &Mesh, across: usize, values: impl Iterator<Item = f32>) {
         let aabb = Aabb::around(&mesh.points);
         let (length, plane) = (aabb.size(), (aabb.min + aabb.max)[1 - across] / 2.0);
         let edge = length[across].max(length[2]) / PIXELS;
         let axes = [across, 2];
         let size = axes.map(|axis| ((length[axis] / edge + 0.5) as usize).max(1));
-        let mut raster = Self { component: field.component, size, amounts: vec![0.0; size[0] * size[1]], mean: 0.0 };
+        (self.size, self.amounts) = (size, vec![0.0; size[0] * size[1]]);
         let mut volumes = 0.0;
-        for (cell, value) in mesh.cells().zip(field.values.chunks(components)) {
+        for (cell, amount) in mesh.cells().zip(values) {
             let corners = [0, 1, 2, 3].map(|corner| mesh.points[cell[corner] as usize]);
-            let (amount, around) = (amount(value), Aabb::around(&corners));
+            let around = Aabb::around(&corners);
             let whole = determinant(&corners);
-            raster.mean += whole * f64::from(amount);
+            self.mean += whole * f64::from(amount);
             volumes += whole;
             if around.min[1 - across] > plane || around.max[1 - across] < plane {
                 continue;
@@ -380,12 +334,11 @@ impl Raster {
                     determinant(&others) >= 0.0
                 };
                 if (0..4).all(beside) {
-                    raster.amounts[row * size[0] + column] = amount;
+                    self.amounts[row * size[0] + column] = amount;
                 }
             }
         }
-        raster.mean /= volumes;
-        raster
+        self.mean /= volumes;
     }
 
     /// A picture of the amounts over the one that is white.

@@ -14,14 +14,15 @@
 //! 30, 1993, 921).
 
 use super::domain::{Domain, GIVEN};
-use super::field::MeshField;
 use super::flux::{Conduction, Task, unit};
 use crate::boundary::Boundary;
 use crate::effective::{At, CRACK, Effective, EffectiveOptions, PhaseShare};
 use crate::error::{self, EffectiveError};
 use crate::estimate::Sizes;
+use crate::field::PropertyField;
 use crate::phases::{PhaseValues, Phases, Property};
 use crate::resolution::Resolution;
+use crate::solutions::Solutions;
 use meso_collision::geometry::principal_axes;
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::watch::Watch;
@@ -145,7 +146,7 @@ pub fn effective_in_cracks(
     cracks: &CrackValues,
     options: &EffectiveOptions,
     watch: &dyn Watch,
-) -> Result<(Effective, Vec<MeshField>), EffectiveError> {
+) -> Result<(Effective, Vec<PropertyField>), EffectiveError> {
     of.accept(phases, cracks, options)?;
     let (values, what) = (phases.values(options.what), options.what);
     let [crack, roughness] = cracks.settle(what, values.mortar)?;
@@ -176,8 +177,7 @@ pub fn effective_in_cracks(
     let conduction = Conduction::of_cells(&domain, phase, (&values, names), tensor);
     let stages = options.axes.iter().filter(|axis| **axis).count();
     let task = Task { conduction, options, fields: options.fields, shows_excess: true, watch, stages };
-    let mut columns = task.columns()?;
-    let fields = columns.iter_mut().filter_map(|column| column.field.take()).collect();
+    let solutions = Solutions { fine: task.columns()?, coarser: Vec::new(), sizes: Sizes::DOUBLED };
     let share = |part: usize| of_part(part).map_or(0.0, Layers::share);
     let volumes = of.volumes(&domain, |part| 1.0 - share(part));
     let [cracked, opened, conducted] = domain.sums(|part| {
@@ -197,18 +197,12 @@ pub fn effective_in_cracks(
         shares.push(PhaseShare { name: CRACK.to_owned(), value, volume_fraction: cracked / domain.volume });
     }
     let resolution = Resolution::of_mesh(["fixed"; 3], domain.mesh.cell_count());
-    let found = Effective::new(what, &columns, (&[], Sizes::DOUBLED), shares, resolution);
-    let found = Effective { at: of.at, ..found };
-    Ok((found.without_voids(of.filled < 1.0 && values.void > 0.0), MeshField::all(domain.mesh, fields)))
-}
-
-impl Effective {
-    /// Warns of voids that have a value, if there are such.
-    fn without_voids(mut self, are_there: bool) -> Self {
-        let warning = "the mesh of a test has no voids; they count as 0".to_owned();
-        self.warnings.extend(are_there.then_some(warning));
-        self
+    let (mut found, fields) = Effective::new(what, solutions, shares, resolution);
+    found.at = of.at;
+    if of.filled < 1.0 && values.void > 0.0 {
+        found.warnings.push("the mesh of a test has no voids; they count as 0".to_owned());
     }
+    Ok((found, fields))
 }
 
 /// A mesh of tetrahedra; boxes have six each.

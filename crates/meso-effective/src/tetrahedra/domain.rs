@@ -1,13 +1,15 @@
 //! Nodes and cells of a mesh, and the unknowns at its nodes.
 
+use crate::field::FieldCells;
 use meso_collision::math::Vec3;
 use meso_concrete::parallel;
 use meso_mesh::Mesh;
 use meso_mesh::cells::{CellKind, NodeImages, Sides};
+use std::sync::Arc;
 
 /// A mesh of tetrahedra with the cells around its nodes.
 pub(super) struct Domain {
-    pub(super) mesh: Mesh,
+    pub(super) mesh: Arc<Mesh>,
     /// Volume with the voids, mm3.
     pub(super) volume: f64,
     pub(super) sides: Sides,
@@ -54,10 +56,15 @@ impl Domain {
             corners[*place] = corner;
             *place += 1;
         }
-        let mut domain = Self { mesh, volume: 0.0, sides, image, corners, starts };
+        let mut domain = Self { mesh: Arc::new(mesh), volume: 0.0, sides, image, corners, starts };
         let [cells] = domain.sums(|cell| [domain.cell(cell).volume]);
         domain.volume = cells + domain.mesh.notes.voids_mm3;
         domain
+    }
+
+    /// The cells of a field.
+    pub(super) fn field_cells(&self) -> FieldCells {
+        FieldCells::Tetrahedra(Arc::clone(&self.mesh))
     }
 
     /// The unknowns of the nodes of cells for which `counts`, but for nodes on the sides whose bits `given` has.

@@ -1,15 +1,13 @@
 //! Diffusivity and conductivity on tetrahedra.
 
 use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
-use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
 use crate::boundary::Boundary;
-use crate::effective::{Column, Effective, EffectiveOptions, reporting};
+use crate::effective::{Effective, EffectiveOptions};
 use crate::error::{self, EffectiveError};
-use crate::estimate::Sizes;
-use crate::grid::Space;
-use crate::phases::{PhaseValues, Phases};
-use crate::resolution::Resolution;
+use crate::field::PropertyField;
+use crate::phases::{PhaseValues, Phases, Property};
+use crate::solutions::{Column, reporting};
 use crate::solver::{self, Energy, Graph, Rows, Solution};
 use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
@@ -30,7 +28,7 @@ pub fn effective_in_tetrahedra<'a>(
     options: &EffectiveOptions,
     element_size_mm: f64,
     watch: &dyn Watch,
-) -> Result<(Effective, Vec<MeshField>), EffectiveError> {
+) -> Result<(Effective, Vec<PropertyField>), EffectiveError> {
     let Parts { bodies, specimen, phases: names } = parts.into();
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
@@ -47,13 +45,8 @@ pub fn effective_in_tetrahedra<'a>(
         let conduction = Conduction::new(domain, &meshed, &values, &names);
         Task { conduction, options, fields, shows_excess: false, watch, stages }.columns()
     };
-    let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
-    let fields = fine.iter_mut().filter_map(|column| column.field.take()).collect();
-    let boundary = Space::of(specimen).boundary(options.boundary.name());
-    let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
-    let fields = MeshField::all(domain.mesh, fields);
-    let coarser = (&coarser[..], Sizes::DOUBLED);
-    Ok((Effective::new(options.what, &fine, coarser, values.shares(&bodies, specimen, &names), resolution), fields))
+    let (solutions, resolution) = meshed.on_sizes((element_size_mm, options.boundary.name()), watch, solve)?;
+    Ok(Effective::new(options.what, solutions, values.shares(&bodies, specimen, &names), resolution))
 }
 
 /// Bytes a cube of the element size, without fields: 1,930 were measured, mesh included.
@@ -175,7 +168,13 @@ impl<'a> Conduction<'a> {
     }
 
     /// The field along `axis`, for a `given` gradient and the potential's.
-    pub(super) fn field(&self, of: &[u32], axis: usize, given: &Vec3, potential: &[f64]) -> CellValues {
+    pub(super) fn field(
+        &self,
+        (what, of): (Property, &[u32]),
+        axis: usize,
+        given: &Vec3,
+        potential: &[f64],
+    ) -> PropertyField {
         let node = |node: usize| {
             let given = self.domain.mesh.points[node].dot(given);
             (given + if of[node] == GIVEN { 0.0 } else { potential[of[node] as usize] }) as f32
@@ -187,7 +186,7 @@ impl<'a> Conduction<'a> {
         let mesh = &self.domain.mesh;
         let flux = parallel::map_short(mesh.cell_count(), flux).into_flattened();
         let potential = parallel::map_short(mesh.points.len(), node);
-        CellValues { component: axis, potential, values: flux }
+        PropertyField { what: what.name(), component: axis, cells: self.domain.field_cells(), potential, values: flux }
     }
 }
 
@@ -208,7 +207,7 @@ pub(super) struct Task<'a> {
 
 impl Task<'_> {
     /// The solutions along the axes asked for. Axes with the same conditions share their equations.
-    pub(super) fn columns(&self) -> Result<Vec<Column<CellValues>>, EffectiveError> {
+    pub(super) fn columns(&self) -> Result<Vec<Column<3>>, EffectiveError> {
         let domain = self.conduction.domain;
         let mut columns = Vec::new();
         let groups = match self.options.boundary {
@@ -223,7 +222,7 @@ impl Task<'_> {
                 columns.push(self.column(&unknowns, &graph, axis, columns.len())?);
             }
         }
-        columns.sort_by_key(|column| column.axis);
+        columns.sort_by_key(|column| column.component);
         Ok(columns)
     }
 
@@ -245,16 +244,17 @@ impl Task<'_> {
         graph: &Graph,
         axis: usize,
         done: usize,
-    ) -> Result<Column<CellValues>, EffectiveError> {
+    ) -> Result<Column<3>, EffectiveError> {
         let conduction = &self.conduction;
         let nothing = vec![0.0; unknowns.nodes.len()];
         let energy = conduction.mean(&unknowns.of, axis, &nothing)[axis] * conduction.domain.volume;
         let sources = conduction.sources(unknowns, axis);
         let found = self.solve(graph, sources, Energy::falling(energy), done)?;
         let flux = conduction.mean(&unknowns.of, axis, &found.potential);
-        let field = self.fields.then(|| conduction.field(&unknowns.of, axis, &unit(axis), &found.potential));
+        let of = (self.options.what, &unknowns.of[..]);
+        let field = self.fields.then(|| conduction.field(of, axis, &unit(axis), &found.potential));
         let excess = self.shows_excess.then(|| conduction.excess(&unknowns.of, axis, &found.potential));
-        Ok(Column { axis, flux, iterations: found.iterations, error: found.error, bounds: None, excess, field })
+        Ok(Column { excess, field, ..Column::new(axis, flux, (found.iterations, found.error)) })
     }
 
     /// Solution number `done`.

@@ -9,6 +9,10 @@
 
 use super::domain::Domain;
 use crate::error::EffectiveError;
+use crate::estimate::Sizes;
+use crate::grid::Space;
+use crate::resolution::Resolution;
+use crate::solutions::{Column, Solutions};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Specimen;
@@ -117,24 +121,27 @@ impl<'a> Bodies<'a> {
         self.films.push(film);
     }
 
-    /// The solutions on elements of a size, then those on twice and four times the size, and the fine mesh; `solve` learns which one
-    /// it is. Elements of four times the size are left out if they are too large for the specimen or its bodies.
+    /// The solutions on elements of a size, and on those of twice and four times the size, with the fine mesh as a division whose walls
+    /// have the conditions `at_walls`; `solve` learns which one it is. Elements of four times the size are left out if they are too
+    /// large for the specimen or its bodies.
     ///
     /// # Errors
     /// The errors of `solve`, bodies and options that cannot be meshed, and elements too large for a phase.
-    pub(super) fn on_sizes<S>(
+    pub(super) fn on_sizes<const N: usize>(
         &self,
-        element_size_mm: f64,
+        (element_size_mm, at_walls): (f64, &'static str),
         watch: &dyn Watch,
-        solve: impl Fn(&Domain, bool) -> Result<S, EffectiveError>,
-    ) -> Result<(S, Vec<S>, Domain), EffectiveError> {
+        solve: impl Fn(&Domain, bool) -> Result<Vec<Column<N>>, EffectiveError>,
+    ) -> Result<(Solutions<N>, Resolution), EffectiveError> {
         let mut coarser = vec![solve(&self.mesh(2.0 * element_size_mm, false, watch)?, false)?];
         if 8.0 * element_size_mm <= self.specimen.aabb().size().min() {
             let coarsest = self.mesh(4.0 * element_size_mm, false, watch);
             coarser.extend(coarsest.and_then(|domain| solve(&domain, false)));
         }
         let domain = self.mesh(element_size_mm, true, watch)?;
-        Ok((solve(&domain, true)?, coarser, domain))
+        let (count, boundary) = (domain.mesh.cell_count(), Space::of(self.specimen).boundary(at_walls));
+        let solutions = Solutions { fine: solve(&domain, true)?, coarser, sizes: Sizes::DOUBLED };
+        Ok((solutions, Resolution::of_tetrahedra(boundary, count, element_size_mm)))
     }
 
     /// The mesh of elements of a size; in a fine one every phase has nearly its exact volume.

@@ -5,7 +5,6 @@
 
 mod cracked;
 mod domain;
-mod field;
 mod flux;
 mod meshed;
 mod solid;
@@ -13,7 +12,6 @@ mod uniform;
 mod unloading;
 
 pub use cracked::{CrackValues, Cracked, effective_in_cracks};
-pub use field::MeshField;
 pub use flux::effective_in_tetrahedra;
 pub use solid::stiffness_in_tetrahedra;
 pub use unloading::{Unloading, moduli_in_cracks};

@@ -1,20 +1,17 @@
 //! Stiffness on tetrahedra.
 
 use super::domain::{Domain, GIVEN, Tetrahedron, Unknowns};
-use super::field::{CellValues, MeshField};
 use super::meshed::{Bodies, Itz, cubes};
-use crate::elastic::{Solved, Stiffness, StiffnessOptions, Strained, Sums, shares};
+use crate::elastic::{Stiffness, StiffnessOptions, Strained, Sums, columns, shares};
 use crate::error::{self, EffectiveError};
-use crate::estimate::Sizes;
-use crate::grid::Space;
+use crate::field::PropertyField;
 use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
-use crate::resolution::Resolution;
 use crate::solver::{Equations, Graph, Multigrid, Rows, dot, layers_mut};
 use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::Phase;
 use meso_concrete::specimen::Specimen;
-use meso_concrete::watch::{Stage, Watch};
+use meso_concrete::watch::{Silent, Watch};
 use meso_concrete::{Parts, parallel};
 
 /// The stiffness of `parts` on tetrahedra with edges of `element_size_mm`, and the stresses if asked for. The size of voxels
@@ -29,7 +26,7 @@ pub fn stiffness_in_tetrahedra<'a>(
     options: &StiffnessOptions,
     element_size_mm: f64,
     watch: &dyn Watch,
-) -> Result<(Stiffness, Vec<MeshField>), EffectiveError> {
+) -> Result<(Stiffness, Vec<PropertyField>), EffectiveError> {
     let Parts { bodies, specimen, phases: names } = parts.into();
     let table = moduli.table(&names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
@@ -41,21 +38,11 @@ pub fn stiffness_in_tetrahedra<'a>(
     let itz = Itz::of(&of(Phase::Mortar), &aggregates, &of(Phase::Itz), false);
     let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
     let solve = |domain: &Domain, is_fine: bool| {
-        let report = |share| {
-            if is_fine {
-                watch.stage(Stage::Solve, share);
-            }
-        };
-        let fields = is_fine && options.fields;
-        Solved::of(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, &report)
+        let (fields, watch): (_, &dyn Watch) = if is_fine { (options.fields, watch) } else { (false, &Silent) };
+        columns(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, watch)
     };
-    let (mut fine, coarser, domain) = meshed.on_sizes(element_size_mm, watch, solve)?;
-    let fields = std::mem::take(&mut fine.fields);
-    let boundary = Space::of(specimen).boundary("uniform-strain");
-    let resolution = Resolution::of_tetrahedra(boundary, domain.mesh.cell_count(), element_size_mm);
-    let result =
-        Stiffness::new(&fine, (&coarser, Sizes::DOUBLED), shares(&table, &bodies, specimen, &names), resolution);
-    Ok((result, MeshField::all(domain.mesh, fields)))
+    let (solutions, resolution) = meshed.on_sizes((element_size_mm, "uniform-strain"), watch, solve)?;
+    Ok(Stiffness::new(solutions, shares(&table, &bodies, specimen, &names), resolution))
 }
 
 /// Bytes a cube of the element size, without fields, by count.
@@ -253,8 +240,6 @@ impl Equations for Solid<'_> {
 }
 
 impl Strained for Solid<'_> {
-    type Field = CellValues;
-
     fn volume(&self) -> f64 {
         self.domain.volume
     }
@@ -287,8 +272,8 @@ impl Strained for Solid<'_> {
         Sums { stress: [0, 1, 2, 3, 4, 5].map(|i| sums[i]), energy: sums[6], eigen: sums[7] }
     }
 
-    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> CellValues {
+    fn field(&self, u: &[f64], mean: &[f64; 6], component: usize) -> PropertyField {
         let stress = |cell: usize| self.stress(cell, u, mean).map(|stress| stress as f32);
-        CellValues::of_stress(component, parallel::map_short(self.of.len(), stress))
+        PropertyField::of_stress(component, self.domain.field_cells(), parallel::map_short(self.of.len(), stress))
     }
 }

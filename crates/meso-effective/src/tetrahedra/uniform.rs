@@ -3,17 +3,16 @@
 //! Solutions for unit fluxes along x, y and z have mean gradients, the columns of the mean resistance. Its inverse is the tensor.
 
 use super::domain::Unknowns;
-use super::field::CellValues;
 use super::flux::Task;
-use crate::effective::Column;
 use crate::error::EffectiveError;
+use crate::solutions::Column;
 use crate::solver::Energy;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::Ranges;
 
 impl Task<'_> {
     /// The columns of the axes asked for. All three solutions count in each.
-    pub(super) fn columns_of_uniform_flux(&self) -> Result<Vec<Column<CellValues>>, EffectiveError> {
+    pub(super) fn columns_of_uniform_flux(&self) -> Result<Vec<Column<3>>, EffectiveError> {
         let conduction = &self.conduction;
         let domain = conduction.domain;
         let unknowns = domain.unknowns(0, |cell| conduction.conducts(cell));
@@ -33,21 +32,13 @@ impl Task<'_> {
             // On the diagonal, twice the work less the energy: its error is the square of the potential's.
             let [.., energy] = conduction.sums(&unknowns.of, &Vec3::zeros(), u);
             resistance[(axis, axis)] = 2.0 * resistance[(axis, axis)] - energy / domain.volume;
-            let field = || conduction.field(&unknowns.of, axis, &Vec3::zeros(), u);
+            let field = || conduction.field((self.options.what, &unknowns.of), axis, &Vec3::zeros(), u);
             let field = (self.fields && self.options.axes[axis]).then(field);
-            columns.push(Column {
-                axis,
-                flux: [0.0; 3],
-                iterations: found.iterations,
-                error: found.error,
-                bounds: None,
-                excess: None,
-                field,
-            });
+            columns.push(Column { field, ..Column::new(axis, [0.0; 3], (found.iterations, found.error)) });
         }
         let tensor = resistance.try_inverse().unwrap_or_default();
-        columns.iter_mut().for_each(|column| column.flux = tensor.column(column.axis).into());
-        columns.retain(|column| self.options.axes[column.axis]);
+        columns.iter_mut().for_each(|column| column.mean = tensor.column(column.component).into());
+        columns.retain(|column| self.options.axes[column.component]);
         Ok(columns)
     }
 

@@ -7,11 +7,12 @@
 use super::cracked::{Cracked, has_ends, in_tetrahedra};
 use super::domain::{Domain, Tetrahedron};
 use super::solid::Solid;
-use crate::effective::{At, reporting};
+use crate::effective::At;
 use crate::elastic::{ElasticShare, Strained};
 use crate::error::{self, EffectiveError};
 use crate::moduli::{PhaseModuli, Table};
 use crate::resolution::Resolution;
+use crate::solutions::reporting;
 use crate::solver::{Energy, solve_equations};
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::watch::Watch;

@@ -9,7 +9,7 @@ mod vti;
 mod xml;
 
 use super::{ending, list, misnamed};
-use crate::written;
+use crate::{OutOfRange, Ranges, written};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
@@ -157,7 +157,18 @@ pub fn read_wanted<N: LabelNumber>(name: &str, bytes: &[u8], wanted: &Wanted<'_>
 
 impl Volume {
     /// Edges that a voxel may have, mm.
-    pub const EDGES_MM: RangeInclusive<f64> = 1e-6..=1e6;
+    const EDGES_MM: RangeInclusive<f64> = 1e-6..=1e6;
+
+    /// Refuses the edges of a voxel in the option `voxel_size_mm` of a table.
+    ///
+    /// # Errors
+    /// The first edge out of its range.
+    pub fn accept_edges(table: &'static str, edges: &[f64; 3]) -> Result<(), OutOfRange> {
+        let range = Self::EDGES_MM;
+        let accepted = format!("it must be {:e} to {:e} mm", range.start(), range.end());
+        let accept = |edge: &f64| Ranges(table).require("voxel_size_mm", *edge, range.contains(edge), &*accepted);
+        edges.iter().try_for_each(accept)
+    }
 }
 
 impl<N: LabelNumber> Volume<N> {
