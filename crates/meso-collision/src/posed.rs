@@ -18,7 +18,7 @@ pub trait Posed: Sized {
 
     /// The smallest axis-aligned box around the body.
     fn aabb(&self) -> Aabb {
-        if let BodyForm::Round(round) = self.form() { round.aabb() } else { Aabb::around(&*self.vertices()) }
+        self.form().aabb(&self.vertices())
     }
 
     /// Distance of two bodies, mm; 0 where they share a point.

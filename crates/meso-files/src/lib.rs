@@ -6,6 +6,7 @@ pub mod free;
 pub mod lock;
 pub mod whole;
 
+use meso_concrete::import::bytes_of_surface;
 use meso_pack::recipes::Recipe;
 use meso_pack::spec::Files;
 use sha2::{Digest, Sha256};
@@ -42,7 +43,7 @@ impl Files for Beside<'_> {
             let limit = LONGEST_INPUT >> 20;
             return Err(io::Error::other(format!("{} is longer than {limit} MB, too long for a spec", path.display())));
         }
-        let needed = free::of_surface(name, &bytes);
+        let needed = bytes_of_surface(name, &bytes);
         if let Some(free) = free::memory().filter(|free| *free < needed) {
             let [needed, free] = [needed, free].map(|bytes| bytes >> 20);
             let why = format!("takes about {needed} MB of memory, and {free} MB are free; save it with fewer corners");

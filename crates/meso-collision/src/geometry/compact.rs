@@ -111,7 +111,11 @@ impl CompactPolyhedron {
         match self.role() {
             Role::Hull => BodyForm::Hull,
             Role::Surface { .. } => BodyForm::Surface,
-            Role::Facets => BodyForm::Round(Round::of_ends(&self.vertices().collect::<Vec<_>>())),
+            Role::Facets => {
+                let [x, y, z] = self.coordinates();
+                let end = |end: usize| Vec3::new(x[end].into(), y[end].into(), z[end].into());
+                BodyForm::Round(Round::of_ends(&std::array::from_fn::<_, ENDS, _>(end)))
+            }
         }
     }
 

@@ -39,6 +39,13 @@ pub enum BodyForm {
     Surface,
 }
 
+impl BodyForm {
+    /// The smallest axis-aligned box around a body of this form with these vertices.
+    pub fn aabb(&self, vertices: &[Vec3]) -> Aabb {
+        if let Self::Round(round) = self { round.aabb() } else { Aabb::around(vertices) }
+    }
+}
+
 /// Volume integrals of a body of unit density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
@@ -339,10 +346,7 @@ impl Polyhedron {
 
     /// The smallest axis-aligned box around the body.
     pub fn aabb(&self) -> Aabb {
-        if let Some(round) = self.round() {
-            return round.aabb();
-        }
-        Aabb::around(&self.vertices)
+        self.form().aabb(&self.vertices)
     }
 
     /// The body moved by `displacement`; every coordinate is rounded once.

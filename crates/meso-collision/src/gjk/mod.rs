@@ -44,7 +44,7 @@ mod support;
 
 pub use ask::bodies::Bodies;
 pub use ask::cascade::{Counters, apart_from};
-pub use ask::points::distance_exceeds;
+pub(crate) use ask::points::distance_exceeds;
 pub use ask::points::{Verdict, closest_points, distance, intersects};
 pub use body::Body;
 pub use body::Bounds;

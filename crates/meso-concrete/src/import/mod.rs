@@ -8,6 +8,7 @@ mod columns;
 mod content;
 pub mod grains;
 pub mod harmonics;
+mod memory;
 mod mend;
 mod obj;
 mod off;
@@ -20,6 +21,7 @@ mod words;
 
 pub use columns::Columns;
 pub use content::misnamed;
+pub use memory::bytes_of_surface;
 pub use mend::without_flat_triangles;
 
 use meso_collision::geometry::{SurfaceError, TriangleMesh};

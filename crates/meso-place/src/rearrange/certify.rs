@@ -65,12 +65,13 @@ impl<'a> Settled<'a> {
     fn new(task: &Task, grain: &'a Grain, pose: &'a Pose) -> Self {
         stop::point();
         let body = Moved { body: &grain.body, pose, offset: &Vec3::zeros() };
+        let (form, vertices) = (body.form(), body.vertices());
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
         Self {
             grain,
             pose,
-            aabb: body.aabb().moved(&pose.centre).grown(*min_gap_mm),
-            inside: task.container.holds_body(&body.form(), &body.vertices(), &pose.centre, *wall_gap_mm),
+            aabb: form.aabb(&vertices).moved(&pose.centre).grown(*min_gap_mm),
+            inside: task.container.holds_body(&form, &vertices, &pose.centre, *wall_gap_mm),
         }
     }
 

@@ -184,17 +184,7 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
 
 /// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: agrees with [`distance`], mostly
 /// without computing it.
-///
-/// # Errors
-/// Fails like [`intersects`].
-///
-/// ```
-/// use meso_collision::{gjk, math::Vec3};
-/// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
-/// assert!(gjk::distance_exceeds(&a, &b, 0.5)? && !gjk::distance_exceeds(&a, &b, 1.0)?);
-/// # Ok::<(), meso_collision::gjk::GjkError>(())
-/// ```
-pub fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
+pub(crate) fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
     check(a, Operand::A)?;
     check(b, Operand::B)?;
     Ok(Scaled::new(a, b).distance_exceeds(gap))
