@@ -8,10 +8,8 @@ use crate::error::SolveError;
 use crate::march::curve::Row;
 use crate::march::path::Leg;
 use crate::march::servo::{Follower, Servo};
-use crate::march::supports::Held;
 use meso_element::block::{Block, Common, Group};
 use meso_element::lanes::LANES;
-use meso_trial::MOST_SUPPORTS;
 use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
@@ -54,10 +52,7 @@ impl Run<'_> {
         out.write_all(&self.fingerprint())?;
         let state = &self.state;
         words(out, &[state.step, state.rows.len() as u64])?;
-        let State { time, progress, added, speed, travel, .. } = *state;
-        numbers(out, &[time, progress, added, speed, travel])?;
-        let State { external, internal, friction, kinetic, spent, .. } = *state;
-        numbers(out, &[external, internal, friction, kinetic, spent])?;
+        numbers(out, &state.numbers())?;
         numbers(out, &state.servo.values())?;
         numbers(out, &state.follower.values())?;
         numbers(out, &state.leg.values())?;
@@ -106,42 +101,22 @@ impl Run<'_> {
             return Err(SolveError::Resume(why.to_owned()));
         }
         let (step, rows) = (word(from)?, word(from)?);
-        let [time, progress, added, speed, travel] = some(from)?;
-        let [external, internal, friction, kinetic, spent] = some(from)?;
-        let (servo, follower) = (Servo::from_values(some(from)?), Follower::from_values(some(from)?));
+        let mut state = State { step, ..State::default() };
+        state.take(some(from)?);
+        (state.servo, state.follower) = (Servo::from_values(some(from)?), Follower::from_values(some(from)?));
         let values = some(from)?;
-        let leg = Leg::from_values(values);
-        if leg.values().map(f64::to_bits) != values.map(f64::to_bits) {
+        state.leg = Leg::from_values(values);
+        if state.leg.values().map(f64::to_bits) != values.map(f64::to_bits) {
             return Err(damaged());
         }
-        let mut held = [Held::default(); MOST_SUPPORTS];
-        fill(from, held.as_flattened_mut())?;
-        let (forces, since, speeds) = (some(from)?, some(from)?, some(from)?);
-        let [way, count] = some(from)?;
+        fill(from, state.held.as_flattened_mut())?;
+        state.forces = some(from)?;
+        let (forces, speeds) = (some(from)?, some(from)?);
+        let [travel, count] = some(from)?;
         let mut gauges = vec![0.0; self.gauges.len()];
         fill(from, &mut gauges)?;
-        let since_row = Since { forces: since, speeds, travel: way, count, gauges };
-        self.state = State {
-            step,
-            time,
-            progress,
-            added,
-            speed,
-            servo,
-            follower,
-            travel,
-            leg,
-            held,
-            forces,
-            external,
-            internal,
-            friction,
-            kinetic,
-            spent,
-            since_row,
-            rows: Vec::new(),
-            extra: Vec::new(),
-        };
+        state.since_row = Since { forces, speeds, travel, count, gauges };
+        self.state = state;
         for _ in 0..rows {
             self.state.rows.push(Row::from_values(some(from)?));
         }

@@ -9,7 +9,7 @@ pub use meso_element::block::matter::LawTask;
 pub use meso_element::block::{STRAINS, spent};
 pub use meso_element::face::{Cohesion, CohesionValues};
 
-use super::{Run, Since, State};
+use super::{Run, Since};
 use crate::error::SolveError;
 use crate::march::gauges::watched;
 use crate::march::nodes::Sums;
@@ -260,15 +260,14 @@ impl Run<'_> {
     }
 
     fn scalars(&self) -> Scalars {
-        let State { step, progress, added, speed, travel, external, internal, friction, kinetic, spent, .. } =
-            self.state;
+        let [_, progress, added, speed, travel, energies @ ..] = self.state.numbers();
         let since = &self.state.since_row;
         Scalars {
-            step,
+            step: self.state.step,
             progress: [progress, added],
             path: [speed, travel],
             servo: self.state.servo.values(),
-            energies: [external, internal, friction, kinetic, spent],
+            energies,
             since_row: [since.forces[0], since.forces[1], since.travel, since.count],
         }
     }
@@ -279,25 +278,10 @@ impl Run<'_> {
         let [bottom, top, way, count] = since_row;
         let mut forces = [0.0; MOST_SUPPORTS];
         forces[..2].copy_from_slice(&[bottom, top]);
-        let since_row = Since { forces, travel: way, count, ..Since::default() };
-        let before = std::mem::take(&mut self.state);
-        let (time, servo) = (step as f64 * self.outline.dt, Servo::from_values(servo));
-        self.state = State {
-            step,
-            time,
-            progress,
-            added,
-            speed,
-            servo,
-            travel,
-            external,
-            internal,
-            friction,
-            kinetic,
-            spent,
-            since_row,
-            ..before
-        };
+        let (state, time) = (&mut self.state, step as f64 * self.outline.dt);
+        state.take([time, progress, added, speed, travel, external, internal, friction, kinetic, spent]);
+        (state.step, state.servo) = (step, Servo::from_values(servo));
+        state.since_row = Since { forces, travel: way, count, ..Since::default() };
     }
 }
 

@@ -120,6 +120,20 @@ pub(crate) struct State {
     pub(crate) extra: Vec<f64>,
 }
 
+impl State {
+    /// The numbers of a step: its time, its place on the path and the energies.
+    pub(crate) fn numbers(&self) -> [f64; 10] {
+        let Self { time, progress, added, speed, travel, external, internal, friction, kinetic, spent, .. } = *self;
+        [time, progress, added, speed, travel, external, internal, friction, kinetic, spent]
+    }
+
+    /// Takes the [`numbers`](Self::numbers) of a step.
+    pub(crate) fn take(&mut self, numbers: [f64; 10]) {
+        let Self { time, progress, added, speed, travel, external, internal, friction, kinetic, spent, .. } = self;
+        [*time, *progress, *added, *speed, *travel, *external, *internal, *friction, *kinetic, *spent] = numbers;
+    }
+}
+
 /// Sums over the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Since {
