@@ -26,7 +26,9 @@ pub mod packing {
 
 /// Every option, as a SPEC.toml has it.
 pub mod spec {
-    pub use meso_spec::{Files, MixDesign, Spec, SpecError, line_of, nearest, options_from_toml, options_from_value};
+    pub use meso_spec::{
+        Files, MixDesign, NoFiles, Spec, SpecError, line_of, nearest, options_from_toml, options_from_value,
+    };
 }
 
 pub use accept::Fault;

@@ -5,11 +5,11 @@ use meso_ask::files::{self, Reader};
 use meso_ask::{AskError, Giver};
 use meso_core::SpecError;
 use meso_core::recipes::Recipe;
-use meso_core::spec::{Files, line_of, options_from_toml};
+use meso_core::spec::{Files, NoFiles, line_of, options_from_toml};
 use meso_files::Beside;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
-use std::io;
+
 use std::path::{Path, PathBuf};
 
 /// Most cases of a study that is read for its own sake.
@@ -176,19 +176,6 @@ pub(crate) fn place(spec: &mut Value, values: &[(&str, Option<f64>)]) {
         {
             placement.insert((*key).to_owned(), json!(value));
         }
-    }
-}
-
-/// A folder without files.
-struct NoFiles;
-
-impl Files for NoFiles {
-    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
-        Err(io::Error::other(format!("{name} is not read here")))
-    }
-
-    fn list(&mut self, name: &str) -> io::Result<Vec<String>> {
-        self.read(name).map(|_| Vec::new())
     }
 }
 

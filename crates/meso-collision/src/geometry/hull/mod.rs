@@ -146,18 +146,6 @@ impl HullBuilder {
         let same = points.len() == like.vertex_count() && same_facets::are_facets(points, faces.faces());
         if same { Ok(Polyhedron::with_faces(points.into(), faces)) } else { convex_hull(points) }
     }
-
-    /// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
-    ///
-    /// # Errors
-    /// See [`HullError`], for points that cannot be read.
-    pub fn affine_dimension(points: &[Vec3]) -> Result<u8, HullError> {
-        check(points)?;
-        match surface::affine_basis(points) {
-            Ok(_) => Ok(3),
-            Err(dimension) => Ok(dimension),
-        }
-    }
 }
 
 /// The facets of the hull of `points` as loops of points, and the loops of facets around the points, for whoever wants
