@@ -124,9 +124,11 @@ def with_variants(*names: str) -> list[str]:
 
 
 def typed_flags() -> list[str]:
-    """List the lines of libraries whose text spells a flag of the command: a giver spells it as it was typed."""
-    pattern = r'^(?!\s*//).*"[^"\n]*(?<![\w-])--(?!version|gpu-architecture|ratio|help)[a-z][a-z-]+'
-    return found(pattern, libraries=True)
+    """List the lines outside help whose text spells a flag of the command: a giver spells it as it was typed."""
+    flag = r"(?<![\w-])--(?!version|gpu-architecture|ratio|help|features)[a-z][a-z-]+\b(?!:)"
+    # In a text that begins in this line, or goes on from the one before.
+    lines = found(rf'^(?!\s*(?://|#\[arg)).*"[^"\n]*{flag}|^(?!\s*//)[^"\n]*{flag}[^"\n]*(?:\\$|"$)')
+    return [place for place in lines if "examples.rs" not in place]
 
 
 def refusals() -> list[str]:
@@ -151,7 +153,7 @@ def figures() -> list[Figure]:
         Figure("enums with Mortar, Itz and Aggregate", len(phases := with_variants("Mortar", "Itz", "Aggregate")), 1, phases),
         Figure("files settings.rs of the command", len(settings := [str(path) for path in sources("meso-cli") if path.name == "settings.rs"]), 0, settings),
         Figure("validate, check, accept in commands", len(refusals()), 0, refusals()),
-        Figure("lines of libraries that spell a flag", len(typed_flags()), 1, typed_flags()),
+        Figure("lines that spell a flag, outside help", len(typed_flags()), 3, typed_flags()),
         Figure("fn require(", len(found(r"fn require\(")), 1, found(r"fn require\(")),
         Figure("types of {key, value, accepted}", len(out_of_range()), 1, out_of_range()),
         Figure("crates that detect instructions", len(detections), 1, sorted(detections)),

@@ -2,6 +2,7 @@
 
 use crate::command::Folder;
 use insta::assert_snapshot;
+use std::path::Path;
 
 #[test]
 fn help() {
@@ -12,6 +13,31 @@ fn help() {
         assert_snapshot!(format!("help_{command}"), run.stdout());
     }
     assert_snapshot!("help", folder.run(&["--help"]).stdout());
+}
+
+/// Messages spell the flag of a key by `flag`, which knows no list of them.
+#[test]
+fn flags_in_messages_are_those_of_a_command() {
+    let known = Folder::new().run(&["completions", "bash"]).stdout().to_owned();
+    let known: Vec<&str> = known.split(|c: char| c.is_whitespace() || "\"')".contains(c)).collect();
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut named = 0;
+    while let Some(path) = folders.pop() {
+        if path.is_dir() {
+            folders.extend(std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+            continue;
+        }
+        let text = std::fs::read_to_string(path).unwrap();
+        let calls = text.match_indices("flag(\"").map(|(at, call)| &text[at + call.len()..]);
+        let lists = text.match_indices("].map(flag)").map(|(end, _)| &text[text[..end].rfind('[').unwrap() + 2..end]);
+        let keys = calls.map(|rest| rest.split('"').next().unwrap()).chain(lists.flat_map(|list| list.split("\", \"")));
+        for key in keys.map(|key| key.trim_matches('"')) {
+            let flag = format!("--{}", key.trim_end_matches("_s").replace('_', "-"));
+            assert!(known.contains(&flag.as_str()), "{flag} is no flag");
+            named += 1;
+        }
+    }
+    assert!(named > 25, "{named}");
 }
 
 const COMMANDS: [&str; 16] = [

@@ -3,6 +3,7 @@
 use crate::flags::of_schema;
 use meso_concrete::OutOfRange;
 use std::fmt::Display;
+use std::path::Path;
 
 /// A front that fills a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,6 +65,21 @@ impl Giver<'_> {
             }
             _ => self.number(key, format_args!("{labels:?}")),
         }
+    }
+
+    /// The option that lets files be replaced, as its user gives it.
+    fn overwriting(self) -> &'static str {
+        if self == Self::Flags { "--force" } else { "overwrite=True" }
+    }
+
+    /// Why a file that exists is kept.
+    pub fn exists(self, file: &Path) -> String {
+        format!("{} exists; {} replaces it", file.display(), self.overwriting())
+    }
+
+    /// Why a file beside another one is kept, which an earlier one has left there.
+    pub fn is_left(self, left: &Path, file: impl Display) -> String {
+        format!("{} is of an earlier {file}; {} removes it", left.display(), self.overwriting())
     }
 
     /// A refusal in the user's spelling: the option, its value and the accepted range.

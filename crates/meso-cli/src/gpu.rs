@@ -15,8 +15,10 @@ use meso_study::Attached;
 pub(crate) use meso_gpu::{Choice, Lease as Device};
 
 /// Printed where there is no device to list.
-pub(crate) const NONE: &str =
-    "no device; --device takes one by a driver of CUDA or OpenCL (Debian, without a GPU: pocl-opencl-icd)";
+pub(crate) fn none() -> String {
+    let option = stderr::flag("device");
+    format!("no device; {option} takes one by a driver of CUDA or OpenCL (Debian, without a GPU: pocl-opencl-icd)")
+}
 
 /// Takes the device that is meant; none for this processor.
 pub(crate) fn find(choice: &Choice) -> Result<Option<Device>, Failure> {
@@ -45,7 +47,8 @@ pub(crate) fn attach(run: &mut Run, Device { device, .. }: &Device, quiet: bool)
 fn warning(device: &DeviceName) -> Result<Option<String>, Failure> {
     let Some(warning) = device.warning() else { return Ok(None) };
     let measured = measured(difference(device)?);
-    Ok(Some(format!("{warning}; in a small test: {measured} (`mesocrete devices --check`)")))
+    let check = stderr::flag("check");
+    Ok(Some(format!("{warning}; in a small test: {measured} (`mesocrete devices {check}`)")))
 }
 
 /// A line about every device, with the result of its check where one is asked for.

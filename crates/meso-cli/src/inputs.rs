@@ -1,7 +1,7 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
-use crate::stderr;
+use crate::stderr::{self, flag};
 use meso_ask::AskError;
 use meso_core::import::volume::{self, LabelNumber, Volume, Wanted};
 use meso_core::spec::Files;
@@ -28,7 +28,7 @@ pub(crate) fn spec(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) ->
     if let Some(name) = missing_recipe(path) {
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
-    let named = |error: SpecError| error.of_limit(time_limit_s, "--time-limit");
+    let named = |error: SpecError| error.of_limit(time_limit_s, &flag("time_limit_s"));
     let mut files = Told(Beside(folder));
     toml(path, |text| Spec::from_toml_while(text, &mut files, watch, time_limit_s).map_err(named))
 }
@@ -98,7 +98,8 @@ pub(crate) fn volume<N: LabelNumber>(path: &Path, array: Option<&str>) -> Result
 
 /// Warns of choices that a label volume's file left open.
 pub(crate) fn warn_of_choices<N: LabelNumber>(volume: &Volume<N>, is_sized: bool) {
-    let size = volume.size_remark(is_sized).map(|remark| format!("warning: {remark}; --voxel-size-mm sets another"));
+    let size = volume.size_remark(is_sized);
+    let size = size.map(|remark| format!("warning: {remark}; {} sets another", flag("voxel_size_mm")));
     size.into_iter().chain(volume.array_note.as_ref().map(|note| format!("warning: {note}"))).for_each(stderr::line);
 }
 

@@ -1,7 +1,7 @@
 //! A command without the feature `gpu` knows no device but this processor: the same names as in `gpu.rs`.
 
 use crate::failure::Failure;
-use meso_ask::AskError;
+use meso_ask::{AskError, Giver};
 use meso_solve::Run;
 use meso_study::Attached;
 use std::convert::Infallible;
@@ -39,7 +39,12 @@ impl fmt::Display for Choice {
 pub(crate) type Device = Infallible;
 
 /// Printed where there is no device to list.
-pub(crate) const NONE: &str = "no device: this mesocrete was built without them; build it with --features gpu, or take that of the Python package";
+pub(crate) fn none() -> String {
+    format!("no device: this mesocrete was built without them; {BUILD}, or take that of the Python package")
+}
+
+/// Remedy of a command without devices.
+const BUILD: &str = "build it with --features gpu";
 
 /// Begins the end of the line of a device that failed.
 pub(crate) const FAILED: &str = "; failed: ";
@@ -49,8 +54,8 @@ pub(crate) fn find(choice: &Choice) -> Result<Option<Device>, Failure> {
     match choice {
         Choice::Cpu => Ok(None),
         Choice::Other(name) => Err(Failure::Usage(format!(
-            "--device {name}: this mesocrete was built without devices; build it with --features gpu, take that of the \
-             Python package, or take the device cpu"
+            "{}: this mesocrete was built without devices; {BUILD}, take that of the Python package, or take the device cpu",
+            Giver::Flags.choice("device", name)
         ))),
     }
 }

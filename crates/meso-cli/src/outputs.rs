@@ -38,7 +38,7 @@ impl Target {
                 Err(Failure::Run(format!("{} is a directory; name a file in it", path.display())))
             }
             Ok(kind) if !kind.is_file() => Ok(Self::Stream(path.to_owned())),
-            Ok(_) if !force => Err(Failure::Run(format!("{} exists; --force replaces it", path.display()))),
+            Ok(_) if !force => Err(Failure::Run(Giver::Flags.exists(path))),
             // A link is followed, so that it stays a link.
             Ok(_) => {
                 let real = path.canonicalize().map_err(|error| Failure::file(path, &error))?;

@@ -163,10 +163,11 @@ impl Watch {
     fn say_jammed(&self) {
         if !matches!(self.shown, Shown::Nothing) {
             let seconds = self.elapsed();
+            let [gap, fraction, limit] = ["min_gap_mm", "fraction", "time_limit_s"].map(crate::stderr::flag);
             self.aside(|| {
                 crate::stderr::line(format!(
-                    "jammed after {seconds:.0} s: the overlaps do not shrink any more; a smaller --min-gap-mm or --fraction packs \
-                     sooner, and --time-limit S ends with the best found"
+                    "jammed after {seconds:.0} s: the overlaps do not shrink any more; a smaller {gap} or {fraction} packs \
+                     sooner, and {limit} S ends with the best found"
                 ));
             });
         }

@@ -1,6 +1,7 @@
 //! Refusal of work that memory or disk cannot hold, before any of it is taken.
 
 use crate::failure::Failure;
+use crate::stderr::flag;
 use meso_ask::{Machine, sizes};
 use meso_core::mesh::Tools;
 use meso_files::{free, whole};
@@ -21,8 +22,8 @@ pub(crate) fn accept_image(work: &str, bytes: f64) -> Result<(), Failure> {
 pub(crate) fn accept_on_disk(shown: &Path, path: &Path, bytes: u64) -> Result<(), Failure> {
     let Some(free) = free::disk(whole::folder(path)).filter(|free| *free < bytes) else { return Ok(()) };
     let [needed, free] = sizes([bytes as f64, free as f64]);
-    let shown = shown.display();
+    let (shown, part) = (shown.display(), flag("box"));
     Err(Failure::Run(format!(
-        "{shown} takes {needed}, and {free} are free on its disk; take larger voxels, a --box, or another disk"
+        "{shown} takes {needed}, and {free} are free on its disk; take larger voxels, a {part}, or another disk"
     )))
 }

@@ -202,6 +202,14 @@ pub(crate) fn write_results(
     })
 }
 
+/// Refuses files that are there, unless they are to be replaced.
+pub(crate) fn accept_free(paths: &[&Path], overwrite: bool) -> PyResult<()> {
+    match paths.iter().find(|path| !overwrite && path.exists()) {
+        Some(there) => Err(PyFileExistsError::new_err(Giver::Keywords.exists(there))),
+        None => Ok(()),
+    }
+}
+
 /// Lets `write` fill all files, by their numbers, beside where they go, and gives them their names when all are complete.
 /// What replaced files have `left` beside them goes.
 fn write_together(
@@ -211,13 +219,9 @@ fn write_together(
     watch: &Watch,
     write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
 ) -> PyResult<()> {
-    if let Some(there) = paths.iter().find(|path| !overwrite && path.exists()) {
-        let message = format!("{} exists; overwrite=True replaces it", there.display());
-        return Err(PyFileExistsError::new_err(message));
-    }
+    accept_free(paths, overwrite)?;
     if let (Some(left), false) = (left.first(), overwrite) {
-        let message = format!("{} is of an earlier file; overwrite=True removes it", left.display());
-        return Err(PyFileExistsError::new_err(message));
+        return Err(PyFileExistsError::new_err(Giver::Keywords.is_left(left, "file")));
     }
     let mut unit = Unit::new(Stop(watch));
     for (i, path) in paths.iter().enumerate() {

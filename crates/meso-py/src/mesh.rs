@@ -243,9 +243,9 @@ impl PyMesh {
         deck: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
+            files::accept_free(&[&path, &path.with_extension("h5")], overwrite)?;
             let options = PyDict::new(slf.py());
             options.set_item("path", path)?;
-            options.set_item("overwrite", overwrite)?;
             return call_view("write_xdmf", slf, Some(&options)).map(drop);
         }
         guard(|| {

@@ -8,14 +8,14 @@ use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
 use crate::{effective, files};
-use meso_ask::FramePick;
+use meso_ask::{FramePick, Giver};
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Watch as _};
 use meso_files::Beside;
-use meso_gpu::{Choice, Lease};
+use meso_gpu::{Choice, DeviceName, Lease};
 use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
 use meso_solve::{Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
@@ -180,6 +180,12 @@ pub(crate) struct Meshed {
     pub(crate) options: MeshOptions,
 }
 
+/// The doubt about a device that cannot keep the promise, with its remedy.
+pub(crate) fn device_doubt(device: &DeviceName) -> Option<String> {
+    let check = Giver::Flags.option("check");
+    device.warning().map(|text| format!("{text}; `mesocrete devices {check}` measures the difference"))
+}
+
 /// Tests a mesh beside Python.
 pub(crate) fn solve(
     py: Python<'_>,
@@ -190,8 +196,8 @@ pub(crate) fn solve(
     let progress = listener(py, progress)?;
     let threads = asked.threads;
     warn_of(py, &meshed)?;
-    let warning = asked.device.as_ref().and_then(|lease| lease.device.warning());
-    warning.map_or(Ok(()), |text| warn(py, format!("{text}; `mesocrete devices --check` measures the difference")))?;
+    let doubt = asked.device.as_ref().and_then(|lease| device_doubt(&lease.device));
+    doubt.map_or(Ok(()), |text| warn(py, text))?;
     let response = |tested| PyResponse(Arc::new(tested));
     let tested = beside_python_keeping(py, Terms::of(threads), progress.as_ref(), None, move |watch| {
         watch.stops_soon();

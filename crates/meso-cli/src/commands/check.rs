@@ -4,6 +4,7 @@ use super::shared::Threads;
 use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
 use crate::progress::{Watch, of_model};
+use crate::stderr::flag;
 use crate::{inputs, stderr};
 use meso_concrete::thousands;
 use meso_core::Model;
@@ -86,7 +87,8 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
     }
     check.findings.iter().take(LISTED).try_for_each(|finding| writeln!(out, "  {finding}"))?;
     if check.findings.len() > LISTED {
-        writeln!(out, "  and {} more; --json lists all", thousands(check.findings.len() - LISTED))?;
+        let (more, json) = (thousands(check.findings.len() - LISTED), flag("json"));
+        writeln!(out, "  and {more} more; {json} lists all")?;
     }
     writeln!(out, "not checked:")?;
     check.not_checked.iter().try_for_each(|what| writeln!(out, "  {what}"))?;

@@ -14,7 +14,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let lines = gpu::lines(args.check)?;
     if lines.is_empty() {
-        stderr::line(gpu::NONE);
+        stderr::line(gpu::none());
     }
     Unit::default().fill(&Target::Stdout, false, |out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
     Ok(if lines.iter().any(|line| line.contains(gpu::FAILED)) { RUN } else { 0 })

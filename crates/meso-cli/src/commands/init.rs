@@ -4,7 +4,7 @@ use super::shared::Writing;
 use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
-use crate::stderr;
+use crate::stderr::{self, flag};
 use meso_core::materials::{LawName, Mix, Rock};
 use meso_core::recipes::Recipe;
 use meso_solve::TestKind;
@@ -45,7 +45,7 @@ struct Start {
     text: String,
     name: &'static str,
     /// The command that the file is for, before its name.
-    then: &'static str,
+    then: String,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -65,18 +65,20 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 impl Args {
     fn start(&self) -> Result<Start, Failure> {
         if let Some(test) = self.test {
-            return Ok(Start { text: test.recipe(), name: "TEST.toml", then: "solve --test" });
+            return Ok(Start { text: test.recipe(), name: "TEST.toml", then: format!("solve {}", flag("test")) });
         }
         let Some(class) = &self.materials else {
             let recipe = Recipe::named(&self.recipe).map_err(Failure::Usage)?;
-            return Ok(Start { text: recipe.text.to_owned(), name: "SPEC.toml", then: "pack" });
+            return Ok(Start { text: recipe.text.to_owned(), name: "SPEC.toml", then: "pack".to_owned() });
         };
+        let option = flag("materials");
+        let then = format!("solve {option}");
         let mix = Mix::parse(class, self.rock, self.fraction, self.law)
-            .map_err(|error| Failure::Usage(format!("--materials {error}")))?;
-        let sourced = mix.materials().map_err(|error| Failure::Usage(format!("--materials {class}: {error}")))?;
+            .map_err(|error| Failure::Usage(format!("{option} {error}")))?;
+        let sourced = mix.materials().map_err(|error| Failure::Usage(format!("{option} {class}: {error}")))?;
         let rock = self.rock.map(|rock| format!(" with {}", names::of(&rock))).unwrap_or_default();
         let (law, fcm) = (names::of(&self.law), mix.fcm_mpa);
         let title = format!("Materials of {class}{rock} for the law {law}: a concrete of {fcm:.1} MPa in the mean");
-        Ok(Start { text: sourced.toml(&title), name: "MATERIALS.toml", then: "solve --materials" })
+        Ok(Start { text: sourced.toml(&title), name: "MATERIALS.toml", then })
     }
 }

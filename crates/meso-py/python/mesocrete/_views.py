@@ -423,14 +423,11 @@ def mesh_to_meshio(mesh: Any) -> Any:
     return meshio.Mesh(mesh.points, blocks, cell_data=split, cell_sets=sets)
 
 
-def write_xdmf(mesh: Any, path: Any, *, overwrite: bool) -> None:
+def write_xdmf(mesh: Any, path: Any) -> None:
     """Write the mesh as XDMF with its arrays in an HDF5 file beside it, both whole or none."""
     _need("h5py", "mesh")
     path = Path(path)
     heavy = path.with_suffix(".h5")
-    for file in (path, heavy):
-        if file.exists() and not overwrite:
-            raise FileExistsError(f"{file} exists; overwrite=True replaces it")
     with tempfile.TemporaryDirectory(prefix=".mesocrete-", dir=path.parent) as folder:
         # The light file names the heavy one, so both are made under their own names.
         grid = mesh_to_meshio(mesh)

@@ -12,6 +12,7 @@ use crate::files::Stop;
 use crate::mesh;
 use crate::packing::PyPacking;
 use crate::pickle;
+use crate::response::device_doubt;
 use crate::run::{Watch, beside_python_on};
 use crate::spec::{self, options, spec_error};
 use crate::tree::{self, plain};
@@ -80,9 +81,7 @@ fn device(name: &str, run: Option<&mut Run<'_>>) -> Result<Attached, AskError> {
     let lease = name.parse::<Choice>().and_then(Choice::find).map_err(AskError::Usage)?;
     let (Some(lease), Some(run)) = (lease, run) else { return Ok(Attached::default()) };
     meso_gpu::attach(run, &lease.device).map_err(|error| AskError::Run(error.to_string()))?;
-    let doubt = lease.device.warning();
-    let doubt = doubt.map(|text| format!("{text}; `mesocrete devices --check` measures the difference"));
-    Ok(Attached { doubt, hold: Some(Box::new(lease)) })
+    Ok(Attached { doubt: device_doubt(&lease.device), hold: Some(Box::new(lease)) })
 }
 
 /// A study while it runs.

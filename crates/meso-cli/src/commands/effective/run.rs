@@ -22,7 +22,10 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let giver = Giver::Flags;
     if let (Some(array), Input::Model) = (&args.array, args.input()) {
-        return Err(Failure::Usage(format!("--array is {array}; a model has no arrays: leave it out, or take a .vti")));
+        let option = giver.option("array");
+        return Err(Failure::Usage(format!(
+            "{option} is {array}; a model has no arrays: leave it out, or take a .vti"
+        )));
     }
     let values = args.ask.values(args.input(), giver, &inputs::text)?;
     let force = args.writing.force;

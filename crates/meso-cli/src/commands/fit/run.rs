@@ -24,7 +24,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         study::settle(&case, &fit.steps(&case, &inputs::text)?, &machine)?;
     }
     let _made = make(&args.output)?;
-    let _held = fit.begin().map_err(|error| Failure::Run(error.to_string()))?;
+    let _held = fit.begin().map_err(study::failure)?;
     let [materials, report] = RESULTS.map(|name| Target::new(&args.output.join(name), args.writing.force));
     let (materials, report) = (materials?, report?);
     let read = [Some(&args.curve), Some(&args.spec), args.materials.as_ref()];

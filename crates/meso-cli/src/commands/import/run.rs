@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::formats::Named;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
+use crate::stderr::flag;
 use crate::{inputs, room, stderr};
 use meso_ask::{Giver, labels_refusal};
 use meso_concrete::{exceeds, thousands};
@@ -86,10 +87,11 @@ fn is_short(labels: &LabelReport, gap_mm: f64) -> bool {
     let is_short = exceeds(share, LOSS);
     if is_short {
         let [share, dropped] = [share, labels.dropped_fraction / had].map(|share| 100.0 * share);
-        let gap = if gap_mm > 0.0 { "a smaller --gap-mm, " } else { "" };
+        let gap = if gap_mm > 0.0 { format!("a smaller {}, ", flag("gap_mm")) } else { String::new() };
+        let [least, smoothing, tolerance] = ["least_voxels", "smoothing", "tolerance"].map(flag);
         stderr::line(format!(
             "warning: the aggregates have {share:.1} % less volume than the labels: {dropped:.1} % in small or thin \
-             grains, the rest by smoothing and at contacts; take {gap}smaller voxels, --least-voxels, --smoothing or --tolerance"
+             grains, the rest by smoothing and at contacts; take {gap}smaller voxels, {least}, {smoothing} or {tolerance}"
         ));
     }
     is_short

@@ -1,7 +1,7 @@
 //! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
-use crate::stderr;
-use meso_ask::{DeckSettled, MeshFigures};
+use crate::stderr::{self, flag};
+use meso_ask::{DeckSettled, Giver, MeshFigures};
 use meso_concrete::{exceeds, thousands};
 use meso_core::Model;
 use meso_core::mesh::figures::{PhaseScaling, QualityReport};
@@ -40,7 +40,7 @@ impl MeshReport {
         self.thick_shells();
         self.lost_inclusions();
         self.surface();
-        gaps(&self.0.notes, self.0.cohesive_elements > 0, self.larger_gap());
+        gaps(&self.0.notes, self.0.cohesive_elements > 0, &self.larger_gap());
         self.0.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
@@ -62,7 +62,7 @@ impl MeshReport {
         self.lost_inclusions();
         self.surface();
         self.joined();
-        gaps(&self.0.notes, self.0.cohesive_elements > 0, self.larger_gap());
+        gaps(&self.0.notes, self.0.cohesive_elements > 0, &self.larger_gap());
         notes(&self.0.notes);
         self.worst();
         self.scaled();
@@ -70,14 +70,19 @@ impl MeshReport {
     }
 
     /// Option that leaves larger gaps between grains.
-    fn larger_gap(&self) -> &'static str {
-        if self.0.is_scan { "import with a larger --gap-mm" } else { "a larger min_gap_mm" }
+    fn larger_gap(&self) -> String {
+        if self.0.is_scan {
+            format!("import with a larger {}", flag("gap_mm"))
+        } else {
+            "a larger min_gap_mm".to_owned()
+        }
     }
 
     /// Distance of the interfaces from the aggregates' exact surfaces.
     fn surface(&self) {
         let distance = &self.0.quality.interface_distance;
-        let hint = if self.0.voxels { " (voxels; --method lattice follows the surfaces)" } else { "" };
+        let lattice = Giver::Flags.choice("method", "lattice");
+        let hint = if self.0.voxels { format!(" (voxels; {lattice} follows the surfaces)") } else { String::new() };
         stderr::line(format!("surface error {:.2} mm rms, {:.2} mm max{hint}", distance.rms_mm, distance.max_mm));
     }
 
@@ -127,10 +132,11 @@ impl MeshReport {
     fn thick_shells(&self) {
         let Some(exact) = self.0.quality.exact_volumes_mm3 else { return };
         if self.0.voxels && exact.itz > 0.0 && self.0.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
-            stderr::line(
-                "the ITZ is at least one voxel thick here, at the aggregates' expense: use --method lattice, --itz cohesive \
-                 or none, or --thin-itz",
-            );
+            let [method, itz, thin] = ["method", "itz", "thin_itz"].map(flag);
+            stderr::line(format!(
+                "the ITZ is at least one voxel thick here, at the aggregates' expense: use {method} lattice, {itz} cohesive \
+                 or none, or {thin}"
+            ));
         }
     }
 
@@ -139,9 +145,10 @@ impl MeshReport {
         let fibres = self.0.quality.exact_volumes_mm3.map(|exact| [self.0.quality.volumes_mm3.fibre, exact.fibre]);
         for (name, volumes) in [("fibres", fibres), ("voids", self.0.voids_mm3)] {
             if volumes.is_some_and(|[meshed, exact]| exceeds((meshed - exact).abs(), INCLUSIONS_OFF * exact)) {
+                let [size, method] = ["element_size_mm", "method"].map(flag);
                 stderr::line(format!(
-                    "the elements are too coarse for the {name}: use an --element-size-mm of at most half their diameter, or \
-                     for convex grains --method conforming, which keeps them exactly"
+                    "the elements are too coarse for the {name}: use an {size} of at most half their diameter, or \
+                     for convex grains {method} conforming, which keeps them exactly"
                 ));
             }
         }
@@ -186,7 +193,8 @@ impl MeshReport {
         ));
         let bad = &self.0.bad_elements;
         let named: Vec<String> = bad.iter().take(NAMED).map(usize::to_string).collect();
-        let more = if bad.len() > NAMED { ", ...; --summary-json of `mesocrete mesh` names all" } else { "" };
+        let all = format!(", ...; {} of `mesocrete mesh` names all", flag("summary_json"));
+        let more = if bad.len() > NAMED { &*all } else { "" };
         let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };
         stderr::line(format!(
             "{} elements with an angle below {} degrees{which}",

@@ -92,8 +92,7 @@ pub(crate) fn target(output: &Named<MeshFormat>, force: bool, ask: &DeckAsk) -> 
         }
         Target::new(&DeckOptions::curve_path(path), force)?;
     } else if let (Some(left), false) = (format.leftovers(path, &[], &beginning).first(), force) {
-        let (left, path) = (left.display(), path.display());
-        return Err(Failure::Run(format!("{left} is of an earlier {path}; --force removes it")));
+        return Err(Failure::Run(Giver::Flags.is_left(left, path.display())));
     }
     Ok(target)
 }

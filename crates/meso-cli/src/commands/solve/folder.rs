@@ -6,6 +6,7 @@
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::own_folder::OwnFolder;
+use crate::stderr::flag;
 use meso_core::mesh::Mesh;
 use meso_files::whole;
 use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Still, Taken};
@@ -95,11 +96,13 @@ impl Folder {
         let checkpoint = path.join(CHECKPOINT);
         if checkpoint.exists() && !folder.force {
             let name = checkpoint.display();
-            return Err(Failure::Run(format!("{name} exists; --resume continues from it, --force starts anew")));
+            let [resume, force] = ["resume", "force"].map(flag);
+            return Err(Failure::Run(format!("{name} exists; {resume} continues from it, {force} starts anew")));
         }
         if resumes && !checkpoint.exists() {
             let name = checkpoint.display();
-            return Err(Failure::Run(format!("there is no {name} to resume from; a run with --checkpoint writes one")));
+            let option = flag("checkpoint");
+            return Err(Failure::Run(format!("there is no {name} to resume from; a run with {option} writes one")));
         }
         for name in ResultFile::ALL.map(|file| file.name().to_owned()).into_iter().chain(folder.frames_there()?) {
             folder.target(&name)?;
@@ -134,7 +137,8 @@ impl Folder {
     pub(super) fn kept(&self) -> Result<Kept, Failure> {
         let path = self.path.join(CHECKPOINT);
         let fail = |error| Failure::file(&path, &error);
-        let damaged = |why: String| Failure::Run(format!("{}: {why}; --force starts the test anew", path.display()));
+        let damaged =
+            |why: String| Failure::Run(format!("{}: {why}; {} starts the test anew", path.display(), flag("force")));
         let open = || File::open(&path).map(BufReader::new).map_err(fail);
         let note = checkpoint_note(&mut open()?).map_err(|error| damaged(error.to_string()))?;
         let written: Note = serde_json::from_slice(&note).map_err(|error| damaged(error.to_string()))?;

@@ -7,9 +7,10 @@ use super::values;
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, Watch, bar, show};
+use crate::stderr::flag;
 use crate::{Python, gpu, inputs, interrupt, outputs, room, stderr, threads};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use meso_ask::{AskError, Machine};
+use meso_ask::{AskError, Giver, Machine};
 use meso_concrete::thousands;
 use meso_core::mesh::Tools;
 use meso_gmsh::Gmsh;
@@ -109,9 +110,9 @@ pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failur
         return slurm::print(tasks, &plan, &file, &how.gmsh, args);
     }
     if args.collect && !args.output.is_dir() {
-        let folder = args.output.display();
+        let (folder, collect) = (args.output.display(), flag("collect"));
         return Err(Failure::Run(format!(
-            "{folder} is not there; --collect takes the folder of a study that has begun"
+            "{folder} is not there; {collect} takes the folder of a study that has begun"
         )));
     }
     let study = match args.collect {
@@ -218,10 +219,8 @@ fn checked_plan(file: &StudyFile, how: &Working, shown: &Shown) -> Result<Arc<Pl
 /// Does the cases that are left.
 fn drive(study: &StudyRun, plan: &Plan, steps: &StepsOf<'_>, how: &Working, shown: &Shown) -> Result<(), Failure> {
     if !study.is_exclusive() {
-        let folder = study.out().display();
-        stderr::line(format!(
-            "warning: the disk of {folder} has no locks: start one process, or shards of --shard K/N"
-        ));
+        let (folder, shards) = (study.out().display(), Giver::Flags.choice("shard", "K/N"));
+        stderr::line(format!("warning: the disk of {folder} has no locks: start one process, or shards of {shards}"));
     }
     let work = |number: usize| {
         let case = &plan.cases[number];
@@ -264,11 +263,11 @@ pub(crate) fn unread(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
 
 impl Args {
     /// Refuses a study of standard input with a `flag` whose processes read it again.
-    fn named_file(&self, flag: &str) -> Result<(), Failure> {
+    fn named_file(&self, key: &str) -> Result<(), Failure> {
         if self.study != Path::new("-") {
             return Ok(());
         }
-        Err(Failure::Usage(format!("{flag} takes the study of a file, which is read again; name the file")))
+        Err(Failure::Usage(format!("{} takes the study of a file, which is read again; name the file", flag(key))))
     }
 
     /// What runs the cases on the workers of a dask scheduler.
@@ -281,9 +280,10 @@ impl Args {
         let python = python.ok_or_else(|| {
             let line = format!("mc.study({study:?}, out={out:?}, executor=Client({address:?}))");
             let install = "pip install mesocrete \"dask[distributed]\", and run its mesocrete";
-            Failure::Usage(format!("--dask is done by the Python package: {install}, or in Python {line}"))
+            let dask = flag("dask");
+            Failure::Usage(format!("{dask} is done by the Python package: {install}, or in Python {line}"))
         })?;
-        self.named_file("--dask")?;
+        self.named_file("dask")?;
         let layout = self.layout.map(StudyLayout::name);
         let request = json!({
             "study": study, "dask": address, "out": out, "layout": layout, "threads": self.threads,
@@ -297,7 +297,9 @@ impl Args {
         match self.case {
             None => Ok(self.shard.unwrap_or(Share::ALL)),
             Some(number) if (1..=cases).contains(&(number as usize)) => Ok(Share { shard: number as usize, of: cases }),
-            Some(number) => Err(Failure::Usage(format!("--case is {number}; it must lie within 1 and {cases}"))),
+            Some(number) => {
+                Err(Failure::Usage(format!("{} is {number}; it must lie within 1 and {cases}", flag("case"))))
+            }
         }
     }
 
@@ -310,7 +312,7 @@ impl Args {
     }
 }
 
-fn failure(error: RunError) -> Failure {
+pub(crate) fn failure(error: RunError) -> Failure {
     Failure::Run(error.to_string())
 }
 
@@ -346,14 +348,16 @@ fn finish(study: &StudyRun, args: &Args) -> Result<u8, Failure> {
     let Tally { cases, before, done, failed, .. } = tally;
     let left = cases - tally.over();
     if !args.quiet {
-        let hint = if failed > 0 { "; --retry-failed runs them again" } else { "" };
+        let again = format!("; {} runs them again", flag("retry_failed"));
+        let hint = if failed > 0 { &*again } else { "" };
         stderr::line(format!("{done} of {cases} cases done ({before} before), {failed} failed{hint}"));
         if is_whole {
             TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", study.out().join(name).display())));
         }
     }
     if args.collect && left > 0 {
-        stderr::line(format!("warning: {left} cases are left; the command without --collect does them"));
+        let collect = flag("collect");
+        stderr::line(format!("warning: {left} cases are left; the command without {collect} does them"));
     }
     if interrupt::asked() {
         stderr::line("stopped; the same command goes on with the next case");
