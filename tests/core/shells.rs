@@ -72,6 +72,34 @@ fn a_volume_share_is_met_in_every_grain_and_shells_move_no_body() {
 }
 
 #[test]
+fn a_thickness_follows_the_size_of_its_grain_by_a_share_and_by_rows() {
+    const SPHERES: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 40 }\nshape.kind = 'sphere'\n\
+        grading = { d_min_mm = 4, d_max_mm = 10, classes_mm = [4, 7, 10] }\nitz.thickness_mm = [0.1, 0.1]\n\
+        [[shape.shells]]\nname = 'coat'\nsize_share = [0.05, 0.1]\n\
+        [[shape.shells]]\nname = 'rim'\nthickness_over_size_mm = [[5, 0.2], [8, 0.5]]\n";
+    let model = packed(SPHERES);
+    assert!(model.aggregates.len() > 50);
+    let (mut least, mut most) = (1.0f64, 0.0f64);
+    for grain in &model.aggregates {
+        let radius = (grain.body.volume() * 0.75 / std::f64::consts::PI).cbrt();
+        let share = grain.shells[0].thickness_mm / (2.0 * radius);
+        (least, most) = (least.min(share), most.max(share));
+        let along = ((2.0 * radius / 5.0).ln() / 1.6f64.ln()).clamp(0.0, 1.0);
+        assert!((grain.shells[1].thickness_mm - 0.2 - 0.3 * along).abs() < 1e-7, "{radius} {:?}", grain.shells);
+        let mut outer = radius - 0.1;
+        for ((_, volume), thickness) in
+            grain.layer_volumes(0.1).unwrap().iter().zip(grain.shells.iter().map(|shell| shell.thickness_mm))
+        {
+            let ball = |radius: f64| radius.powi(3) * 4.0 / 3.0 * std::f64::consts::PI;
+            assert!((volume / (ball(outer) - ball(outer - thickness)) - 1.0).abs() < 1e-9);
+            outer -= thickness;
+        }
+    }
+    assert!(0.05 - 1e-7 < least && least < 0.053 && 0.097 < most && most < 0.1 + 1e-7, "{least} {most}");
+    assert_eq!(check(&model).findings, []);
+}
+
+#[test]
 fn shells_are_read_back_equal_and_check_finds_others() {
     let mut bytes = Vec::new();
     saved::write(recycled(), &mut bytes).unwrap();
@@ -122,8 +150,22 @@ fn images_and_meshes_have_the_layers_within_their_resolution() {
 fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
     const PLAIN: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 60 }\n";
     for (entries, said) in [
-        ("name = 'rim'", "shape.shells has neither thickness_mm and volume_share (rim); give one of the two"),
-        ("name = 'rim'\nthickness_mm = [1, 1]\nvolume_share = 0.2", "has both"),
+        ("name = 'rim'", "shape.shells give rim none or several thicknesses; give one of thickness_mm, size_share, "),
+        ("name = 'rim'\nthickness_mm = [1, 1]\nvolume_share = 0.2", "none or several thicknesses"),
+        (
+            "name = 'rim'\nsize_share = [0.1, 0.6]",
+            "shape.shells.size_share is 0.6; the accepted range is 0.0001 to 0.5",
+        ),
+        (
+            "name = 'rim'\nsize_share = [0.1, 0.41]",
+            "reaches 2.55 with the ITZ, but the smallest of these grains is 5 thick at most; stay below 2.5",
+        ),
+        ("name = 'rim'\nthickness_over_size_mm = []", "thickness_over_size_mm has no rows; give sizes and thicknesses"),
+        ("name = 'rim'\nthickness_over_size_mm = [[9, 1], [5, 1]]", "has 9 before 5; the sizes must ascend"),
+        (
+            "name = 'rim'\nthickness_over_size_mm = [[5, 1], [10, 4.5]]",
+            "reaches 5 with the ITZ, but one of these grains is 10 thick at most; stay below 5 in all",
+        ),
         (
             "name = 'rim'\nvolume_share = 1.0",
             "shape.shells.volume_share of rim is 1; the accepted range is above 0 and below 1",
@@ -150,5 +192,5 @@ fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
     assert!(Spec::from_toml(&ellipsoids).unwrap_err().to_string().contains("is for convex polyhedra and spheres"));
     let thick = format!("{PLAIN}[[shape.shells]]\nname = 'rim'\nthickness_mm = [1.5, 1.9]");
     let said = pack(&Spec::from_toml(&thick).unwrap(), &Silent).unwrap_err().to_string();
-    assert!(said.contains("leaves no core in ") && said.contains("take thinner shells, volume_share"), "{said}");
+    assert!(said.contains("leave no core in ") && said.contains("take thinner shells, volume_share"), "{said}");
 }

@@ -137,7 +137,7 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
     let taken = take(&mixture, spec.fraction, spec.specimen.volume(), surplus);
     let mut grains = taken.map_err(|error| flat_shape(&error))?;
     if !spec.shape.shells.is_empty() {
-        add_shells(&mut grains, *seed, |own| spec.shells_of(own)).map_err(|error| too_thick(&error))?;
+        add_shells(&mut grains, *seed, grading, |own| spec.shells_of(own)).map_err(|error| too_thick(&error))?;
     }
     Ok((grains, !stopped.into_inner()))
 }
@@ -147,10 +147,10 @@ fn too_thick(error: &TooThick) -> SpecError {
     let found =
         if thickness_mm.is_finite() { format!("{thickness_mm:.3} mm thick") } else { "all of its volume".to_owned() };
     let message = format!(
-        "leaves no core in {grains} grains: ITZ and shells of the largest of them are {found}, and its centre is \
+        "leave no core in {grains} grains: ITZ and shells of the largest of them are {found}, and its centre is \
          {radius_mm:.3} mm from its nearest face; take thinner shells, volume_share, rounder grains, or a phase of larger sizes_mm"
     );
-    SpecError::value("shape.shells.thickness_mm", message)
+    SpecError::value("shape.shells", message)
 }
 
 fn flat_shape(error: &HullError) -> SpecError {

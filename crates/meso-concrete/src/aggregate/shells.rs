@@ -4,6 +4,8 @@
 //! alone. A shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. The volume at a depth
 //! falls, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
 
+use super::Grading;
+use super::grading::interpolate;
 use super::grain::{Grain, Kind, Shell};
 use super::random::{Draw, Stream};
 use crate::parallel;
@@ -20,12 +22,56 @@ pub struct ShellLaw {
     /// Smallest and largest thickness, mm; every thickness between them is drawn equally often.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness_mm: Option<[f64; 2]>,
+    /// Smallest and largest thickness over the size of its grain, as `grading.size` defines that; instead of a thickness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_share: Option<[f64; 2]>,
+    /// Rows of size and thickness, mm, of ascending sizes: linear in the size's logarithm between them, constant beyond;
+    /// instead of a thickness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_over_size_mm: Option<Vec<[f64; 2]>>,
     /// Its volume over that of the grain within its ITZ, above 0 and below 1; instead of a thickness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume_share: Option<f64>,
     /// Phase of `[[phases]]` whose grains have it; absent, all aggregates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
+}
+
+/// How a shell's thickness follows, by the one of the keys that is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Thickness<'a> {
+    /// `thickness_mm`.
+    Drawn([f64; 2]),
+    /// `size_share`.
+    SizeShare([f64; 2]),
+    /// `thickness_over_size_mm`.
+    OverSize(&'a [[f64; 2]]),
+    /// `volume_share`.
+    VolumeShare(f64),
+}
+
+impl ShellLaw {
+    /// The key that decides the thickness; `None` where none is given, or several are.
+    pub fn thickness(&self) -> Option<Thickness<'_>> {
+        let keys = [
+            self.thickness_mm.map(Thickness::Drawn),
+            self.size_share.map(Thickness::SizeShare),
+            self.thickness_over_size_mm.as_deref().map(Thickness::OverSize),
+            self.volume_share.map(Thickness::VolumeShare),
+        ];
+        let mut given = keys.into_iter().flatten();
+        given.next().filter(|_| given.next().is_none())
+    }
+
+    /// Limits between which the thickness is drawn in a grain of `size` mm, mm; `None` where its volume decides.
+    pub fn limits_mm(&self, size: f64) -> Option<[f64; 2]> {
+        match self.thickness()? {
+            Thickness::Drawn(limits) => Some(limits),
+            Thickness::SizeShare(limits) => Some(limits.map(|share| share * size)),
+            Thickness::OverSize(rows) => Some([interpolate(rows.iter().map(|&row| row.into()), size); 2]),
+            Thickness::VolumeShare(_) => None,
+        }
+    }
 }
 
 /// A grain whose shells leave nothing inside.
@@ -49,9 +95,15 @@ const LIMIT: f64 = 0.95;
 pub fn add_shells<'a>(
     grains: &mut [Grain],
     seed: u64,
+    grading: &Grading,
     laws: impl Fn(Option<u8>) -> Vec<(u8, &'a ShellLaw)> + Sync,
 ) -> Result<(), TooThick> {
-    let found = parallel::map_each(grains, |grain| of_grain(grain, seed, &laws(grain.own)));
+    let classes = grading.classes();
+    let found = parallel::map_each(grains, |grain| {
+        let stream = |purpose| Stream::new(seed, purpose, grain.class, u64::from(grain.index));
+        let size = || grading.draw(&classes[usize::from(grain.class)], &mut stream(Draw::Take));
+        of_grain(grain, size, stream(Draw::Shells), &laws(grain.own))
+    });
     let too_thick = || found.iter().filter_map(|shells| shells.as_ref().err());
     if let Some(first) = too_thick().next() {
         return Err(TooThick { grains: too_thick().count(), ..*first });
@@ -60,17 +112,22 @@ pub fn add_shells<'a>(
     Ok(())
 }
 
-fn of_grain(grain: &Grain, seed: u64, laws: &[(u8, &ShellLaw)]) -> Result<Vec<Shell>, TooThick> {
+fn of_grain(
+    grain: &Grain,
+    size: impl Fn() -> f64,
+    mut stream: Stream,
+    laws: &[(u8, &ShellLaw)],
+) -> Result<Vec<Shell>, TooThick> {
     if grain.kind != Kind::Aggregate || laws.is_empty() {
         return Ok(Vec::new());
     }
-    let mut stream = Stream::new(seed, Draw::Shells, grain.class, u64::from(grain.index));
+    let size = size();
     let (body, radius_mm) = (grain.body.widened(), f64::from(grain.inner_radius));
     let mut depth = grain.itz_thickness_mm;
     let inside = body.inward_offset(depth).ok().flatten().map_or(0.0, |inside| inside.volume());
     let mut shells = Vec::with_capacity(laws.len());
     for (own, law) in laws {
-        let drawn = law.thickness_mm.map(|[low, high]| stream.uniform(low, high));
+        let drawn = law.limits_mm(size).map(|[low, high]| stream.uniform(low, high));
         let by_volume = || law.volume_share.and_then(|share| below(&body, depth, share * inside).ok().flatten());
         // A volume that is not left is thicker than any grain.
         let thickness_mm = drawn.or_else(by_volume).unwrap_or(f64::INFINITY);

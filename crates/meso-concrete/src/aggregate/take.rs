@@ -117,7 +117,7 @@ fn fill(
 fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     stop::point();
     let stream = &mut Stream::new(mixture.seed, Draw::Take, class, u64::from(index));
-    let size = mixture.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
+    let size = mixture.grading.draw(limits, stream);
     let is_sieved = mixture.grading.size == SizeDefinition::Sieve;
     let bare = match mixture.shape.outline(size, limits.d_min_mm, stream) {
         Outline::Hull(mut vertices) => {

@@ -255,8 +255,12 @@ class ShellLaw(TypedDict, total=False):
     """Name of its phase, as in `[[phases]]`."""
     of: str | None
     """Phase of `[[phases]]` whose grains have it; absent, all aggregates."""
+    size_share: _Numbers | None
+    """Smallest and largest thickness over the size of its grain, as `grading.size` defines that; instead of a thickness."""
     thickness_mm: _Numbers | None
     """Smallest and largest thickness, mm; every thickness between them is drawn equally often."""
+    thickness_over_size_mm: Sequence[_Numbers] | None
+    """Rows of size and thickness, mm, of ascending sizes: linear in the size's logarithm between them, constant beyond; instead of a thickness."""
     volume_share: float | None
     """Its volume over that of the grain within its ITZ, above 0 and below 1; instead of a thickness."""
 

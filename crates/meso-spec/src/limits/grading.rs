@@ -97,7 +97,7 @@ fn classes(limits: &[f64], range: [f64; 2], least_mm: f64) -> Checked {
     Ok(())
 }
 
-fn ascending(key: &str, what: &str, values: &[f64]) -> Checked {
+pub(super) fn ascending(key: &str, what: &str, values: &[f64]) -> Checked {
     match values.windows(2).find(|pair| pair[0] >= pair[1]) {
         Some(pair) => {
             let message = format!("has {} before {}; the {what} must ascend", number(pair[0]), number(pair[1]));

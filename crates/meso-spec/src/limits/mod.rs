@@ -318,15 +318,8 @@ fn mean(law: &AspectRatio) -> f64 {
 const ITZ: &str = "itz.thickness_mm";
 
 fn itz(itz: &Itz) -> Checked {
-    let [low, high] = itz.thickness_mm;
-    for thickness in itz.thickness_mm {
-        within(ITZ, thickness, 0.0, MAX_LENGTH_MM)?;
-    }
-    if low > high {
-        let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
-        return Err(SpecError::value(ITZ, message));
-    }
-    Ok(())
+    itz.thickness_mm.iter().try_for_each(|&thickness| within(ITZ, thickness, 0.0, MAX_LENGTH_MM))?;
+    in_order(ITZ, itz.thickness_mm)
 }
 
 /// Shells thinner than half of the smallest aggregate leave a core in it.
@@ -429,6 +422,14 @@ fn flattest(shape: &Shape) -> String {
         }
         None => String::new(),
     }
+}
+
+/// Checks the limits of a draw.
+pub(super) fn in_order(key: &str, [low, high]: [f64; 2]) -> Checked {
+    if low <= high {
+        return Ok(());
+    }
+    Err(SpecError::value(key, format!("is [{}, {}]; the lower limit comes first", number(low), number(high))))
 }
 
 pub(super) fn length(key: &str, value: f64) -> Checked {

@@ -1,11 +1,13 @@
 //! Phases of the aggregates' own that cannot be.
 
-use super::{Checked, length, number};
+use super::grading::ascending;
+use super::{Checked, in_order, length, number, within};
 use crate::{Spec, SpecError};
 use meso_concrete::PhaseNames;
-use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING, ShapeKind, ShellLaw};
+use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING, ShapeKind, ShellLaw, Thickness};
 use meso_concrete::own_tables::alike;
 use meso_concrete::{exceeds, short};
+use std::cmp::Ordering;
 
 /// Longest name of a phase, which makes keyword lines of decks of fewer than 80 characters.
 const LONGEST: usize = 24;
@@ -116,33 +118,49 @@ pub(super) fn check_shells(spec: &Spec) -> Checked {
     Ok(())
 }
 
+/// Thickness of a shell over the size of its grain: half of it leaves nothing inside.
+const SIZE_SHARES: [f64; 2] = [1e-4, 0.5];
+
 fn law(shell: &ShellLaw) -> Checked {
     const KEY: &str = "shape.shells.thickness_mm";
-    match (shell.thickness_mm, shell.volume_share) {
-        (Some([low, high]), None) => {
-            length(KEY, low)?;
-            length(KEY, high)?;
-            if low > high {
-                let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
-                return Err(SpecError::value(KEY, message));
-            }
-            Ok(())
+    const SHARE: &str = "shape.shells.size_share";
+    const ROWS: &str = "shape.shells.thickness_over_size_mm";
+    match shell.thickness() {
+        Some(Thickness::Drawn(limits)) => {
+            limits.iter().try_for_each(|&mm| length(KEY, mm))?;
+            in_order(KEY, limits)
         }
-        (None, Some(share)) if share > 0.0 && share < 1.0 => Ok(()),
-        (None, Some(share)) => {
+        Some(Thickness::SizeShare(limits)) => {
+            let [least, most] = SIZE_SHARES;
+            limits.iter().try_for_each(|&share| within(SHARE, share, least, most))?;
+            in_order(SHARE, limits)
+        }
+        Some(Thickness::OverSize(rows)) => {
+            if rows.is_empty() {
+                let message = "has no rows; give sizes and thicknesses, as [[5, 0.2], [20, 0.5]]";
+                return Err(SpecError::value(ROWS, message));
+            }
+            rows.iter().flatten().try_for_each(|&mm| length(ROWS, mm))?;
+            ascending(ROWS, "sizes", &rows.iter().map(|[size, _]| *size).collect::<Vec<_>>())
+        }
+        Some(Thickness::VolumeShare(share)) if share > 0.0 && share < 1.0 => Ok(()),
+        Some(Thickness::VolumeShare(share)) => {
             let accepted = "the accepted range is above 0 and below 1 (volume over the grain's within its ITZ)";
             let message = format!("of {} is {}; {accepted}", shell.name, number(share));
             Err(SpecError::value("shape.shells.volume_share", message))
         }
-        (both, _) => {
-            let found = if both.is_some() { "has both" } else { "has neither" };
-            let message = format!("{found} thickness_mm and volume_share ({}); give one of the two", shell.name);
+        None => {
+            let message = format!(
+                "give {} none or several thicknesses; give one of thickness_mm, size_share, thickness_over_size_mm and \
+                 volume_share",
+                shell.name
+            );
             Err(SpecError::value("shape.shells", message))
         }
     }
 }
 
-/// ITZ and shells of grains of a phase leave a core in the smallest of them.
+/// ITZ and shells of grains of a phase leave a core in the smallest of them, and in those at each row of a law.
 fn together(spec: &Spec, own: Option<u8>) -> Checked {
     let laws = spec.shells_of(own);
     let shares: f64 = laws.iter().filter_map(|(_, law)| law.volume_share).sum();
@@ -150,18 +168,24 @@ fn together(spec: &Spec, own: Option<u8>) -> Checked {
         let message = format!("of all shells of a grain add up to {}; below 1 a core is left", number(short(shares)));
         return Err(SpecError::value("shape.shells.volume_share", message));
     }
-    let shells: f64 = laws.iter().filter_map(|(_, law)| law.thickness_mm).map(|[_, high]| high).sum();
     let sizes = own.and_then(|own| spec.phases.get(usize::from(own))).and_then(|phase| phase.sizes_mm);
-    let (all, smallest) = (spec.itz.thickness_mm[1] + shells, sizes.map_or(spec.grading.d_min_mm, |[low, _]| low));
-    if shells == 0.0 || 2.0 * all < smallest {
+    let [smallest, largest] = sizes.unwrap_or([spec.grading.d_min_mm, spec.grading.d_max_mm]);
+    let rows = laws.iter().filter_map(|(_, law)| law.thickness_over_size_mm.as_ref()).flatten().map(|[size, _]| *size);
+    let all = |size: f64| {
+        let shells: f64 = laws.iter().filter_map(|(_, law)| law.limits_mm(size)).map(|[_, high]| high).sum();
+        if shells > 0.0 { spec.itz.thickness_mm[1] + shells } else { 0.0 }
+    };
+    let sizes = std::iter::once(smallest).chain(rows.filter(|size| smallest < *size && *size <= largest));
+    let Some(size) = sizes.into_iter().find(|size| (2.0 * all(*size)).partial_cmp(size) != Some(Ordering::Less)) else {
         return Ok(());
-    }
+    };
     let message = format!(
-        "reaches {} with the ITZ, but the smallest of these grains is {} thick at most; stay below {} in all, give \
+        "reaches {} with the ITZ, but {} of these grains is {} thick at most; stay below {} in all, give \
          volume_share, or give the shells to a phase of larger sizes_mm",
-        number(short(all)),
-        number(smallest),
-        number(smallest / 2.0)
+        number(short(all(size))),
+        if size == smallest { "the smallest" } else { "one" },
+        number(size),
+        number(size / 2.0)
     );
     Err(SpecError::value("shape.shells.thickness_mm", message))
 }

@@ -84,8 +84,8 @@ impl Curve {
     }
 }
 
-/// P at `d` between points (size, P) of ascending size; constant beyond the ends.
-fn interpolate(points: impl Iterator<Item = (f64, f64)>, d: f64) -> f64 {
+/// P at `d` between points (size, P) of ascending size, linear in log d; constant beyond the ends.
+pub(in super::super) fn interpolate(points: impl Iterator<Item = (f64, f64)>, d: f64) -> f64 {
     let mut below: Option<(f64, f64)> = None;
     for (size, share) in points {
         if d <= size {

@@ -4,8 +4,10 @@ mod curve;
 mod standards;
 
 pub use curve::Curve;
+pub(super) use curve::interpolate;
 pub use standards::Standard;
 
+use super::random::Stream;
 use serde::{Deserialize, Serialize};
 
 /// Sizes of the aggregates: limits, curve and classes.
@@ -113,6 +115,11 @@ impl Grading {
             .windows(2)
             .map(|w| SizeClass { d_min_mm: w[0], d_max_mm: w[1], share: self.passing(w[1]) - self.passing(w[0]) })
             .collect()
+    }
+
+    /// The size of a grain in `class`, mm: the first number that its stream gives.
+    pub(super) fn draw(&self, class: &SizeClass, stream: &mut Stream) -> f64 {
+        self.size_law.size(class.d_min_mm, class.d_max_mm, stream.unit())
     }
 
     /// The limits of a spec that names none: every 5 mm as in the paper where both ends are multiples of 5 (up to 100
