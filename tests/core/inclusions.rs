@@ -304,14 +304,15 @@ fn surfaces_are_written_with_the_phase_they_bound() {
     assert_eq!(images.iter().filter(|body| body.kind == Kind::Fibre).count(), of(&model, Kind::Fibre).len());
 }
 
+fn page_of(model: &Model) -> String {
+    let options = StatisticsOptions { lines: 100, points: 100, ..StatisticsOptions::default() };
+    let mut out = Vec::new();
+    page::write(model, &Statistics::of(model, &options).unwrap(), None, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
 #[test]
 fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
-    let page_of = |model: &Model| {
-        let options = StatisticsOptions { lines: 100, points: 100, ..StatisticsOptions::default() };
-        let mut out = Vec::new();
-        page::write(model, &Statistics::of(model, &options).unwrap(), None, &mut out).unwrap();
-        String::from_utf8(out).unwrap()
-    };
     let page = page_of(&both());
     let shown = ["class=\"vo\"", "class=\"fi\"", "<tr><td>voids<td>0.03000", "<tr><td>fibres<td>0.01000"];
     assert!(shown.iter().all(|part| page.contains(part)));
@@ -421,5 +422,55 @@ fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
     for element in mesh.cohesive() {
         let (bottom, top) = element.split_at(element.len() / 2);
         assert!(bottom.iter().zip(top).all(|(p, q)| p != q), "every element joins two sets of nodes");
+    }
+}
+
+#[test]
+fn voids_follow_a_grading_of_their_own_and_one_class_of_it_is_the_range_of_diameters() {
+    const PLAIN: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 40 }\n\
+                         grading = { d_min_mm = 5, d_max_mm = 10, classes_mm = [5, 10] }\n[voids]\nfraction = 0.04\n";
+    let graded = "grading = { d_min_mm = 1, d_max_mm = 4, classes_mm = [1, 2, 4], size_law = 'volume-uniform', \
+                  curve = { kind = 'sieves', sieves_mm = [1, 2, 4], passing = [0, 0.25, 1] } }";
+    let model = packed(&format!("{PLAIN}{graded}"));
+    let [phase] = &model.report.phases[..] else { panic!("voids alone") };
+    let largest = PI / 6.0 * 64.0 / model.spec.specimen.volume();
+    for (class, asked) in phase.classes.iter().zip([0.01, 0.03]) {
+        assert!((class.target_fraction - asked).abs() < 1e-12);
+        assert!(class.aggregates > 30 && (class.fraction - asked).abs() <= largest / 2.0 + 1e-12, "{class:?}");
+    }
+    assert_eq!((phase.classes.len(), phase.bodies), (2, of(&model, Kind::Void).len()));
+    assert_eq!(phase.classes.iter().map(|class| class.aggregates).sum::<usize>(), phase.bodies);
+    assert!(phase.classes.iter().all(|class| class.aggregates != phase.bodies));
+    assert_eq!(check(&model).findings, []);
+    let mut bytes = Vec::new();
+    saved::write(&model, &mut bytes).unwrap();
+    let read = saved::read(&bytes).unwrap();
+    assert_eq!((&read.inclusions, &read.report), (&model.inclusions, &model.report));
+    assert!(page_of(&model).contains("<tr><td>voids of 1 to 2<td>0.01000<td>"));
+
+    let one = packed(&format!("{PLAIN}grading = {{ d_min_mm = 2, d_max_mm = 4, classes_mm = [2, 4] }}"));
+    let range = packed(&format!("{PLAIN}diameter_mm = [2, 4]"));
+    assert!(range.report.phases[0].classes.is_empty() && one.inclusions.len() > 20);
+    assert_eq!(one.inclusions, range.inclusions);
+    for (text, said) in [
+        (
+            "diameter_mm = [2, 4]\ngrading = { d_min_mm = 1, d_max_mm = 4 }",
+            "voids.diameter_mm stands beside voids.grading",
+        ),
+        ("", "voids.diameter_mm is missing, and so is voids.grading; give one of the two"),
+        ("grading = { d_max_mm = 4 }", "voids.grading.d_min_mm is missing; pores have no usual diameters"),
+        ("grading = { d_min_mm = 4, d_max_mm = 1 }", "voids.grading.d_min_mm is 4 but grading.d_max_mm is 1"),
+        ("grading = { d_min_mm = 1, d_max_mm = 60 }", "voids.grading.d_max_mm makes bodies 63.673 long"),
+        (
+            "grading = { d_min_mm = 0.001, d_max_mm = 4 }",
+            "voids.grading.d_min_mm is 0.001 at the least, which makes about",
+        ),
+        (
+            "grading = { d_min_mm = 1, d_max_mm = 4, curve = { kind = 'sieves', passing_percent = [0, 300] } }",
+            "voids.grading.curve.passing_percent has 300; per cent are from 0 to 100",
+        ),
+    ] {
+        let error = Spec::from_toml(&format!("{PLAIN}{text}")).unwrap_err().to_string();
+        assert!(error.contains(said), "{text}: {error}");
     }
 }

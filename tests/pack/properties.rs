@@ -165,7 +165,11 @@ fn placement() -> impl Strategy<Value = Placement> {
 /// Specs of every option, most of which can be.
 fn spec() -> impl Strategy<Value = Spec> {
     let voids = uniform2(1.0..4.0).prop_map(|d: [f64; 2]| [d[0].min(d[1]), d[0].max(d[1])]);
-    let voids = (0.001..0.1, voids).prop_map(|(fraction, diameter_mm)| Voids { fraction, diameter_mm });
+    let voids = (0.001..0.1, voids, option::of(grading())).prop_map(|(fraction, diameter_mm, grading)| Voids {
+        fraction,
+        diameter_mm: grading.is_none().then_some(diameter_mm),
+        grading,
+    });
     let fibres = (0.001..0.02, 0.2..1.0, 5.0..20.0).prop_map(|(fraction, diameter_mm, length_mm)| Fibres {
         fraction,
         diameter_mm,

@@ -191,7 +191,7 @@ fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
 fn bodies_that_the_elements_lose_are_told() {
     let mut spec = small_cube(1.0).spec;
     spec.fibres = Some(Fibres { fraction: 0.005, length_mm: 8.0, diameter_mm: 0.4, orientation: None });
-    spec.voids = Some(Voids { fraction: 0.01, diameter_mm: [0.8, 1.2] });
+    spec.voids = Some(Voids { fraction: 0.01, diameter_mm: Some([0.8, 1.2]), grading: None });
     let model = meso_core::pack(&spec, &Silent).unwrap();
     let lost = |method, size| {
         let options = options(method, size, ItzForm::None);

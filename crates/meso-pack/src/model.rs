@@ -132,7 +132,7 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
         go_on
     };
     let Spec { grading, shape, itz, seed, phases, .. } = spec;
-    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), phases, seed: *seed, go_on: &go_on };
+    let mixture = Mixture { grading, shape, itz, inclusions: spec.inclusions(), phases, seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
     let taken = take(&mixture, spec.fraction, spec.specimen.volume(), surplus);
     let mut grains = taken.map_err(|error| flat_shape(&error))?;

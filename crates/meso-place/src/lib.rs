@@ -94,7 +94,7 @@ pub struct PackingTarget<'a> {
     /// The shapes of the aggregates.
     pub shape: &'a Shape,
     /// Voids and fibres asked for.
-    pub inclusions: Inclusions,
+    pub inclusions: Inclusions<'a>,
     /// Phases of the aggregates' own.
     pub phases: &'a [OwnPhase],
     /// Seed of the positions.

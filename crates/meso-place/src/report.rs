@@ -2,12 +2,13 @@
 
 use super::{GrainTally, PackingTarget, Placed};
 use meso_collision::gjk::Counters;
-use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, OwnPhase, Reduction, Shape, Template};
+use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind, OwnPhase, Reduction, Shape, Template, Voids};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::{Phase, PhaseNames, parallel};
 use meso_concrete::{exceeds, short, thousands};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 
 /// The figures of one run: the keys of `--summary-json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -200,6 +201,9 @@ pub struct PhaseReport {
     pub volume_mm3: f64,
     /// Number of bodies.
     pub bodies: usize,
+    /// Per class of diameters, from the finest, where voids have a grading of their own; `aggregates` counts the voids.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub classes: Vec<ClassReport>,
 }
 
 /// Asked and reached volume of a phase of the aggregates' own, ITZ shells included, over the specimen's volume.
@@ -452,6 +456,17 @@ impl ClassReport {
     /// Every class of `grading`: its target at `fraction`, and the share that `aggregates` take of a specimen of
     /// `volume_mm3`.
     pub(crate) fn all(grading: &Grading, fraction: f64, aggregates: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+        let own = |body: &Aggregate| usize::from(body.class);
+        Self::by(grading, fraction, aggregates.iter().map(|body| (own(body), body)), volume_mm3)
+    }
+
+    /// Every class of `grading`, from bodies with their classes.
+    fn by<'a>(
+        grading: &Grading,
+        fraction: f64,
+        bodies: impl Iterator<Item = (usize, &'a Aggregate)>,
+        volume_mm3: f64,
+    ) -> Vec<Self> {
         let asked = grading.classes().into_iter().map(|class| Self {
             d_min_mm: class.d_min_mm,
             d_max_mm: class.d_max_mm,
@@ -460,9 +475,9 @@ impl ClassReport {
             aggregates: 0,
         });
         let mut classes: Vec<Self> = asked.collect();
-        for aggregate in aggregates {
-            let class = &mut classes[usize::from(aggregate.class)];
-            class.fraction += aggregate.body.volume() / volume_mm3;
+        for (class, body) in bodies {
+            let class = &mut classes[class];
+            class.fraction += body.body.volume() / volume_mm3;
             class.aggregates += 1;
         }
         classes
@@ -481,13 +496,15 @@ impl ClassReport {
 
 impl PhaseReport {
     /// Every further phase that is asked for, and the share that `bodies` take of a specimen of `volume_mm3`.
-    pub(crate) fn all(asked: &Inclusions, bodies: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+    pub(crate) fn all(asked: &Inclusions<'_>, bodies: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
         let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
         let phase = |(phase, target_fraction)| {
             let own = || bodies.iter().filter(|body| body.kind == phase);
             // An empty sum is -0.0, which would be printed.
             let volume = own().map(|body| body.body.volume()).fold(0.0, |sum, volume| sum + volume);
-            Self { phase, target_fraction, fraction: volume / volume_mm3, volume_mm3: volume, bodies: own().count() }
+            let classes = asked.voids.filter(|_| phase == Kind::Void).map(|voids| classes(voids, own(), volume_mm3));
+            let (fraction, bodies, classes) = (volume / volume_mm3, own().count(), classes.unwrap_or_default());
+            Self { phase, target_fraction, fraction, volume_mm3: volume, bodies, classes }
         };
         phases.map(phase).collect()
     }
@@ -497,6 +514,17 @@ impl PhaseReport {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{} are {percent} short", self.phase.plural()))
     }
+}
+
+/// The classes of voids with a grading of their own, by the balls of their volumes.
+fn classes<'a>(voids: &Voids, bodies: impl Iterator<Item = &'a Aggregate>, volume_mm3: f64) -> Vec<ClassReport> {
+    let Some(grading) = &voids.grading else { return Vec::new() };
+    let limits = &grading.classes_mm[1..];
+    let class = |body: &Aggregate| {
+        let diameter = libm::cbrt(body.body.volume() * 6.0 / PI);
+        limits.iter().position(|limit| diameter < *limit).unwrap_or(limits.len() - 1)
+    };
+    ClassReport::by(grading, voids.fraction, bodies.map(|body| (class(body), body)), volume_mm3)
 }
 
 impl OwnPhaseReport {

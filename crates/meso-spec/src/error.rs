@@ -22,6 +22,12 @@ impl SpecError {
         Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false, is_late: false }
     }
 
+    /// The error of a key within a table.
+    #[must_use]
+    pub(crate) fn within(self, table: &str) -> Self {
+        Self { key: format!("{table}.{}", self.key), ..self }
+    }
+
     /// Names the option of a time limit that was `given` beside the spec, and drops the line. Other errors pass
     /// unchanged.
     #[must_use]

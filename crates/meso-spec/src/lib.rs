@@ -186,8 +186,8 @@ impl Spec {
     }
 
     /// Voids and fibres of the spec.
-    pub fn inclusions(&self) -> Inclusions {
-        Inclusions { voids: self.voids, fibres: self.fibres }
+    pub fn inclusions(&self) -> Inclusions<'_> {
+        Inclusions { voids: self.voids.as_ref(), fibres: self.fibres }
     }
 
     /// Phases of the specimen, with the names of its own.
@@ -206,7 +206,10 @@ impl Spec {
         if let Some(fraction) = plain_fraction(&tree) {
             reading.watch.target(fraction);
         }
-        let table = sieves::inline(&mut tree, reading.files)?;
+        let table = tree.child_mut("grading").map_or(Ok(None), |own| sieves::inline(own, reading.files))?;
+        let pores = tree.child_mut("voids").and_then(|voids| voids.child_mut("grading"));
+        let pores = pores.map_or(Ok(None), |own| has_limits(own).and_then(|()| sieves::inline(own, reading.files)));
+        let pores = pores.map_err(|error| error.within("voids"))?;
         let limit = library::inline(&mut tree, &mut reading)?;
         let (to_read, watch) = (library::Limit::of(&tree, reading.time_limit_s), reading.watch);
         stop::until(to_read.waiting(watch), || surface::inline(&mut tree, &mut reading))
@@ -216,8 +219,11 @@ impl Spec {
         let mix = mix_design::take(&mut tree)?;
         let mut spec: Self = stop::until(limit.waiting(reading.watch), || read::read(&tree))
             .map_err(|_| limit.late("the library's grains were proved", library::GRAINS))??;
-        if spec.grading.classes_mm.is_empty() {
-            spec.grading.classes_mm = spec.grading.usual_classes();
+        let of_pores = spec.voids.as_mut().and_then(|voids| voids.grading.as_mut());
+        for grading in std::iter::once(&mut spec.grading).chain(of_pores) {
+            if grading.classes_mm.is_empty() {
+                grading.classes_mm = grading.usual_classes();
+            }
         }
         if !size_given {
             spec.grading.size = spec.grading.curve.usual_size();
@@ -236,8 +242,20 @@ impl Spec {
         if let Some(table) = table {
             table.say(&spec.grading, reading.files);
         }
+        if let (Some(table), Some(grading)) = (pores, spec.voids.as_ref().and_then(|voids| voids.grading.as_ref())) {
+            table.say(grading, reading.files);
+        }
         Ok(spec)
     }
+}
+
+/// Refuses a grading of pores without limits, which have no usual sizes.
+fn has_limits(grading: &tree::Node) -> Result<(), SpecError> {
+    let missing = ["d_min_mm", "d_max_mm"].into_iter().find(|key| grading.child(key).is_none());
+    let message = "is missing; pores have no usual diameters: give the smallest and the largest, in mm";
+    missing.map_or(Ok(()), |key| {
+        Err(SpecError { line: grading.line, ..SpecError::value(format!("grading.{key}"), message) })
+    })
 }
 
 /// The fraction asked for, where it does not follow from a mix design.

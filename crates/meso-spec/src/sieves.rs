@@ -17,9 +17,9 @@ pub(super) struct Remark {
     understood: String,
 }
 
-/// Replaces `file` in `grading.curve` by the sieves and shares of that table, and `passing_percent` by shares.
-pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<Option<Remark>, SpecError> {
-    let Some(curve) = tree.child_mut("grading").and_then(|grading| grading.child_mut("curve")) else { return Ok(None) };
+/// Replaces `file` in the curve of a `grading` by the sieves and shares of that table, and `passing_percent` by shares.
+pub(super) fn inline(grading: &mut Node, files: &mut dyn Files) -> Result<Option<Remark>, SpecError> {
+    let Some(curve) = grading.child_mut("curve") else { return Ok(None) };
     shares_of_percent(curve)?;
     let chosen: Vec<(&str, Node)> = CHOICES.iter().filter_map(|key| Some((*key, curve.take(key)?.1))).collect();
     let Some((_, Node { value, line })) = curve.take("file") else {

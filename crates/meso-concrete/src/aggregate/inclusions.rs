@@ -4,9 +4,9 @@
 //! dodecahedron): 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both
 //! have exactly the volume of the sphere or the cylinder they stand for. They have no ITZ.
 
-use super::SizeLaw;
 use super::grain::{Grain, Kind};
 use super::random::Stream;
+use super::{Grading, SizeClass, SizeLaw};
 use meso_collision::geometry::{HullError, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use nalgebra::Rotation3;
@@ -14,14 +14,18 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2, TAU};
 
 /// Spherical voids, `[voids]` in a spec.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Voids {
     /// Their volume over the specimen's, 0 to 1.
     pub fraction: f64,
     /// Smallest and largest diameter, mm; every diameter between them is drawn equally often.
-    pub diameter_mm: [f64; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diameter_mm: Option<[f64; 2]>,
+    /// Diameters by a grading of their own, as `[grading]` has the sizes of the aggregates; instead of `diameter_mm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grading: Option<Grading>,
 }
 
 /// Straight fibres, `[fibres]` in a spec.
@@ -54,29 +58,58 @@ pub struct Cone {
 
 /// The further phases of a spec.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Inclusions {
+pub struct Inclusions<'a> {
     /// `[voids]`.
-    pub voids: Option<Voids>,
+    pub voids: Option<&'a Voids>,
     /// `[fibres]`.
     pub fibres: Option<Fibres>,
 }
 
 impl Voids {
-    /// Volume of a void in the mean, mm3.
-    pub fn mean_volume(&self) -> f64 {
-        let [low, high] = self.diameter_mm;
-        if low == high { PI / 6.0 * low * low * low } else { PI / 6.0 * SizeLaw::Uniform.mean_cube(low, high) }
+    /// Classes of their diameters, from the finest.
+    pub fn classes(&self) -> Vec<SizeClass> {
+        let one = |[d_min_mm, d_max_mm]: [f64; 2]| vec![SizeClass { d_min_mm, d_max_mm, share: 1.0 }];
+        self.grading.as_ref().map_or_else(|| self.diameter_mm.map(one).unwrap_or_default(), Grading::classes)
+    }
+
+    /// Smallest and largest diameter, mm.
+    pub fn limits_mm(&self) -> [f64; 2] {
+        let classes = self.classes();
+        [classes.first().map_or(0.0, |class| class.d_min_mm), classes.last().map_or(0.0, |class| class.d_max_mm)]
+    }
+
+    /// Distribution of the diameters within a class.
+    pub fn size_law(&self) -> SizeLaw {
+        self.grading.as_ref().map_or(SizeLaw::Uniform, |grading| grading.size_law)
+    }
+
+    /// Volume asked for over the specimen's: a raw curve leaves a part of the fraction.
+    pub fn asked(&self) -> f64 {
+        self.grading.as_ref().map_or(1.0, |own| own.passing(own.d_max_mm) - own.passing(own.d_min_mm)) * self.fraction
+    }
+
+    /// Voids in a unit of the specimen's volume, in the mean, 1/mm3.
+    pub fn per_mm3(&self) -> f64 {
+        let law = self.size_law();
+        let number = |class: &SizeClass| class.share / (PI / 6.0 * law.mean_cube(class.d_min_mm, class.d_max_mm));
+        self.fraction * self.classes().iter().map(number).sum::<f64>()
     }
 
     /// The largest polyhedron's longest diagonal, mm.
     pub fn longest(&self) -> f64 {
-        self.diameter_mm[1] * ball()[0].norm()
+        self.limits_mm()[1] * ball()[0].norm()
     }
 
-    /// A void of these `(class, index)`: the corners of the [`ball`], as large as drawn, in a random orientation.
-    pub(super) fn grain(&self, ball: &[Vec3], ids: (u16, u32), stream: &mut Stream) -> Result<Grain, HullError> {
-        let [low, high] = self.diameter_mm;
-        let radius = stream.uniform(low, high) / 2.0;
+    /// A void of these `(class, index)`: the corners of the [`ball`], as large as drawn in a class of diameters, in a random
+    /// orientation.
+    pub(super) fn grain(
+        &self,
+        ball: &[Vec3],
+        diameters: &SizeClass,
+        ids: (u16, u32),
+        stream: &mut Stream,
+    ) -> Result<Grain, HullError> {
+        let radius = self.size_law().size(diameters.d_min_mm, diameters.d_max_mm, stream.unit()) / 2.0;
         let vertices: Vec<Vec3> = ball.iter().map(|vertex| vertex * radius).collect();
         Grain::turned(Kind::Void, ids, &vertices, stream)
     }
@@ -112,10 +145,10 @@ impl Fibres {
     }
 }
 
-impl Inclusions {
+impl Inclusions<'_> {
     /// Volumes of voids and fibres over the specimen's, in the order of [`Kind::FURTHER`]; 0 where there are none.
     pub fn fractions(&self) -> [f64; 2] {
-        [self.voids.map_or(0.0, |voids| voids.fraction), self.fibres.map_or(0.0, |fibres| fibres.fraction)]
+        [self.voids.map_or(0.0, Voids::asked), self.fibres.map_or(0.0, |fibres| fibres.fraction)]
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Mixture<'a> {
     /// Thickness of the ITZ.
     pub itz: &'a Itz,
     /// Voids and fibres.
-    pub inclusions: &'a Inclusions,
+    pub inclusions: Inclusions<'a>,
     /// Phases of the specimen's own.
     pub phases: &'a [OwnPhase],
     /// Seed of all streams.
@@ -146,9 +146,14 @@ fn take_inclusions(grains: &mut Vec<Grain>, mixture: &Mixture, first_class: u16,
     let Inclusions { voids, fibres } = mixture.inclusions;
     let stream = |class, index: u32| Stream::new(mixture.seed, Draw::Take, class, u64::from(index));
     if let Some(voids) = voids {
-        let (ball, class) = (inclusions::ball(), first_class);
-        let make = |index| voids.grain(&ball, (class, index), &mut stream(class, index));
-        fill(grains, voids.fraction * volume, mixture.go_on, make)?;
+        let (ball, class, first) = (inclusions::ball(), first_class, grains.len());
+        for diameters in voids.classes().iter().rev() {
+            // All voids count as one class, whose numbers go on.
+            let before = (grains.len() - first) as u32;
+            let ids = |index| (class, before + index);
+            let make = |index| voids.grain(&ball, diameters, ids(index), &mut stream(class, before + index));
+            fill(grains, voids.fraction * volume * diameters.share, mixture.go_on, make)?;
+        }
     }
     if let Some(fibres) = fibres {
         let (prism, class) = (fibres.prism(), first_class + 1);

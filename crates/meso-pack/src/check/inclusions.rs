@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 
 /// A void has the volume of a sphere of one of the diameters asked for; a fibre has the volume and the length of the
 /// cylinder.
-pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
+pub(super) fn size(asked: &Inclusions<'_>, body: &Aggregate) -> Option<Finding> {
     let volume = body.body.volume();
     let reason = match (body.kind, asked.voids, asked.fibres) {
         (Kind::Void, Some(voids), _) => {
-            let [low, high] = voids.diameter_mm;
+            let [low, high] = voids.limits_mm();
             let diameter = libm::cbrt(volume * 6.0 / PI);
             let rounding = rounding(diameter);
             let fits = diameter >= low - rounding && diameter <= high + rounding;

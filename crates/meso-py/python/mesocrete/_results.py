@@ -88,6 +88,8 @@ class PhaseReport(TypedDict):
     """Volume of the bodies, mm3."""
     bodies: int
     """Number of bodies."""
+    classes: NotRequired[list[ClassReport]]
+    """Per class of diameters, from the finest, where voids have a grading of their own; `aggregates` counts the voids."""
 
 
 class OwnPhaseReport(TypedDict):

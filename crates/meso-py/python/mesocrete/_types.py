@@ -400,10 +400,12 @@ Template = Sequence[_Numbers] | GrainTable
 class Voids(TypedDict, total=False):
     """Spherical voids, `[voids]` in a spec."""
 
-    diameter_mm: _Numbers
+    diameter_mm: _Numbers | None
     """Smallest and largest diameter, mm; every diameter between them is drawn equally often."""
     fraction: float
     """Their volume over the specimen's, 0 to 1."""
+    grading: Grading | None
+    """Diameters by a grading of their own, as `[grading]` has the sizes of the aggregates; instead of `diameter_mm`."""
 
 
 class SpecOptions(TypedDict, total=False):

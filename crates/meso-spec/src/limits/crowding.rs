@@ -7,7 +7,7 @@ use super::{Checked, mean_volume};
 use crate::messages::number;
 use crate::{Spec, SpecError};
 use meso_concrete::aggregate::Grain;
-use meso_concrete::aggregate::{Fibres, SizeDefinition, SizeLaw, Voids};
+use meso_concrete::aggregate::{Fibres, SizeClass, SizeDefinition, Voids};
 use meso_concrete::specimen::Largest;
 use meso_place::Strategy;
 use std::f64::consts::PI;
@@ -20,7 +20,7 @@ impl Spec {
     /// container shrinks by at least as much as a box of its lengths.
     pub fn crowding(&self) -> f64 {
         let gap = self.placement.min_gap_mm;
-        let voids = self.voids.map_or(0.0, |voids| voids.fraction * void_growth(&voids, gap));
+        let voids = self.voids.as_ref().map_or(0.0, |voids| voids.fraction * void_growth(voids, gap));
         let fibres = self.fibres.map_or(0.0, |fibres| fibres.fraction * fibre_growth(&fibres, gap));
         (self.grown_aggregates() + voids + fibres) / self.room_left()
     }
@@ -160,8 +160,11 @@ fn rounded(bound: f64) -> f64 {
 }
 
 fn void_growth(voids: &Voids, gap: f64) -> f64 {
-    let [low, high] = voids.diameter_mm;
-    SizeLaw::Uniform.mean_cube(low + gap, high + gap) / SizeLaw::Uniform.mean_cube(low, high)
+    let law = voids.size_law();
+    let grown = |&SizeClass { d_min_mm: low, d_max_mm: high, share }: &SizeClass| {
+        share * law.mean_cube(low + gap, high + gap) / law.mean_cube(low, high)
+    };
+    voids.classes().iter().map(grown).sum()
 }
 
 fn fibre_growth(fibres: &Fibres, gap: f64) -> f64 {

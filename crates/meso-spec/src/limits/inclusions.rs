@@ -1,6 +1,7 @@
 //! Voids and fibres that cannot be, named before any work starts.
 
-use super::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
+use super::grading::grading;
+use super::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, in_order, length, share, within};
 use crate::messages::{at_most, number};
 use crate::{Spec, SpecError};
 use meso_collision::math::Vec3;
@@ -16,8 +17,12 @@ pub(crate) const RANDOM_RODS: f64 = 5.4;
 pub(super) fn check(spec: &Spec) -> Checked {
     if let Some(voids) = &spec.voids {
         check_voids(voids)?;
-        longest_fits(spec, "voids.diameter_mm", voids.longest())?;
-        count(spec, "voids.diameter_mm", "voids", voids.diameter_mm[0], voids.fraction / voids.mean_volume())?;
+        let [least, largest] = match voids.grading {
+            Some(_) => ["voids.grading.d_min_mm", "voids.grading.d_max_mm"],
+            None => [DIAMETER; 2],
+        };
+        longest_fits(spec, largest, voids.longest())?;
+        count(spec, least, "voids", voids.limits_mm()[0], voids.per_mm3())?;
     }
     if let Some(fibres) = &spec.fibres {
         check_fibres(fibres)?;
@@ -27,16 +32,22 @@ pub(super) fn check(spec: &Spec) -> Checked {
     sum(spec)
 }
 
+const DIAMETER: &str = "voids.diameter_mm";
+
 fn check_voids(voids: &Voids) -> Checked {
-    const KEY: &str = "voids.diameter_mm";
     share("voids.fraction", "void", voids.fraction)?;
-    voids.diameter_mm.iter().try_for_each(|&diameter| length(KEY, diameter))?;
-    let [low, high] = voids.diameter_mm;
-    if low > high {
-        let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
-        return Err(SpecError::value(KEY, message));
+    match (&voids.diameter_mm, &voids.grading) {
+        (Some(limits), None) => {
+            limits.iter().try_for_each(|&diameter| length(DIAMETER, diameter))?;
+            in_order(DIAMETER, *limits)
+        }
+        (None, Some(own)) => grading(own, MIN_LENGTH_MM).map_err(|error| error.within("voids")),
+        (both, _) => {
+            let found =
+                if both.is_some() { "stands beside voids.grading" } else { "is missing, and so is voids.grading" };
+            Err(SpecError::value(DIAMETER, format!("{found}; give one of the two")))
+        }
     }
-    Ok(())
 }
 
 fn check_fibres(fibres: &Fibres) -> Checked {

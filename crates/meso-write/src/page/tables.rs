@@ -4,7 +4,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::thousands;
 use meso_mesh::figures::PhaseVolumes;
 use meso_pack::model::Model;
-use meso_pack::packing::StopReason;
+use meso_pack::packing::{ClassReport, StopReason};
 use meso_pack::spec::Spec;
 use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Sampled, Statistics};
 use meso_view::plot::escape;
@@ -18,23 +18,12 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<p>Target {}: {}.</p>", report.target_fraction, escape(&detail))?;
     let row = "<tr><th>class, mm<th>asked<th>reached<th>deviation<th>aggregates";
     writeln!(out, "<table>{row}")?;
-    for class in &report.classes {
-        let deviation = if class.target_fraction > 0.0 { class.fraction / class.target_fraction - 1.0 } else { 0.0 };
-        writeln!(
-            out,
-            "<tr><td>{} to {}<td>{:.5}<td>{:.5}<td>{:+.2} %<td>{}",
-            class.d_min_mm,
-            class.d_max_mm,
-            class.target_fraction,
-            class.fraction,
-            100.0 * deviation,
-            thousands(class.aggregates)
-        )?;
-    }
+    report.classes.iter().try_for_each(|own| class("", own, out))?;
     for phase in &report.phases {
         let (name, deviation) = (phase.phase.plural(), 100.0 * (phase.fraction / phase.target_fraction - 1.0));
         let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, thousands(phase.bodies));
         writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
+        phase.classes.iter().try_for_each(|own| class(&format!("{name} of "), own, out))?;
     }
     for own in &report.own_phases {
         let (name, deviation) = (&own.phase, 100.0 * (own.fraction / own.target_fraction - 1.0));
@@ -59,6 +48,21 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "<p>{remark}.</p>")?;
     }
     phases(model, out)
+}
+
+/// The row of a class, `of` a kind of bodies.
+fn class(of: &str, class: &ClassReport, out: &mut impl Write) -> io::Result<()> {
+    let deviation = if class.target_fraction > 0.0 { class.fraction / class.target_fraction - 1.0 } else { 0.0 };
+    writeln!(
+        out,
+        "<tr><td>{of}{} to {}<td>{:.5}<td>{:.5}<td>{:+.2} %<td>{}",
+        class.d_min_mm,
+        class.d_max_mm,
+        class.target_fraction,
+        class.fraction,
+        100.0 * deviation,
+        thousands(class.aggregates)
+    )
 }
 
 /// The exact volumes of the phases over the specimen's; nothing where a core has no trustworthy volume.
