@@ -8,7 +8,7 @@ use meso_core::math::Vec3;
 use meso_core::specimen::Specimen;
 use meso_effective::{
     EffectiveOptions, GivenModuli, PhaseModuli, Phases, Property, StiffnessOptions, effective, effective_in_tetrahedra,
-    stiffness,
+    stiffness, stiffness_in_tetrahedra,
 };
 use std::borrow::Cow;
 
@@ -131,8 +131,45 @@ fn shells_of_equal_values_are_worth_one_thick_shell() {
     assert!((four / one - 1.0).abs() < 1e-3, "{four} {one}");
 }
 
+/// Properties in tetrahedra of some edge, with the error along x.
+fn in_tetrahedra(thicknesses: &[f64], core: f64, shells: &[f64], edge: f64) -> Result<[f64; 2], String> {
+    let (specimen, options) = (cube(SIDE, true), EffectiveOptions::new(Property::Diffusivity, 1.0));
+    let (parts, values) = (coated(&specimen, thicknesses), values(core, shells));
+    let found = effective_in_tetrahedra(parts, &values, &options, edge, &Silent).map_err(|error| error.to_string())?.0;
+    Ok([entry(&found, 0, 0), found.error[0][0].unwrap()])
+}
+
 #[test]
-fn shares_of_shells_are_their_volumes_and_tetrahedra_and_closed_shells_are_refused() {
+fn tetrahedra_have_shells_by_the_centres_of_their_cells() {
+    let (thicknesses, shells) = ([2.0, 2.0], [5.0, 0.2]);
+    let radii = (RADIUS - 4.0, RADIUS - 2.0);
+    let equal = equivalent((radii.0, 0.5), &[(radii.1, 0.2), (RADIUS, 5.0)]);
+    let exact = diffusivity(&[], equal, &[], 0.5);
+    let [found, error] = in_tetrahedra(&thicknesses, 0.5, &shells, 0.8).unwrap();
+    assert!(
+        (found - exact).abs() < error.max(0.002) && error < 0.05 && (exact - 1.0).abs() > 0.1,
+        "{found} {error} {exact}"
+    );
+    // Impermeable shells close their core in.
+    let [closed, _] = in_tetrahedra(&[2.0], 3.0, &[0.0], 1.0).unwrap();
+    let [sealed, error] = in_tetrahedra(&[], 0.0, &[], 1.0).unwrap();
+    assert!((closed - sealed).abs() < 1e-6 + error, "{closed} {sealed}");
+    let thin = in_tetrahedra(&[0.2], 0.1, &[3.0], 2.0).unwrap_err();
+    assert!(thin.starts_with("the phase a takes ") && thin.ends_with("or the method voxel"), "{thin}");
+    let [one, two] = [&[4.0][..], &[2.0; 2]].map(|own| in_tetrahedra(own, 0.1, &vec![3.0; own.len()], 1.0).unwrap());
+    assert!((two[0] / one[0] - 1.0).abs() < 1e-6, "{one:?} {two:?}");
+    let given = GivenModuli { youngs_modulus_mpa: Some(8e3), poisson_ratio: Some(0.25), eigenstrain: None };
+    let moduli = PhaseModuli { own: [(name(0), given)].into_iter().collect(), ..PhaseModuli::default() };
+    let specimen = cube(SIDE, true);
+    let options = StiffnessOptions::new(1.0);
+    let voxels = stiffness(coated(&specimen, &[2.0]), &moduli, &options, &Silent).unwrap().0;
+    let tetrahedra = stiffness_in_tetrahedra(coated(&specimen, &[2.0]), &moduli, &options, 1.0, &Silent).unwrap().0;
+    let off = tetrahedra.tensor[0][0] - voxels.tensor[0][0];
+    assert!(off.abs() < tetrahedra.error[0][0] + voxels.error[0][0], "{off} {tetrahedra:?} {voxels:?}");
+}
+
+#[test]
+fn shares_of_shells_are_their_volumes_and_closed_shells_are_refused_in_voxels() {
     let (specimen, options) = (cube(SIDE, true), EffectiveOptions::new(Property::Diffusivity, 2.0));
     let found = effective(coated(&specimen, &[2.0, 1.0]), &values(0.1, &[3.0, 2.0]), &options, &Silent).unwrap().0;
     let body = sphere(Vec3::zeros(), RADIUS, 3);
@@ -141,8 +178,6 @@ fn shares_of_shells_are_their_volumes_and_tetrahedra_and_closed_shells_are_refus
     for (place, exact) in [2, 5, 6].into_iter().zip(exact) {
         assert!((found.phases[place].volume_fraction - exact).abs() < 1e-12, "{:?}", found.phases);
     }
-    let tetrahedra = effective_in_tetrahedra(coated(&specimen, &[1.0]), &values(0.1, &[3.0]), &options, 2.0, &Silent);
-    assert!(tetrahedra.err().unwrap().to_string().contains("take voxel"));
     let closed = effective(coated(&specimen, &[1.0]), &values(0.1, &[0.0]), &options, &Silent);
     assert!(closed.err().unwrap().to_string().contains("diffusivity.a is 0; a shell lets something pass"));
 }

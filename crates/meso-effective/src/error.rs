@@ -28,7 +28,7 @@ pub enum EffectiveError {
     )]
     Coarse {
         /// Its name.
-        phase: &'static str,
+        phase: String,
         /// Its volume in the mesh over the specimen's.
         meshed: f64,
         /// Its volume in the packing over the specimen's.

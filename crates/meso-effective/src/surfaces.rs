@@ -4,7 +4,7 @@ use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::aggregate::Kind;
-use meso_concrete::{OutOfRange, Phase, PhaseNames, Ranges, own_tables, parallel};
+use meso_concrete::{Phase, PhaseNames, own_tables, parallel};
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 
@@ -66,13 +66,6 @@ pub(crate) struct Surface {
     pub(crate) within: Phase,
     /// Phase of the body within its ITZ.
     pub(crate) kind: Phase,
-}
-
-/// Refuses grains with shells, which have no fitted tetrahedra.
-pub(crate) fn without_shells(bodies: &[Aggregate]) -> Result<(), OutOfRange> {
-    let is_met = bodies.iter().all(|body| body.shells.is_empty());
-    let why = "the surfaces of shells have no tetrahedra of their own; take voxel, whose voxels have their shares";
-    Ranges("effective").require("method", "lattice", is_met, why)
 }
 
 impl Surface {

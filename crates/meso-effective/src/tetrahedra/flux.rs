@@ -9,7 +9,6 @@ use crate::field::PropertyField;
 use crate::phases::{PhaseValues, Phases, Property};
 use crate::solutions::{Column, reporting};
 use crate::solver::{self, Energy, Graph, Rows, Solution};
-use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::PhaseNames;
 use meso_concrete::specimen::Specimen;
@@ -33,11 +32,10 @@ pub fn effective_in_tetrahedra<'a>(
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
-    without_shells(&bodies)?;
     let bodies = error::accepted(bodies)?;
     let aggregates = values.of_aggregates(&names);
     let itz = Itz::of(&values.mortar, &aggregates, &values.itz, aggregates.iter().all(|value| *value == 0.0));
-    let meshed = Bodies::new(&bodies, specimen, itz, values.void > 0.0);
+    let meshed = Bodies::new(&bodies, (specimen, &names), itz, values.void > 0.0);
     let is_flux = options.boundary == Boundary::UniformFlux;
     let stages = options.axes.iter().filter(|axis| is_flux || **axis).count();
     let solve = |domain: &Domain, is_fine: bool| {

@@ -72,6 +72,7 @@ impl Itz {
 /// Bodies as they are meshed.
 pub(super) struct Bodies<'a> {
     specimen: &'a Specimen,
+    names: &'a PhaseNames,
     bodies: Vec<Aggregate>,
     /// Phase of every body within its ITZ.
     phases: Vec<Phase>,
@@ -82,8 +83,13 @@ pub(super) struct Bodies<'a> {
 
 impl<'a> Bodies<'a> {
     /// `fills_voids` says that voids have a value, so that they are meshed.
-    pub(super) fn new(bodies: &[Aggregate], specimen: &'a Specimen, itz: Itz, fills_voids: bool) -> Self {
-        let mut all = Self { specimen, bodies: Vec::new(), phases: Vec::new(), films: Vec::new(), itz };
+    pub(super) fn new(
+        bodies: &[Aggregate],
+        (specimen, names): (&'a Specimen, &'a PhaseNames),
+        itz: Itz,
+        fills_voids: bool,
+    ) -> Self {
+        let mut all = Self { specimen, names, bodies: Vec::new(), phases: Vec::new(), films: Vec::new(), itz };
         for body in bodies {
             all.add(body, fills_voids);
         }
@@ -107,7 +113,7 @@ impl<'a> Bodies<'a> {
                 Ok(Some(core)) => {
                     film = body.body.volume() - core.volume();
                     if self.itz == Itz::Mortar {
-                        body.body = core;
+                        (body.body, body.itz_thickness_mm) = (core, 0.0);
                     }
                 }
             }
@@ -154,21 +160,22 @@ impl<'a> Bodies<'a> {
             volumes: (!is_layer).then_some(Volumes::Exact),
             ..MeshOptions::default()
         };
-        let parts =
-            Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen, phases: PhaseNames::default() };
+        let parts = Parts { bodies: Cow::Borrowed(&self.bodies), specimen: self.specimen, phases: self.names.clone() };
         let mesh = build(parts.clone(), &options, &Tools { watch, ..Tools::default() })?;
         let found = if is_fine { PhaseOff::accept(&mesh, parts, &options, f64::INFINITY)? } else { None };
         if let Some(PhaseOff { phase, meshed, exact }) = found.filter(|found| found.is_beyond(PhaseOff::ACCEPTED)) {
-            return Err(EffectiveError::Coarse { phase: PhaseNames::COMMON.name(phase), meshed, exact });
+            return Err(EffectiveError::Coarse { phase: self.names.name(phase).to_owned(), meshed, exact });
         }
         Ok(Domain::new(mesh))
     }
 
-    /// Phase of a cell of their mesh.
+    /// Phase of a cell of their mesh. A shell has the cells whose centre lies in it.
     pub(super) fn phase(&self, mesh: &Mesh, cell: usize) -> Phase {
         match mesh.phase[cell] {
             meso_mesh::Phase::Mortar => Phase::Mortar,
             meso_mesh::Phase::Itz => Phase::Itz,
+            // Cores have the phase of their owner: these are shells.
+            shell @ meso_mesh::Phase::Own(_) => shell,
             _ => self.phases[mesh.owner[cell] as usize],
         }
     }

@@ -7,7 +7,6 @@ use crate::error::{self, EffectiveError};
 use crate::field::PropertyField;
 use crate::moduli::{Moduli, PhaseModuli, Table, accept_strains};
 use crate::solver::{Equations, Graph, Multigrid, Rows, dot, layers_mut};
-use crate::surfaces::without_shells;
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::Phase;
 use meso_concrete::specimen::Specimen;
@@ -30,13 +29,12 @@ pub fn stiffness_in_tetrahedra<'a>(
     let Parts { bodies, specimen, phases: names } = parts.into();
     let table = moduli.table(&names)?;
     options.bytes_in_tetrahedra(specimen, element_size_mm)?;
-    without_shells(&bodies)?;
     let bodies = error::accepted(bodies)?;
     accept_strains(&table, &bodies, &names)?;
     let of = |phase: Phase| table[phase.index()];
     let aggregates: Vec<Moduli> = names.all().filter(|phase| phase.is_aggregate()).map(of).collect();
     let itz = Itz::of(&of(Phase::Mortar), &aggregates, &of(Phase::Itz), false);
-    let meshed = Bodies::new(&bodies, specimen, itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
+    let meshed = Bodies::new(&bodies, (specimen, &names), itz, of(Phase::Void).youngs_modulus_mpa > 0.0);
     let solve = |domain: &Domain, is_fine: bool| {
         let (fields, watch): (_, &dyn Watch) = if is_fine { (options.fields, watch) } else { (false, &Silent) };
         columns(&mut Solid::new(domain, &meshed, &table), options.tolerance, fields, watch)
