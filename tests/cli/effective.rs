@@ -323,6 +323,16 @@ fn a_folder_without_frames_or_with_foreign_ones_is_refused_by_name() {
     refused("it has no array crack_strain; solve the test again with this version");
     folder.write("run/frame_0001.vtu", "<VTKFile>");
     refused("it is no grid of mesocrete's own");
+    // The same mesh at the same strain, pressed between rougher plates.
+    let other = |friction: &str| {
+        let rest = ["-o", "other", "--frames", "1", "--friction", friction];
+        assert_eq!(folder.run(&[&test[..2], &rest[..], &test[4..]].concat()).code, 0);
+        folder.read("other/frame_0001.vtu")
+    };
+    folder.write("run/frame_0001.vtu", other("0.4"));
+    refused("frame_0001.vtu: it is a frame of another test, or it was changed; solve the test again");
+    folder.write("run/frame_0001.vtu", other("0.1"));
+    assert_eq!(folder.run(&["effective", "run", "-qo", "twin"]).code, 0);
     let result = String::from_utf8(folder.read("run/result.json")).unwrap();
     folder.write("run/frame_0001.vtu", &frame);
     let elements = result.find("\"elements\": ").unwrap() + 12;

@@ -242,6 +242,9 @@ impl RunRecord {
         if mesh.phase.iter().any(|phase| phase.index() >= phases.count()) {
             return Err("it has phases that the results of this test do not name; solve the test again".to_owned());
         }
+        if !snapshot.is_of_its_moment() {
+            return Err("it is a frame of another test, or it was changed; solve the test again".to_owned());
+        }
         Ok((Mesh { phases, ..mesh }, snapshot))
     }
 
@@ -275,7 +278,7 @@ mod tests {
     fn record(stresses: &[f64]) -> RunRecord {
         let frame = |(number, stress): (usize, &f64)| {
             let strain = 0.001 * (number + 1) as f64;
-            Moment { number: number as u32 + 1, strain, stress_mpa: *stress, time_s: 0.0 }
+            Moment { number: number as u32 + 1, strain, stress_mpa: *stress, ..Moment::default() }
         };
         let frames = stresses.iter().enumerate().map(frame).collect();
         RunRecord { elements: 1, cohesive_elements: 0, peak_mpa: Some(40.0), frames, phases: Vec::new() }

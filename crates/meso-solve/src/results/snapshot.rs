@@ -6,6 +6,7 @@ use meso_mesh::Mesh;
 use meso_view::vtk::Still;
 use meso_view::vtk::mesh::{self as vtu_mesh, Field, Unread};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::io::{self, Write};
 
 /// When a frame was taken.
@@ -19,6 +20,9 @@ pub struct Moment {
     pub stress_mpa: f64,
     /// s.
     pub time_s: f64,
+    /// Checksum of its displacements, stresses and cracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seal: Option<u32>,
 }
 
 impl Moment {
@@ -28,7 +32,7 @@ impl Moment {
     /// When `frame` is.
     pub fn of(frame: &Frame) -> Self {
         let (number, strain) = (frame.number(), frame.strain());
-        Self { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s() }
+        Self { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s(), seal: None }
     }
 
     /// Name of the frame's file.
@@ -69,6 +73,9 @@ pub struct Snapshot {
     pub crack_strain: Vec<[f32; 6]>,
 }
 
+/// Numbers that are hashed at once.
+const CHUNK: usize = 1 << 14;
+
 impl Snapshot {
     /// Fields of `frame`.
     pub fn of(frame: &Frame) -> Self {
@@ -94,7 +101,7 @@ impl Snapshot {
             },
         );
         let (moment, displacement) = (Moment::of(frame), frame.displacement());
-        Self {
+        let mut own = Self {
             moment,
             displacement,
             stress,
@@ -105,7 +112,26 @@ impl Snapshot {
             strength,
             stiffness_left,
             crack_strain,
+        };
+        own.moment.seal = Some(own.seal());
+        own
+    }
+
+    /// Whether its fields are those of its moment; those of a moment without a seal are taken as such.
+    pub fn is_of_its_moment(&self) -> bool {
+        self.moment.seal.is_none_or(|seal| seal == self.seal())
+    }
+
+    /// The first four bytes of a SHA-256.
+    fn seal(&self) -> u32 {
+        let (displacement, cracks) = (self.displacement.as_flattened(), self.crack_strain.as_flattened());
+        let mut hash = Sha256::new();
+        for field in [displacement, self.stress.as_flattened(), cracks, &self.opening_mm, &self.stiffness_left] {
+            let bytes = |some: &[f32]| some.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+            field.chunks(CHUNK).for_each(|some| hash.update(bytes(some)));
         }
+        let [a, b, c, d, ..]: [u8; 32] = hash.finalize().into();
+        u32::from_be_bytes([a, b, c, d])
     }
 
     /// Reads what [`Snapshot::write`] wrote, with its mesh, which lacks cohesive elements and notes.
