@@ -4,13 +4,16 @@
     pip install '.[plot]' && python docs/render.py [--only NAME] [FOLDER]
 
 Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes, the same
-specimen turning (turning.gif), other specimens (specimens.png), a mesh, ITZ shells and cracks side by side (results.png), and
-a computed curve beside a published test (curve.png). The cracks and the curve take some minutes each.
+specimen turning (turning.gif), other specimens (specimens.png), a mesh, ITZ shells and cracks side by side (results.png), a
+computed curve beside a published test (curve.png), and the flux through a crack (flux.png). Cracks and the curve take some
+minutes each.
 """
 
 import argparse
 import csv
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,6 +46,9 @@ SMALL = {"specimen": {"kind": "cube", "side_mm": 40.0}, "fraction": 0.4, "itz": 
 REPEATED = SMALL | {"specimen": {"kind": "cube", "side_mm": 40.0, "periodic": ["x", "y", "z"]}, "fraction": 0.55}
 
 
+# What is split for the flux through its cracks.
+SPLIT = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 30 }\ngrading = { d_min_mm = 4, d_max_mm = 10, classes_mm = [4, 10] }\n"
+
 # Uniaxial compression of Kupfer, Hilsdorf and Ruesch 1969: plates of 200 x 200 x 50 mm, brush platens.
 EXPERIMENT = Path(__file__).parent / "experiments" / "kupfer_uniaxial.csv"
 # Pictures of the turning specimen, its height in pixels and its colours: 2 MB at most.
@@ -60,6 +66,7 @@ def main() -> None:
         "specimens.png": lambda path: save([draw(mc.pack(spec)) for spec in OTHERS], path, height=460),
         "results.png": lambda path: save([draw_mesh(), draw_itz(), draw_cracks()], path, height=460),
         "curve.png": draw_curve,
+        "flux.png": lambda path: save(draw_flux(), path, height=420),
     }
     parser.add_argument("--only", metavar="NAME", choices=pictures)
     arguments = parser.parse_args()
@@ -186,10 +193,31 @@ def draw_cracks() -> np.ndarray:
     return seen(plotter, packing.bounds)
 
 
-def cut_open(grid: pyvista.UnstructuredGrid) -> pyvista.PolyData:
-    """The surface of what lies beyond the middle of y."""
+def draw_flux() -> list[np.ndarray]:
+    """A cube that was split, cut open: its cracks, and the flux of chloride along z, for which they are the way."""
+    pictures = []
+    with tempfile.TemporaryDirectory() as folder:
+        run = lambda *words: subprocess.run(["mesocrete", *words, "--quiet"], cwd=folder, check=True)  # noqa: E731
+        Path(folder, "spec.toml").write_text(SPLIT, encoding="utf-8")
+        run("solve", "spec.toml", "-o", "run", "--test", "splitting", "--strain", "0.003", "--element-size-mm", "1.5", "--frames", "1")
+        run("effective", "run", "--frame", "last", "--axes", "z", "-o", "found")
+        frame, flux = (pyvista.read(Path(folder, name)) for name in ("run/frame_0001.vtu", "found/diffusivity_z.vtu"))
+    strength = np.linalg.norm(flux.cell_data["flux"], axis=1)
+    for grid, values, most in [(frame, frame.cell_data["crack_opening_mm"], 0.04), (flux, strength, 4.0)]:
+        grid.cell_data["shade"] = np.minimum(values / most, 1.0)
+        grid.cell_data["phase"] = frame.cell_data["phase"]
+        shades = matplotlib.colors.LinearSegmentedColormap.from_list("shades", [MORTAR, "#e8b7a4", CRACK, "#2b0d07"])
+        colors = lambda cells: np.where((cells["phase"] == 2)[:, None], rgb(_PALETTE)[cells["phase"]], shades(cells["shade"])[:, :3])  # noqa: E731, B023
+        plotter = new_plotter()
+        add_painted(plotter, cut_open(grid, "x"), colors)
+        pictures.append(seen(plotter, tuple(np.array(grid.bounds).reshape(3, 2).T.tolist())))
+    return pictures
+
+
+def cut_open(grid: pyvista.UnstructuredGrid, away: str = "-y") -> pyvista.PolyData:
+    """The surface of half of it: what lies on the side of the middle that this direction points away from."""
     low, high = np.array(grid.bounds).reshape(3, 2).T
-    return grid.clip("-y", origin=(low + high) / 2.0).extract_surface(algorithm="dataset_surface")
+    return grid.clip(away, origin=(low + high) / 2.0).extract_surface(algorithm="dataset_surface")
 
 
 def rgb(colors: list[str]) -> np.ndarray:
