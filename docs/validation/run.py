@@ -357,7 +357,8 @@ def judge(chosen: list[Case], out: Path) -> None:
     done = {case: curve for case in chosen if (curve := read(case, out))}
     with (out / "cases.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        names = "case modulus_gpa peak_mpa peak_strain left_0.3 left_0.4 left_0.5 end to_60_mm half_mm energy_to_60 energy_n_per_mm kinetic balance"
+        names = "case modulus_gpa peak_mpa peak_strain left_0.3 left_0.4 left_0.5 end to_60_mm half_mm "
+        names += "energy_to_60 energy_n_per_mm kinetic balance"
         table.writerow(names.split())
         table.writerows([case.name, *figures(curve)] for case, curve in done.items())
     with (out / "rows.csv").open("w", newline="") as file:
@@ -457,7 +458,8 @@ def about(share: float, *values: float) -> tuple[float, float]:
     return (1 - share) * min(values), (1 + share) * max(values)
 
 
-KUPFER = {ratio: of_test(f"kupfer_{name}", 200.0) for ratio, name in ((0.0, "uniaxial"), (1.0, "1_1"), (0.52, "1_052"))}
+NAMES = {0.0: "uniaxial", 1.0: "1_1", 0.52: "1_052"}
+KUPFER = {ratio: of_test(f"kupfer_{name}", 200.0) for ratio, name in NAMES.items()}
 KARSAN = of_test("karsan_jirsa_uniaxial", 82.0)
 READ = "Kupfer et al. 1969", "Karsan and Jirsa 1969", "BAM 2024, KIT 2023"
 REMEMBERED = "remembered"

@@ -15,7 +15,8 @@ pub const REPLICATE: &str = "seed";
 const MATERIAL: &str = "materials.scatter.seed";
 
 /// One row for each combination of the other axes' values and each figure: `figure`, `n`, `mean`, `std`, `cv`, the `low` and
-/// `high` end of the mean's 95 % confidence interval, and `needed`, the repetitions until the mean is known to 1 %.
+/// `high` end of the mean's 95 % confidence interval, and `needed`, the repetitions until the mean is known to 1 %: those of
+/// packings, unless a field of strengths has seeds, too.
 ///
 /// Where the seeds of strengths that scatter are an axis, too, the scatter from packings and from materials follow, each with
 /// its standard error.

@@ -682,8 +682,12 @@ class BarSolveDrive(TypedDict, total=False):
     """Density of the bar, tonne/mm3."""
     kind: Literal["bar"]
     """Name of this form: 'bar'."""
+    poisson_ratio: float | None
+    """Poisson's ratio of the bar, by which it disperses [default: 0.29, that of steel]"""
     speed_m_per_s: SolveSpeed
     """Particle speed of the wave that comes along the bar, m/s: half of the speed of a striker of the same bar. Absent, none comes."""
+    travel_mm: float | None
+    """Way along the bar to the specimen that the wave takes, mm: it arrives later, and dispersed. Absent, it comes as it is."""
     youngs_modulus_mpa: float
     """Young's modulus of the bar, MPa."""
 
@@ -852,8 +856,8 @@ class SolveTurn(TypedDict, total=False):
 class SolveOptions(TypedDict, total=False):
     """A test of a specimen. Whatever is absent takes its default from the mesh and the kind of test."""
 
-    control: Literal["servo", "crack-mouth", "lateral-strain", "steady"]
-    """Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in a deck"""
+    control: Literal["servo", "crack-mouth", "lateral-strain", "steady"] | None
+    """Plates that slow down while the specimen breaks, follow the crack mouth or the lateral strain, or keep their speed as in a deck [default: servo; steady in real time]"""
     duration_s: float | None
     """Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]"""
     expansion: SolveExpansion | None
@@ -875,7 +879,7 @@ class SolveOptions(TypedDict, total=False):
     mass_kg: float | None
     """Mass that falls, kg [default: 1]"""
     pressure_mpa: float | None
-    """Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent."""
+    """Lateral pressure of a triaxial test, MPa, negative in tension; 5 where absent. Of a test between bars: on the mantle, or on the ends of a split specimen; none where absent."""
     pulse_s: float | None
     """Length of the pulse of a Hopkinson or spall test at half of its height, s [default: 1e-4; spall 4e-5]"""
     ramp: float

@@ -6,13 +6,13 @@ use std::f64::consts::TAU;
 
 /// Samples of a wave.
 const SAMPLES: usize = 2048;
-/// Times that long waves take for the way, by which the slowest parts come later: none is slower than a third of them.
-const LATEST: f64 = 2.0;
+/// Times that long waves take for the way, in which the slowest parts have come, too.
+const LATEST: f64 = 3.0;
 /// Frequency, in sound over radius, beyond which parts are as fast as waves on a surface.
 const SHORT: f64 = 8.0;
 
-/// The wave `speed` after a way that long waves take `way_s` for, in a bar whose radius they take `radius_s` for. Its times count
-/// from their arrival.
+/// The wave `speed` after a way that long waves take `way_s` for, in a bar whose radius they take `radius_s` for. It arrives so
+/// much later, and a small part of it before.
 pub(super) fn dispersed(speed: &Speed, way_s: f64, radius_s: f64, ratio: f64) -> Speed {
     let last = if let Speed::Over(rows) = speed { rows.last().map_or(0.0, |row| row[0]) } else { 0.0 };
     let period = 2.0 * last + LATEST * way_s;
@@ -29,7 +29,7 @@ pub(super) fn dispersed(speed: &Speed, way_s: f64, radius_s: f64, ratio: f64) ->
             });
             let w = TAU * m as f64 / period;
             pace = slower(w * radius_s, ratio, pace);
-            let (s, c) = libm::sincos(-w * way_s * (1.0 / pace - 1.0));
+            let (s, c) = libm::sincos(-w * way_s / pace);
             // Frequencies above half of the samples mirror those below.
             let weight = if m == 0 || m == SAMPLES / 2 { 1.0 } else { 2.0 } / SAMPLES as f64;
             [weight * (re * c - im * s), weight * (re * s + im * c)]
@@ -108,7 +108,7 @@ mod tests {
         let pulse = Speed::Over(vec![[0.0, 0.0], [1e-5, 2.0], [3e-5, 2.0], [4e-5, 1.0]]);
         for (way, ratio) in [(1e-9, 0.29), (1e-4, 0.0)] {
             let Speed::Over(rows) = dispersed(&pulse, way, 2e-6, ratio) else { panic!("rows") };
-            let off = rows.iter().map(|[time, speed]| (speed - 1e-3 * pulse.at(*time)).abs()).fold(0.0, f64::max);
+            let off = rows.iter().map(|[time, speed]| (speed - 1e-3 * pulse.at(*time - way)).abs()).fold(0.0, f64::max);
             assert!(off < 0.01, "{off}");
         }
         let Speed::Over(rows) = dispersed(&pulse, 1e-4, 2e-6, 0.29) else { panic!("rows") };

@@ -37,8 +37,7 @@ pub enum Drive {
         /// none comes.
         #[serde(default)]
         speed_m_per_s: Speed,
-        /// Way along the bar to the specimen on which the wave is dispersed, mm. Times of the wave count from the arrival of a
-        /// long one. Absent, it comes as it is.
+        /// Way along the bar to the specimen that the wave takes, mm: it arrives later, and dispersed. Absent, it comes as it is.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1e5)))]
         travel_mm: Option<f64>,
