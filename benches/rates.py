@@ -179,6 +179,8 @@ def draw(table: Table, path: Path) -> None:
         axes.legend(fontsize=7)
     both[0].set(ylabel="strength over that at rest", ylim=(0.9, 2.2))
     figure.savefig(path, bbox_inches="tight", metadata={"Date": None})
+    with path.open("a") as file:
+        file.write(f"<!-- {origin()} -->\n")
 
 
 def main() -> None:

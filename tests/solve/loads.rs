@@ -653,7 +653,11 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         ),
         (Test { pressure_mpa: Some(-101.0), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is -101"),
         (Test { pressure_mpa: Some(f64::NAN), ..of(TestKind::Triaxial) }, &cube, "test.pressure_mpa is NaN"),
-        (Test { pressure_mpa: Some(4.0), ..Test::default() }, &cube, "only triaxial and hopkinson tests take it"),
+        (
+            Test { pressure_mpa: Some(4.0), ..Test::default() },
+            &cube,
+            "only triaxial, hopkinson and hopkinson-splitting tests take it",
+        ),
         (
             Test { strip_mm: Some(4.0), ..Test::default() },
             &cube,

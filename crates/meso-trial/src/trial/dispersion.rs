@@ -1,7 +1,6 @@
 //! Waves along a round bar, whose short parts are slower: the first longitudinal mode of Pochhammer and Chree (Graff 1975, Wave
 //! Motion in Elastic Solids, 8.2).
 
-use crate::trial::drive::Speed;
 use std::f64::consts::TAU;
 
 /// Samples of a wave.
@@ -11,12 +10,16 @@ const LATEST: f64 = 3.0;
 /// Frequency, in sound over radius, beyond which parts are as fast as waves on a surface.
 const SHORT: f64 = 8.0;
 
-/// The wave `speed` after a way that long waves take `way_s` for, in a bar whose radius they take `radius_s` for. It arrives so
-/// much later, and a small part of it before.
-pub(super) fn dispersed(speed: &Speed, way_s: f64, radius_s: f64, ratio: f64) -> Speed {
-    let last = if let Speed::Over(rows) = speed { rows.last().map_or(0.0, |row| row[0]) } else { 0.0 };
-    let period = 2.0 * last + LATEST * way_s;
-    let at = |k: usize| 1e-3 * speed.at(k as f64 * period / SAMPLES as f64);
+/// Rows of time and speed of a wave after a way that long waves take `way_s` for, in a bar whose radius they take `radius_s` for:
+/// its speed over time and its last change, s. It arrives so much later, and a small part of it before.
+pub(super) fn dispersed(
+    (speed, last_s): (impl Fn(f64) -> f64, f64),
+    way_s: f64,
+    radius_s: f64,
+    ratio: f64,
+) -> Vec<[f64; 2]> {
+    let period = 2.0 * last_s + LATEST * way_s;
+    let at = |k: usize| speed(k as f64 * period / SAMPLES as f64);
     let turns: Vec<(f64, f64)> = (0..SAMPLES).map(|k| libm::sincos(TAU * k as f64 / SAMPLES as f64)).collect();
     // Changes have an end where a speed that stays has none.
     let changes: Vec<f64> = (0..SAMPLES).map(|k| if k == 0 { at(0) } else { at(k) - at(k - 1) }).collect();
@@ -44,7 +47,7 @@ pub(super) fn dispersed(speed: &Speed, way_s: f64, radius_s: f64, ratio: f64) ->
         reached += change;
         [k as f64 * period / SAMPLES as f64, reached]
     };
-    Speed::Over((0..SAMPLES).map(row).collect())
+    (0..SAMPLES).map(row).collect()
 }
 
 /// Phase speed over that of long waves at the frequency `w`, in sound over radius, of which a lower frequency has `pace`.
@@ -105,13 +108,13 @@ mod tests {
 
     #[test]
     fn a_wave_without_a_way_or_a_ratio_comes_as_it_was_and_keeps_its_level() {
-        let pulse = Speed::Over(vec![[0.0, 0.0], [1e-5, 2.0], [3e-5, 2.0], [4e-5, 1.0]]);
+        let pulse = |time: f64| (2e5 * time.max(0.0)).min(2.0) - (1e5 * (time - 3e-5)).clamp(0.0, 1.0);
         for (way, ratio) in [(1e-9, 0.29), (1e-4, 0.0)] {
-            let Speed::Over(rows) = dispersed(&pulse, way, 2e-6, ratio) else { panic!("rows") };
-            let off = rows.iter().map(|[time, speed]| (speed - 1e-3 * pulse.at(*time - way)).abs()).fold(0.0, f64::max);
+            let rows = dispersed((pulse, 4e-5), way, 2e-6, ratio);
+            let off = rows.iter().map(|[time, speed]| (speed - pulse(*time - way)).abs()).fold(0.0, f64::max);
             assert!(off < 0.01, "{off}");
         }
-        let Speed::Over(rows) = dispersed(&pulse, 1e-4, 2e-6, 0.29) else { panic!("rows") };
+        let rows = dispersed((pulse, 4e-5), 1e-4, 2e-6, 0.29);
         assert!((rows[SAMPLES - 1][1] - 1.0).abs() < 0.01 && rows[1][1].abs() < 0.05, "{:?}", rows[SAMPLES - 1]);
     }
 }

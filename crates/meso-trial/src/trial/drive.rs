@@ -131,7 +131,7 @@ impl Speed {
     }
 
     /// Speeds between which it stays, m/s.
-    pub(super) fn speeds(&self) -> Vec<f64> {
+    fn speeds(&self) -> Vec<f64> {
         match self {
             Self::Steady(speed) => vec![*speed],
             Self::Over(rows) => rows.iter().map(|row| row[1]).collect(),
@@ -192,7 +192,9 @@ impl Drive {
         }
         let sound = (youngs_modulus_mpa / density_t_per_mm3).sqrt();
         let radius = (area_mm2.unwrap_or(side_mm2) / std::f64::consts::PI).sqrt();
-        dispersion::dispersed(&speed, way / sound, radius / sound, ratio)
+        let last = if let Speed::Over(rows) = &speed { rows.last().map_or(0.0, |row| row[0]) } else { 0.0 };
+        let wave = |time| 1e-3 * speed.at(time);
+        Speed::Over(dispersion::dispersed((wave, last), way / sound, radius / sound, ratio))
     }
 
     /// The speed of largest size that it gives to a plate, mm/s, signed.
