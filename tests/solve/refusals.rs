@@ -34,7 +34,7 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
         (Test { time_step_s: Some(1.0), ..base.clone() }, "they must be 10 to 1e9"),
         (Test { duration_s: Some(f64::INFINITY), ..base.clone() }, "test.duration_s is inf"),
         (Test { interface: Interface { friction: f64::NAN }, ..base.clone() }, "test.interface.friction"),
-        (named("strain"), "test.gauges.name is strain; every curve has this column; take another name"),
+        (named("strain"), "test.gauges.name is strain; the curve has this column; take another name"),
         (named("a,b"), "test.gauges.name is a,b; it must be letters, digits and _"),
         (named("a_n"), "it must not end in _n, _m_per_s, _in_mpa, _out_mpa, as columns of supports do"),
     ] {

@@ -187,7 +187,7 @@ fn together(spec: &Spec, own: Option<u8>) -> Checked {
         number(size),
         number(size / 2.0)
     );
-    Err(SpecError::value("shape.shells.thickness_mm", message))
+    Err(SpecError::value("shape.shells", message))
 }
 
 fn share(phase: &OwnPhase) -> Checked {

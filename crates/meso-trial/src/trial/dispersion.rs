@@ -10,6 +10,11 @@ const LATEST: f64 = 3.0;
 /// Frequency, in sound over radius, beyond which parts are as fast as waves on a surface.
 const SHORT: f64 = 8.0;
 
+/// Time between the samples of a wave whose last change is at `last_s`, after a way that takes `way_s`, s.
+pub(super) fn sample_s(last_s: f64, way_s: f64) -> f64 {
+    (2.0 * last_s + LATEST * way_s) / SAMPLES as f64
+}
+
 /// Rows of time and speed of a wave after a way that long waves take `way_s` for, in a bar whose radius they take `radius_s` for:
 /// its speed over time and its last change, s. It arrives so much later, and a small part of it before.
 pub(super) fn dispersed(
@@ -18,7 +23,7 @@ pub(super) fn dispersed(
     radius_s: f64,
     ratio: f64,
 ) -> Vec<[f64; 2]> {
-    let period = 2.0 * last_s + LATEST * way_s;
+    let period = SAMPLES as f64 * sample_s(last_s, way_s);
     let at = |k: usize| speed(k as f64 * period / SAMPLES as f64);
     let turns: Vec<(f64, f64)> = (0..SAMPLES).map(|k| libm::sincos(TAU * k as f64 / SAMPLES as f64)).collect();
     // Changes have an end where a speed that stays has none.

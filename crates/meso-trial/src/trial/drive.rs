@@ -124,10 +124,21 @@ impl Speed {
         for [time, speed] in start.iter().chain(given) {
             let (last, speed) = (rows[rows.len() - 1], 1e3 * speed);
             if last != [*time, speed] {
-                rows.push([time.max(last[0] + jump_s), speed]);
+                rows.push([if *time > last[0] { *time } else { last[0] + jump_s }, speed]);
             }
         }
         rows
+    }
+
+    /// The time of its last change, s, and the shortest time in which it changes other than by a jump.
+    fn changes(&self) -> [f64; 2] {
+        let Self::Over(rows) = self else { return [0.0, f64::INFINITY] };
+        let changes =
+            rows.windows(2).filter(|pair| pair[0][1] != pair[1][1]).map(|pair| [pair[1][0], pair[1][0] - pair[0][0]]);
+        let first = rows.first().map_or(0.0, |row| row[0]);
+        changes.fold([first, f64::INFINITY], |[last, shortest], [at, within]| {
+            [last.max(at), if within > 0.0 { shortest.min(within) } else { shortest }]
+        })
     }
 
     /// Speeds between which it stays, m/s.
@@ -192,7 +203,7 @@ impl Drive {
         }
         let sound = (youngs_modulus_mpa / density_t_per_mm3).sqrt();
         let radius = (area_mm2.unwrap_or(side_mm2) / std::f64::consts::PI).sqrt();
-        let last = if let Speed::Over(rows) = &speed { rows.last().map_or(0.0, |row| row[0]) } else { 0.0 };
+        let [last, _] = speed.changes();
         let wave = |time| 1e-3 * speed.at(time);
         Speed::Over(dispersion::dispersed((wave, last), way / sound, radius / sound, ratio))
     }
@@ -232,6 +243,13 @@ impl Drive {
                 let comes = travel_mm.is_none() || matches!(self.speed(), Some(Speed::Over(_)));
                 let still = "it disperses a wave of rows of time and speed; give those, or leave it out";
                 TEST.require(named("drive.travel_mm"), way, comes, still)?;
+                let [last, shortest] = self.speed().map_or([0.0, f64::INFINITY], Speed::changes);
+                let apart = dispersion::sample_s(last, way / (modulus / density).sqrt());
+                let coarse = format!(
+                    "its samples would be {apart:.1e} s apart, and the wave changes within {shortest:.1e} s; take a shorter way or a shorter wave"
+                );
+                let is_seen = way == 0.0 || 4.0 * apart <= shortest;
+                TEST.require(named("drive.travel_mm"), way, is_seen, coarse)?;
                 for (key, value, range) in
                     [("youngs_modulus_mpa", modulus, MODULUS), ("density_t_per_mm3", density, DENSITY)]
                 {

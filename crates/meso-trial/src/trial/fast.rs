@@ -283,7 +283,7 @@ mod tests {
         let wave = || Speed::Over(vec![[0.0, 0.0], [1e-5, 1.0]]);
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 20] = [
+        let edits: [(Edit, &str); 21] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
             (&|test| test.control = Some(Control::CrackMouth), "test.control is crack-mouth"),
@@ -300,6 +300,10 @@ mod tests {
             (&|test| drive(test, bar(2.1e5, vec![[1.0, 1.0], [0.5, 1.0]])), "drive.speed_m_per_s is 0.5; times"),
             (&|test| drive(test, sent(Some(f64::NAN), None, wave())), "drive.travel_mm is NaN; it must be 0 to 1e5"),
             (&|test| drive(test, sent(Some(10.0), Some(0.6), wave())), "drive.poisson_ratio is 0.6"),
+            (
+                &|test| drive(test, sent(Some(9e4), None, wave())),
+                "4.0e-5 s apart, and the wave changes within 1.0e-5 s",
+            ),
             (&|test| drive(test, sent(None, Some(0.3), wave())), "without a travel_mm does not disperse"),
             (&|test| drive(test, sent(Some(10.0), None, Speed::Steady(1.0))), "a wave of rows of time and speed"),
             (&|test| drive(test, bar(2.1e5, vec![])), "give a row of a time and a speed"),

@@ -162,9 +162,9 @@ impl Remote {
     }
 
     /// Displacement and velocity along `axis` of a node under a support that answers, after a step without supports.
-    pub(super) fn free(&self, node: usize, axis: usize) -> Option<[f64; 2]> {
-        let own = self.met.binary_search(&(node as u32)).ok()?;
-        self.ahead.get(own).map(|motion| motion.map(|values| values[axis]))
+    pub(super) fn free(&self, node: usize, axis: usize) -> [f64; 2] {
+        let own = self.met.partition_point(|met| (*met as usize) < node);
+        self.ahead[own].map(|values| values[axis])
     }
 }
 

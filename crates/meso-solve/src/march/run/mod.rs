@@ -348,8 +348,11 @@ impl<'a> Run<'a> {
         }
         if is_driven {
             let Self { supports, nodes, forces, state, device, .. } = self;
-            let free = |node, axis| match device.as_ref().and_then(|remote| remote.free(node, axis)) {
-                Some([u, v]) => [nodes.mass[node], u, v],
+            let free = |node, axis| match &*device {
+                Some(remote) => {
+                    let [u, v] = remote.free(node, axis);
+                    [nodes.mass[node], u, v]
+                }
                 None => nodes.free(forces, dt, (node, axis)),
             };
             supports.drive((dt, now), free, &mut state.held);
