@@ -302,7 +302,7 @@ mod tests {
             (&|test| drive(test, sent(Some(10.0), Some(0.6), wave())), "drive.poisson_ratio is 0.6"),
             (
                 &|test| drive(test, sent(Some(9e4), None, wave())),
-                "4.0e-5 s apart, and the wave changes within 1.0e-5 s",
+                "2.5e-5 s apart, and the wave changes within 1.0e-5 s",
             ),
             (&|test| drive(test, sent(None, Some(0.3), wave())), "without a travel_mm does not disperse"),
             (&|test| drive(test, sent(Some(10.0), None, Speed::Steady(1.0))), "a wave of rows of time and speed"),
