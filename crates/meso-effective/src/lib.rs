@@ -22,7 +22,6 @@
 
 mod boundary;
 mod bounds;
-
 mod effective;
 mod elastic;
 mod error;

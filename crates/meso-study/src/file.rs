@@ -9,7 +9,6 @@ use meso_core::spec::{Files, NoFiles, line_of, options_from_toml};
 use meso_files::Beside;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
-
 use std::path::{Path, PathBuf};
 
 /// Most cases of a study that is read for its own sake.

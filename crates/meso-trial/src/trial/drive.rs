@@ -78,7 +78,7 @@ impl Default for Speed {
 }
 
 /// Poisson's ratio of steel.
-const STEEL: f64 = 0.29;
+const STEEL_RATIO: f64 = 0.29;
 
 /// Fastest plates and waves, m/s: in steel 100 m/s is a stress of 4 GPa, in mortar a strain of 0.03.
 const FASTEST: f64 = 100.0;
@@ -197,7 +197,7 @@ impl Drive {
         let Self::Bar { youngs_modulus_mpa, density_t_per_mm3, area_mm2, travel_mm, poisson_ratio, .. } = self else {
             return speed;
         };
-        let (way, ratio) = (travel_mm.unwrap_or_default(), poisson_ratio.unwrap_or(STEEL));
+        let (way, ratio) = (travel_mm.unwrap_or_default(), poisson_ratio.unwrap_or(STEEL_RATIO));
         if way == 0.0 || speed.speeds().iter().all(|speed| *speed == 0.0) {
             return speed;
         }
@@ -235,7 +235,7 @@ impl Drive {
                 poisson_ratio,
                 ..
             } => {
-                let (way, ratio) = (travel_mm.unwrap_or_default(), poisson_ratio.unwrap_or(STEEL));
+                let (way, ratio) = (travel_mm.unwrap_or_default(), poisson_ratio.unwrap_or(STEEL_RATIO));
                 TEST.require(named("drive.travel_mm"), way, (0.0..=1e5).contains(&way), "it must be 0 to 1e5 mm")?;
                 TEST.require(named("drive.poisson_ratio"), ratio, (0.0..=0.5).contains(&ratio), "it must be 0 to 0.5")?;
                 let idle = "a bar without a travel_mm does not disperse; give that, or leave it out";
