@@ -8,7 +8,6 @@ use meso_concrete::{Phase, PhaseNames, parallel};
 use meso_concrete::{exceeds, short, thousands};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::f64::consts::PI;
 
 /// The figures of one run: the keys of `--summary-json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -521,7 +520,7 @@ fn classes<'a>(voids: &Voids, bodies: impl Iterator<Item = &'a Aggregate>, volum
     let Some(grading) = &voids.grading else { return Vec::new() };
     let limits = &grading.classes_mm[1..];
     let class = |body: &Aggregate| {
-        let diameter = libm::cbrt(body.body.volume() * 6.0 / PI);
+        let diameter = Voids::diameter_of(body.body.volume());
         limits.iter().position(|limit| diameter < *limit).unwrap_or(limits.len() - 1)
     };
     ClassReport::by(grading, voids.fraction, bodies.map(|body| (class(body), body)), volume_mm3)

@@ -78,6 +78,11 @@ impl Voids {
         [classes.first().map_or(0.0, |class| class.d_min_mm), classes.last().map_or(0.0, |class| class.d_max_mm)]
     }
 
+    /// Diameter of the sphere of a void's volume, mm.
+    pub fn diameter_of(volume_mm3: f64) -> f64 {
+        libm::cbrt(volume_mm3 * 6.0 / PI)
+    }
+
     /// Distribution of the diameters within a class.
     pub fn size_law(&self) -> SizeLaw {
         self.grading.as_ref().map_or(SizeLaw::Uniform, |grading| grading.size_law)

@@ -2,7 +2,7 @@
 
 use super::{Finding, rounding};
 use meso_collision::math::longest_distance;
-use meso_concrete::aggregate::{Aggregate, Inclusions, Kind};
+use meso_concrete::aggregate::{Aggregate, Inclusions, Kind, Voids};
 use std::f64::consts::PI;
 
 /// A void has the volume of a sphere of one of the diameters asked for; a fibre has the volume and the length of the
@@ -12,7 +12,7 @@ pub(super) fn size(asked: &Inclusions<'_>, body: &Aggregate) -> Option<Finding> 
     let reason = match (body.kind, asked.voids, asked.fibres) {
         (Kind::Void, Some(voids), _) => {
             let [low, high] = voids.limits_mm();
-            let diameter = libm::cbrt(volume * 6.0 / PI);
+            let diameter = Voids::diameter_of(volume);
             let rounding = rounding(diameter);
             let fits = diameter >= low - rounding && diameter <= high + rounding;
             (!fits).then(|| format!("its sphere has a diameter of {diameter} mm, not {low} to {high} mm"))
