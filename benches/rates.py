@@ -5,7 +5,7 @@
     python3 benches/rates.py --quick        one packing and one rate
 
 Cubes with 40 % of grains of 5 to 16 mm are pulled and pressed between two plates in real time, with and without the
-`rate_effect` of the law (rates.csv), and pressed between two bars with other ramps, frictions and pressures
+`rate_effect` of the law, and pulled from a uniform rate of strain, without a wave from the plates (rates.csv), and pressed between two bars with other ramps, frictions and pressures
 (hopkinson.csv, with `rate_effect`). The strength at rest is that of the quasi-static test of the same mesh. The fib curve
 is that of fib Model Code 2010, 5.1.11, both branches. Rows that stand in the tables are kept; rates.svg draws the first.
 """
@@ -34,9 +34,12 @@ CASES = [
     (72.0, 3.0, "compression", (30.0,), (1,)),
     (24.0, 4.0, "tension", (0.1, 1.0), (1, 2, 3)),
     (24.0, 4.0, "compression", (1.0,), (1, 2, 3)),
+    (24.0, 4.0, "tension", (0.01, 0.001), (1,)),
+    (24.0, 4.0, "compression", (0.1, 0.01), (1,)),
+    (36.0, 3.0, "uniform tension", (10.0, 30.0, 100.0), (1, 2, 3)),
 ]
 # Strains at which the tests end, beyond the peak.
-ENDS = {"tension": 6e-4, "compression": 6e-3}
+ENDS = {"tension": 6e-4, "uniform tension": 1e-3, "compression": 6e-3}
 FIELDS = ["load", "side_mm", "rate_per_s", "seed", "law", "peak_mpa", "over_rest", "fib", "kinetic_over_internal"]
 # A test between bars, and changes of one value; speeds of the striker, m/s.
 BARS = {"rise_s": 2e-5, "friction": 0.1, "pressure_mpa": 0.0}
@@ -47,7 +50,7 @@ OF_BARS = ["rise_s", "friction", "pressure_mpa", "speed_m_per_s", "seed", "rate_
 
 def fib(load: str, rate: float) -> float:
     """Strength over that at rest, both branches."""
-    exponent, rest, turn, steep = (0.018, 1e-6, 10.0, 0.0062) if load == "tension" else (0.014, 30e-6, 30.0, 0.012)
+    exponent, rest, turn, steep = (0.014, 30e-6, 30.0, 0.012) if load == "compression" else (0.018, 1e-6, 10.0, 0.0062)
     return (rate / rest) ** exponent if rate <= turn else steep * (rate / rest) ** (1 / 3)
 
 
@@ -60,16 +63,17 @@ def spec(side_mm: float, seed: int) -> str:
 
 
 def test(side_mm: float, load: str, rate: float, law: str) -> str:
-    """A TEST.toml: two plates move with half of the speed each, after a rise of a twentieth of the time."""
+    """A TEST.toml: two plates move with half of the speed each, after a rise of a twentieth of the time or from the first moment."""
+    pulls, is_uniform = load != "compression", load == "uniform tension"
     if not rate:
-        friction = "" if load == "tension" else "friction = 0.1\n"
-        return f'kind = "{load}"\n{friction}'
-    speed = 0.5e-3 * rate * side_mm * (1 if load == "compression" else -1)
+        return 'kind = "tension"\n' if pulls else 'kind = "compression"\nfriction = 0.1\n'
+    speed = 0.5e-3 * rate * side_mm * (-1 if pulls else 1)
     duration = ENDS[load] / rate
-    rows = [[0, 0], [duration / 20, speed], [10 * duration, speed]]
-    lines = [f"duration_s = {duration:.6e}", 'control = "steady"', f"rate_effect = {str(law == 'fib').lower()}"]
+    rows = speed if is_uniform else [[0, 0], [duration / 20, speed], [10 * duration, speed]]
+    lines = [f"duration_s = {duration:.6e}", f"rate_effect = {str(law == 'fib').lower()}"]
+    lines += ["starts_moving = true"] if is_uniform else []
     for name, side in (("bottom", "z-min"), ("top", "z-max")):
-        rule = 'rule = "glued"' if load == "tension" else 'rule = "plate"\nfriction = 0.1'
+        rule = 'rule = "glued"' if pulls else 'rule = "plate"\nfriction = 0.1'
         drive = f'drive = {{ kind = "speed", speed_m_per_s = {json.dumps(rows)} }}'
         lines.append(f'[[supports]]\nname = "{name}"\non = "{side}"\n{rule}\n{drive}')
     return "\n".join(lines) + "\n"
@@ -160,8 +164,8 @@ def draw(table: Table, path: Path) -> None:
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
 
-    figure, both = plt.subplots(1, 2, figsize=(9, 3.6), sharey=True)
-    for axes, load in zip(both, ENDS):
+    figure, panels = plt.subplots(1, 3, figsize=(12, 3.6), sharey=True)
+    for axes, load in zip(panels, ENDS):
         own = [row for row in table.rows if row[0] == load]
         for number, side in enumerate(sorted({float(row[1]) for row in own})):
             for law, marker, words in (("at rest", "o", "inertia alone"), ("fib", "s", "with rate_effect")):
@@ -177,7 +181,7 @@ def draw(table: Table, path: Path) -> None:
         axes.set(xscale="log", xlabel="rate of strain, 1/s", title=load)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)
-    both[0].set(ylabel="strength over that at rest", ylim=(0.9, 2.2))
+    panels[0].set(ylabel="strength over that at rest", ylim=(0.9, 2.2))
     figure.savefig(path, bbox_inches="tight", metadata={"Date": None})
     with path.open("a") as file:
         file.write(f"<!-- {origin()} -->\n")

@@ -627,7 +627,7 @@ fn specimens_that_cannot_have_a_test_are_refused_before_they_are_packed() {
         upper_notch_depth_mm: 0.0,
         notch_at_mm: 0.0,
     };
-    let strip = Some(Strip { axis: Along::X, at_mm: 40.0, width_mm: 4.0 });
+    let strip = Some(Strip::new(Along::X, 40.0, 4.0));
     let beside = SupportSpec {
         name: "beside".to_owned(),
         on: Side::ZMax,

@@ -212,6 +212,8 @@ impl Test {
         if self.is_fast() {
             let rate = "laws of a deck here have no rate; leave it out, or take mesocrete solve";
             TEST.require("rate_effect", true, !self.rate_effect, rate)?;
+            let still = "specimens of a deck begin at rest; leave it out, or take mesocrete solve";
+            TEST.require("starts_moving", true, !self.starts_moving, still)?;
             let statics = "a deck of this law is static; take another law, or mesocrete solve";
             TEST.require("law", word(&self.law), self.law != LawName::Elastic, statics)?;
             let strikes = self.supports.iter().any(|support| matches!(support.drive, Some(Drive::Mass { .. })));

@@ -26,9 +26,11 @@ pub fn under(sample: &Sample, sides: &Sides, support: &SupportSpec) -> Result<Ve
     let centre = 0.5 * (aabb.min + aabb.max);
     let is_under = |point: &Vec3| {
         support.strip.is_none_or(|strip| {
-            let across = strip.axis as usize;
-            let half = 0.5 * strip.width_mm.max(LEAST_WIDTH * sample.element_size_mm);
-            (point[across] - centre[across] - strip.at_mm).abs() <= half + 1e-9 * half
+            (0..3).filter(|&across| across != axis || strip.axis as usize == axis).all(|across| {
+                let [from, to] = strip.ends_mm(across, LEAST_WIDTH * sample.element_size_mm);
+                let (at, slack) = (point[across] - centre[across], 0.5e-9 * (to - from));
+                from - slack <= at && at <= to + slack
+            })
         })
     };
     let met = |node: u32| {

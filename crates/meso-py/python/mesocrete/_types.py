@@ -763,7 +763,7 @@ class SideSolveGauge(TypedDict, total=False):
 
 
 class PartSolveGauge(TypedDict, total=False):
-    """Mass of the part between two planes across an axis times its mean displacement along the axis, tonne mm. Its slope over time is the momentum of the part, N s, e.g. of what a pulse throws off."""
+    """Momentum along an axis of the part between two planes across it, N s, e.g. of what a pulse throws off."""
 
     axis: Literal["x", "y", "z"]
     """The axis."""
@@ -817,6 +817,8 @@ class SolveStrip(TypedDict, total=False):
     """Its centre, mm from the middle of the specimen."""
     axis: Literal["x", "y", "z"]
     """Axis along which its width and its place are measured."""
+    length_mm: float | None
+    """Its length across that axis, mm, from its middle on the middle of the side; absent, it crosses the whole side."""
     width_mm: float
     """Its width, mm; at least one and a half elements are taken."""
 
@@ -896,6 +898,8 @@ class SolveOptions(TypedDict, total=False):
     """Distance of a beam's rollers, mm."""
     speed_m_per_s: float | None
     """Speed of the striker, the falling mass or the plate of a test in real time, m/s [default: 8; spall 1, drop 3]"""
+    starts_moving: bool
+    """Let the specimen begin with the speeds of a uniform strain between two opposite plates that have a speed from the first moment, so that they send no wave."""
     strain: float | None
     """Strain at the end [default: by the test; 0.005 in compression, 0.0005 in tension]"""
     stress_ratio: float | None

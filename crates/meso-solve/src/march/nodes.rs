@@ -2,6 +2,7 @@
 
 use crate::march::supports::Supports;
 use crate::march::supports::contact::{Motion, Touched};
+use meso_collision::math::{Aabb, Vec3};
 use meso_element::block::Block;
 use meso_trial::MOST_SUPPORTS;
 use rayon::prelude::*;
@@ -118,6 +119,28 @@ impl Nodes {
     /// Number of the blocks' forces.
     pub(crate) fn places(&self) -> usize {
         self.first.len() + self.more.len()
+    }
+
+    /// Gives nodes at these places the speeds of a uniform strain between both ends of an axis, and of the thinning with it.
+    pub(crate) fn stretch(
+        &mut self,
+        places: impl Iterator<Item = Vec3>,
+        around: &Aabb,
+        (axis, [low, high]): (usize, [f64; 2]),
+        ratio: f64,
+    ) {
+        let rate = (high - low) / around.size()[axis];
+        let middle = 0.5 * (around.min + around.max);
+        for (velocity, place) in self.velocity.iter_mut().zip(places) {
+            *velocity = (-ratio * rate * (place - middle)).into();
+            velocity[axis] = low + rate * (place - around.min)[axis];
+        }
+    }
+
+    /// Kinetic energy, mJ.
+    pub(crate) fn kinetic(&self) -> f64 {
+        let of = |(mass, v): (&f64, &[f64; 3])| 0.5 * mass * v.iter().map(|v| v * v).sum::<f64>();
+        self.mass.iter().zip(&self.velocity).map(of).sum()
     }
 
     /// Mass of a node, and its displacement and its velocity along `axis` after a step under the blocks' `forces` alone.

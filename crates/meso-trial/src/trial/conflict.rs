@@ -59,10 +59,12 @@ impl SupportSpec {
 
     /// Whether both lie on one side, and one of them on some of the other's part of it.
     fn overlaps(&self, other: &Self) -> bool {
-        let covers = |one: &Strip, other: &Strip| {
-            let reach = 0.5 * (one.width_mm + other.width_mm);
-            one.axis != other.axis || (one.at_mm - other.at_mm).abs() < reach * (1.0 - TOUCHES)
+        let meets = |axis, one: &Strip, other: &Strip| {
+            let [[from, to], [low, high]] = [one, other].map(|strip| strip.ends_mm(axis, 0.0));
+            let touches = TOUCHES * (to - from).min(high - low);
+            to - low > touches && high - from > touches
         };
+        let covers = |one: &Strip, other: &Strip| (0..3).all(|axis| meets(axis, one, other));
         let strips = self.strip.as_ref().zip(other.strip.as_ref());
         self.on == other.on && strips.is_none_or(|(one, other)| covers(one, other))
     }
@@ -78,17 +80,12 @@ impl SupportSpec {
     fn on_edge(&self, size_mm: &[f64; 3], other: usize, is_upper: bool) -> Option<[f64; 2]> {
         let along = 3 - self.axis()? - other;
         let whole = 0.5 * size_mm[along];
-        let Some(Strip { axis, at_mm, width_mm }) = self.strip else { return Some([-whole, whole]) };
-        let ends = [at_mm - 0.5 * width_mm, at_mm + 0.5 * width_mm];
+        let Some(strip) = self.strip else { return Some([-whole, whole]) };
+        let [[from, to], [low, high]] = [along, other].map(|axis| strip.ends_mm(axis, 0.0));
         let half = 0.5 * size_mm[other] * (1.0 - TOUCHES);
-        match axis as usize {
-            axis if axis == along => Some(ends),
-            axis if axis == other => {
-                let reaches = if is_upper { ends[1] >= half } else { ends[0] <= -half };
-                reaches.then_some([-whole, whole])
-            }
-            _ => None,
-        }
+        let reaches = if is_upper { high >= half } else { low <= -half };
+        let lies_across = strip.axis as usize != 3 - along - other;
+        (reaches && lies_across).then_some([from.max(-whole), to.min(whole)])
     }
 
     /// Whether it and `other` share a part of an edge of a box.

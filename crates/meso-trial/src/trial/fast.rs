@@ -3,7 +3,7 @@
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
 use crate::trial::drive::{Drive, Speed};
-use crate::trial::load::{Rule, Side, SupportSpec};
+use crate::trial::load::{Along, Rule, Side, Strip, SupportSpec};
 use crate::trial::named::Rig;
 use crate::trial::setup::word;
 use crate::trial::{Control, Test, TestKind};
@@ -25,9 +25,18 @@ const PERIODS: f64 = 2.0;
 /// Reason why a value of a named test has no effect.
 const OWN: &str = "supports of the file take the place of those of the named test; leave it out, or the supports";
 
-/// Whether a falling mass bends the specimen, which then lies on two rollers.
+/// Thicknesses of a plate in its length and width at least; others are beams.
+const PLATE: f64 = 3.0;
+
+/// Whether a falling mass bends the specimen, which then lies on rollers.
 fn bends(geometry: &Geometry) -> bool {
     0.9 * geometry.size_mm[0] > geometry.size_mm[2]
+}
+
+/// Whether a bent specimen is a plate, which lies on rollers along all four edges and is struck in its middle.
+fn is_plate(geometry: &Geometry) -> bool {
+    let [x, y, z] = geometry.size_mm;
+    x.min(y) >= PLATE * z
 }
 
 impl TestKind {
@@ -125,7 +134,9 @@ impl Test {
                         let drive = (support.moves != 0.0).then(|| mass.clone());
                         SupportSpec { moves: 0.0, drive, ..support }
                     });
-                    return Ok(Rig { supports: supports.collect(), ..bent });
+                    let supports = supports.collect();
+                    let supports = if is_plate(geometry) { self.on_edges(geometry, supports)? } else { supports };
+                    return Ok(Rig { supports, ..bent });
                 }
                 vec![base, driven("load", Side::ZMax, mass)]
             }
@@ -136,6 +147,28 @@ impl Test {
         };
         let section_mm2 = geometry.section_mm2;
         Ok(Rig { supports, axis: 2, length_mm: geometry.size_mm[2], section_mm2, breaking_mm2: section_mm2 })
+    }
+
+    /// The supports of a bent plate: rollers along the other two edges, too, and a square load.
+    fn on_edges(&self, geometry: &Geometry, mut supports: Vec<SupportSpec>) -> Result<Vec<SupportSpec>, TrialError> {
+        let width = geometry.size_mm[1];
+        let most = 0.9 * width;
+        let span = self.span_mm.unwrap_or(self.span_mm(geometry).min(most));
+        let accepted = format!("the rollers must stand on the plate, {width} mm wide; take {most:.3} mm at most");
+        TEST.require("span_mm", span, span < width, accepted)?;
+        let mut more = Vec::new();
+        for support in &mut supports {
+            let Some(strip) = &mut support.strip else { continue };
+            if support.drive.is_some() {
+                strip.length_mm = Some(strip.width_mm);
+            } else {
+                let name = if strip.at_mm < 0.0 { "front" } else { "back" };
+                let strip = Strip::new(Along::Y, 0.5 * span * strip.at_mm.signum(), strip.width_mm);
+                more.push(SupportSpec { strip: Some(strip), ..SupportSpec::new(name, Side::ZMin) });
+            }
+        }
+        supports.extend(more);
+        Ok(supports)
     }
 
     /// The test's pressure on a side, if it has one.
@@ -218,10 +251,21 @@ impl Test {
         is_driven || self.kind.is_fast() && self.supports.is_empty()
     }
 
+    /// Whether two opposite plates, and no other support, have a speed from the first moment.
+    fn is_stretched(&self) -> bool {
+        let moves = |support: &SupportSpec| matches!(&support.drive, Some(Drive::Speed { speed_m_per_s }) if speed_m_per_s.at(0.0) != 0.0);
+        let bits: Vec<_> =
+            self.supports.iter().filter(|support| moves(support)).map(|support| support.on.bit()).collect();
+        matches!(bits[..], [Some(one), Some(other)] if one ^ other == 1) && self.supports.len() == 2
+    }
+
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.
     pub(super) fn validate_fast(&self) -> Result<(), OutOfRange> {
         let timed = "the time of a quasi-static test is artificial; leave it out, or give the supports a drive";
         TEST.require("rate_effect", true, !self.rate_effect || self.is_fast(), timed)?;
+        let moving =
+            "it needs a speed other than 0 at time 0 of two opposite plates, and no other support; leave it out";
+        TEST.require("starts_moving", true, !self.starts_moving || self.is_stretched(), moving)?;
         let has_law = !self.rate_effect || self.law == LawName::Meso;
         TEST.require("law", word(&self.law), has_law, "only meso has a rate_effect; take it, or leave that out")?;
         if !self.is_fast() {
@@ -283,8 +327,9 @@ mod tests {
         let wave = || Speed::Over(vec![[0.0, 0.0], [1e-5, 1.0]]);
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 21] = [
+        let edits: [(Edit, &str); 22] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
+            (&|test| test.starts_moving = true, "test.starts_moving is true; it needs a speed other than 0 at time 0"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
             (&|test| test.control = Some(Control::CrackMouth), "test.control is crack-mouth"),
             (&|test| test.control = Some(Control::Servo), "test.control is servo; a test in real time keeps its speed"),

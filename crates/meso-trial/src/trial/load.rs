@@ -73,6 +73,27 @@ pub struct Strip {
     /// Its width, mm; at least one and a half elements are taken.
     #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
     pub width_mm: f64,
+    /// Its length across that axis, mm, from its middle on the middle of the side; absent, it crosses the whole side.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1e-3, max = 1e4)))]
+    pub length_mm: Option<f64>,
+}
+
+impl Strip {
+    /// A strip across a whole side.
+    pub fn new(axis: Along, at_mm: f64, width_mm: f64) -> Self {
+        Self { axis, at_mm, width_mm, length_mm: None }
+    }
+
+    /// Its ends along an axis of its side, mm from the middle; both of its measures are `least` mm at least.
+    pub fn ends_mm(&self, axis: usize, least: f64) -> [f64; 2] {
+        let [at, size] = if self.axis as usize == axis {
+            [self.at_mm, self.width_mm]
+        } else {
+            [0.0, self.length_mm.unwrap_or(f64::MAX)]
+        };
+        [at - 0.5 * size.max(least), at + 0.5 * size.max(least)]
+    }
 }
 
 /// A support or a load of a specimen.
@@ -147,10 +168,11 @@ impl SupportSpec {
         if let Some(ratio) = self.stress_ratio {
             TEST.require(named("stress_ratio"), ratio, (0.0..=10.0).contains(&ratio), "it must be 0 to 10")?;
         }
-        if let Some(Strip { at_mm, width_mm, .. }) = self.strip {
+        if let Some(Strip { at_mm, width_mm, length_mm, .. }) = self.strip {
             TEST.require(named("strip.at_mm"), at_mm, at_mm.abs() <= WIDEST_MM, "it must be -1e4 to 1e4")?;
-            let met = (1e-3..=WIDEST_MM).contains(&width_mm);
-            TEST.require(named("strip.width_mm"), width_mm, met, "it must be 1e-3 to 1e4")?;
+            for (key, value) in [("strip.width_mm", width_mm), ("strip.length_mm", length_mm.unwrap_or(width_mm))] {
+                TEST.require(named(key), value, (1e-3..=WIDEST_MM).contains(&value), "it must be 1e-3 to 1e4")?;
+            }
         }
         let pressure = self.pressure_mpa;
         TEST.require(named("pressure_mpa"), pressure, PRESSURE.has(pressure), PRESSURE.refusal(pressure))?;
@@ -182,7 +204,7 @@ impl SupportSpec {
 
     /// Finds out whether its strip lies on a specimen of this size.
     pub fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
-        let Some(Strip { axis, at_mm, width_mm }) = self.strip else { return Ok(()) };
+        let Some(Strip { axis, at_mm, width_mm, .. }) = self.strip else { return Ok(()) };
         let half = 0.5 * size_mm[axis as usize];
         let why = format!("the strip lies beside the specimen, which reaches from {} to {half} mm", -half);
         let key = format!("supports.{}.strip.at_mm", self.name);
@@ -246,8 +268,7 @@ pub enum Gauge {
         /// The side, not the mantle.
         on: Side,
     },
-    /// Mass of the part between two planes across an axis times its mean displacement along the axis, tonne mm. Its slope over
-    /// time is the momentum of the part, N s, e.g. of what a pulse throws off.
+    /// Momentum along an axis of the part between two planes across it, N s, e.g. of what a pulse throws off.
     Part {
         /// Name of the column.
         name: String,

@@ -63,6 +63,9 @@ pub struct Test {
     /// Let the strengths of mortar and ITZ grow with the rate of strain, by the first branch of fib Model Code 2010, 5.1.11 (in real
     /// time, with the law meso).
     pub rate_effect: bool,
+    /// Let the specimen begin with the speeds of a uniform strain between two opposite plates that have a speed from the first
+    /// moment, so that they send no wave.
+    pub starts_moving: bool,
     /// Smooth the strains of tetrahedra, so that peaks hardly depend on their size [default: edges; none for voxels]
     pub smoothing: Option<Smoothing>,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
@@ -197,6 +200,7 @@ impl Default for Test {
             frames: 0,
             law: LawName::Meso,
             rate_effect: false,
+            starts_moving: false,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

@@ -197,7 +197,7 @@ impl Test {
         let accepted = format!("a strip must leave half of the side free; take {} mm at most", 0.5 * y);
         TEST.require("strip_mm", width_mm, width_mm <= 0.5 * y, accepted)?;
         // A cylinder lies on its mantle, and its axis is z. A cube has a strip along z, too.
-        let strip = Some(Strip { axis: Along::Y, at_mm: 0.0, width_mm });
+        let strip = Some(Strip::new(Along::Y, 0.0, width_mm));
         let friction = self.friction();
         let pressed = |name, on, moves| SupportSpec { strip, friction, moves, ..SupportSpec::new(name, on) };
         Ok(Rig {
@@ -214,7 +214,7 @@ impl Test {
     fn sheared(&self, geometry: &Geometry) -> Rig {
         let ([x, y, z], notch) = (geometry.size_mm, geometry.notch_at_mm);
         let half = |name, on, end: f64, moves| SupportSpec {
-            strip: Some(Strip { axis: Along::X, at_mm: 0.5 * (notch + end), width_mm: (end - notch).abs() }),
+            strip: Some(Strip::new(Along::X, 0.5 * (notch + end), (end - notch).abs())),
             rule: Rule::Glued,
             moves,
             ..SupportSpec::new(name, on)
@@ -244,7 +244,7 @@ impl Test {
             format!("rollers must be narrower than the {arm} mm from one to the next; take {:.3} mm", ROLLER * z);
         TEST.require("strip_mm", width_mm, width_mm < arm, accepted)?;
         let roller = |name, on, at_mm, moves| SupportSpec {
-            strip: Some(Strip { axis: Along::X, at_mm, width_mm }),
+            strip: Some(Strip::new(Along::X, at_mm, width_mm)),
             moves,
             ..SupportSpec::new(name, on)
         };

@@ -148,9 +148,9 @@ pub enum Action {
 pub(super) struct Remote {
     device: Box<dyn Device>,
     watched: Vec<u32>,
-    /// Nodes under supports that answer, ascending, and their motion ahead of this step's supports.
-    met: Vec<u32>,
+    /// Motion of the nodes under supports that answer, ahead of this step's supports, and by node its place there.
     ahead: Vec<[[f64; 3]; 2]>,
+    place: Vec<u32>,
 }
 
 impl Remote {
@@ -163,8 +163,7 @@ impl Remote {
 
     /// Displacement and velocity along `axis` of a node under a support that answers, after a step without supports.
     pub(super) fn free(&self, node: usize, axis: usize) -> [f64; 2] {
-        let own = self.met.partition_point(|met| (*met as usize) < node);
-        self.ahead[own].map(|values| values[axis])
+        self.ahead[self.place[node] as usize].map(|values| values[axis])
     }
 }
 
@@ -183,8 +182,9 @@ impl Run<'_> {
 
     /// Hands all further steps to `device`, which was made of the [`upload`](Self::upload) of this state.
     pub fn hand_to(&mut self, device: Box<dyn Device>) {
-        let (watched, met) = (watched(&self.gauges), self.supports.met());
-        self.device = Some(Remote { device, watched, met, ahead: Vec::new() });
+        let mut place = vec![0; self.nodes.mass.len()];
+        (0..).zip(self.supports.met()).for_each(|(own, node)| place[node as usize] = own);
+        self.device = Some(Remote { device, watched: watched(&self.gauges), ahead: Vec::new(), place });
     }
 
     /// Takes one step, or on a device those of a plain test that lead to the next event.

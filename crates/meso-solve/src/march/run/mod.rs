@@ -232,7 +232,14 @@ impl<'a> Run<'a> {
         if lone > 0 {
             return Err(SolveError::mesh(format!("{lone} of its nodes belong to no cell; leave them out")));
         }
-        let nodes = Nodes::new(mass, &blocks);
+        let mut nodes = Nodes::new(mass, &blocks);
+        let mut state = State::default();
+        if test.starts_moving {
+            let ratio = common.matter[Phase::Mortar.index()].elastic.poisson_ratio;
+            let places = order.iter().map(|&node| mesh.points[node as usize]);
+            nodes.stretch(places, &Aabb::around(&mesh.points), (axis, supports.first()), ratio);
+            state.external = nodes.kinetic();
+        }
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];
         let set = InstructionSet::best();
@@ -240,7 +247,6 @@ impl<'a> Run<'a> {
         let steps = path.steps(steps, dt);
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { dt, steps, stride, masses, stable_s, widest_mm };
-        let state = State::default();
         let run = Self {
             sample,
             test: test.clone(),
@@ -462,7 +468,7 @@ impl<'a> Run<'a> {
     fn add_gauges(&mut self) {
         let Self { gauges, nodes, state, .. } = self;
         state.since_row.gauges.resize(gauges.len(), 0.0);
-        for (sum, gauge) in state.since_row.gauges.iter_mut().zip(gauges) {
+        for (sum, gauge) in state.since_row.gauges.iter_mut().zip(gauges).filter(|(_, gauge)| !gauge.is_momentum) {
             *sum += gauge.read(&nodes.displacement);
         }
     }
@@ -519,7 +525,14 @@ impl<'a> Run<'a> {
 
     /// Adds a row of the curve from the steps since the last one, unless a value is NaN or infinite.
     pub(crate) fn add_row(&mut self) -> bool {
-        let Since { forces, speeds, travel, count, gauges } = std::mem::take(&mut self.state.since_row);
+        let Since { forces, speeds, travel, count, mut gauges } = std::mem::take(&mut self.state.since_row);
+        // A momentum is the way of its masses since the last row over the time, so its sum begins at the last row's end.
+        self.state.since_row.gauges.resize(gauges.len(), 0.0);
+        let parts = self.gauges.iter().zip(&mut gauges).zip(&mut self.state.since_row.gauges);
+        for ((gauge, sum), next) in parts.filter(|((gauge, _), _)| gauge.is_momentum) {
+            let now = gauge.read(&self.nodes.displacement);
+            (*sum, *next) = ((*sum + now) / self.outline.dt, -now);
+        }
         let [bottom, top] = self.supports.stresses(self.supports.at_ends(&forces), count);
         let groups = || self.blocks.iter().flat_map(|block| &block.groups);
         let state = &self.state;

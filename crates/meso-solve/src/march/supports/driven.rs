@@ -96,6 +96,15 @@ impl Supports {
         at(0).zip(at(1)).map_or(0.0, |(bottom, top)| self.sign * (top - bottom))
     }
 
+    /// Speeds that the drives of the lower and of the upper end give at first, mm/s along the axis.
+    pub(crate) fn first(&self) -> [f64; 2] {
+        let own = |end| self.all.iter().filter(move |fixture| fixture.end == Some(end));
+        let speed = |fixture: &Fixture| {
+            fixture.driven.as_ref().map_or(0.0, |driven| fixture.face.inward * driven.speed.at(0.0))
+        };
+        [0, 1].map(|end| own(end).map(speed).sum())
+    }
+
     /// Largest change of the distance of two opposite plates, over the size along their axis.
     pub(crate) fn farthest(&self, held: &[Held; MOST_SUPPORTS]) -> f64 {
         let plates = || self.all.iter().zip(held).filter(|(fixture, _)| fixture.face.rule != Rule::Pressure);
