@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""One specimen of concrete in two codes: CDPM2 here, by explicit dynamics, and in OOFEM, implicit, on the same tetrahedra.
+"""One specimen of concrete in three codes on the same tetrahedra: CDPM2 here, by explicit dynamics, and in OOFEM, implicit;
+the elastic part in CalculiX.
 
-    pip install oofem==2.6.0.dev1            # beside the mesocrete wheel
-    python3 docs/validation/second_code.py OUT              both tests; OUT/TEST/mesh.npz and oofem.in are the inputs
+    pip install oofem==2.6.0.dev1            # beside the mesocrete wheel; ccx 2.20 on the path
+    python3 docs/validation/second_code.py OUT              both tests; OUT/TEST/mesh.npz, oofem.in and ccx.inp are the inputs
     python3 docs/validation/second_code.py OUT --only tension
     python3 docs/validation/second_code.py OUT --judge      the figures of curves that are there, and their picture
 
@@ -15,6 +16,7 @@ import argparse
 import csv
 import math
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +31,8 @@ MESH = {"method": "lattice", "element_size": SIZE, "itz": "smeared", "accept_pha
 E, NU = {"mortar": 26000.0, "itz": 26000.0, "aggregate": 70000.0}, 0.2
 FC, FT, GF, ITZ, CRUSHING, BIAXIAL = 40.0, 3.0, 0.06, 0.7, 1e-4, 1.16
 PHASES = ("mortar", "itz", "aggregate")
+# Strains between which the specimen is elastic.
+ELASTIC = {"compression": (5e-5, 2e-4), "tension": (1e-5, 4e-5)}
 # Width of the band over the edge of the regular tetrahedron of a cell's volume (docs/engine.md).
 BAND = 1.4
 
@@ -77,22 +81,28 @@ def material(number, phase, width):
     )
 
 
+def held(points, test):
+    """Numbers of the nodes at the bottom and at the top, and of those that have no way along x and y, and along y."""
+    bottom, top = (np.flatnonzero(np.abs(points[:, 2] - z) < 1e-6) + 1 for z in (0.0, SIDE))
+    # Glued plates hold all directions, plates without friction only their own, and a node and a half the rest.
+    ends = [*bottom, *top]
+    across = ([bottom[0]], [bottom[np.argmax(points[bottom - 1, 0])]]) if test == "compression" else (ends, ends)
+    return bottom, top, *across
+
+
 def deck(mesh, test):
     """Lines of OOFEM's input; every cell has its own material, since its band has its own width."""
     points, cells, phase = mesh["points"], mesh["cells"], mesh["phase"]
     strain, steps = TESTS[test]
-    # Glued plates hold all directions, plates without friction only their own, and a node and a half the rest.
     way = -strain * SIDE if test == "compression" else strain * SIDE
     corners = points[cells]
     volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
     widths = BAND * np.cbrt(6.0 * math.sqrt(2.0) * volumes)
-    bottom, top = (np.flatnonzero(np.abs(points[:, 2] - z) < 1e-6) + 1 for z in (0.0, SIDE))
-    origin, beside = bottom[0], bottom[np.argmax(points[bottom - 1, 0])]
-    count = len(cells)
+    count, ends = len(cells), held(points, test)
     lines = [
         "oofem.out", "concrete between plates without friction",
         f"StaticStructural nsteps {steps} deltat 1.0 rtolf 1e-4 maxiter 2000 stiffmode 1 nmodules 0", "domain 3d",
-        f"OutputManager tstep_all dofman_output {{{' '.join(map(str, top))}}}",
+        f"OutputManager tstep_all dofman_output {{{' '.join(map(str, ends[1]))}}}",
         f"ndofman {len(points)} nelem {count} ncrosssect {count} nmat {count} nbc 4 nltf 2 nic 0 nset {count + 4}",
         *(f"node {n} coords 3 {x!r} {y!r} {z!r}" for n, (x, y, z) in enumerate(points.tolist(), 1)),
         *(f"ltrspace {n} nodes 4 {' '.join(map(str, cell))}" for n, cell in enumerate((cells + 1).tolist(), 1)),
@@ -105,9 +115,7 @@ def deck(mesh, test):
         "ConstantFunction 1 f(t) 1.", f"PiecewiseLinFunction 2 t 2 0. {steps} f(t) 2 0. 1.",
         *(f"Set {n} elements 1 {n}" for n in range(1, count + 1)),
     ]  # fmt: skip
-    ends = [*bottom, *top]
-    held = ([origin], [beside]) if test == "compression" else (ends, ends)
-    for number, nodes in enumerate((bottom, top, *held), count + 1):
+    for number, nodes in enumerate(ends, count + 1):
         lines.append(f"Set {number} nodes {len(nodes)} {' '.join(map(str, nodes))}")
     return lines
 
@@ -126,6 +134,27 @@ def oofem(out, test):
     problem.checkProblemConsistency()
     problem.solveYourself()
     problem.terminateAnalysis()
+
+
+def calculix(out, test):
+    """Modulus of the elastic specimen in CalculiX, MPa."""
+    with np.load(out / "mesh.npz") as mesh:
+        points, cells, phase = mesh["points"], mesh["cells"] + 1, mesh["phase"]
+    rows = lambda numbers: [", ".join(map(str, numbers[n : n + 12])) + "," for n in range(0, len(numbers), 12)]
+    lines = ["*NODE", *(f"{n}, {x!r}, {y!r}, {z!r}" for n, (x, y, z) in enumerate(points.tolist(), 1))]
+    for number, name in enumerate(PHASES):
+        own = np.flatnonzero(phase == number)
+        lines += [f"*ELEMENT, TYPE=C3D4, ELSET={name}", *(", ".join(map(str, [n + 1, *cells[n]])) for n in own)]
+        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{E[name]}, {NU}", f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"]
+    for name, nodes in zip("BTXY", held(points, test), strict=True):
+        lines += [f"*NSET, NSET={name}", *rows(list(nodes))]
+    way = 1e-4 * SIDE * (-1 if test == "compression" else 1)
+    lines += ["*STEP", "*STATIC", "*BOUNDARY", "B, 3, 3", f"T, 3, 3, {way!r}", "X, 1, 2", "Y, 2, 2"]
+    lines += ["*NODE PRINT, NSET=T, TOTALS=ONLY", "RF", "*END STEP"]
+    (out / "ccx.inp").write_text("\n".join(lines) + "\n")
+    subprocess.run(["ccx", "ccx"], cwd=out, check=True, capture_output=True)
+    forces = (out / "ccx.dat").read_text().split()[-3:]
+    return abs(float(forces[2])) / SIDE**2 / 1e-4
 
 
 def read_oofem(out, test):
@@ -151,8 +180,14 @@ def figures(strain, stress, end):
     return stress[top], half, np.trapezoid(stress, strain * SIDE)
 
 
-def picture(out, path):
-    """Draw both tests."""
+def slope(strain, stress, low, high):
+    """Slope of the straight line through the points between two strains."""
+    own = (low <= strain) & (strain <= high)
+    return np.polyfit(strain[own], stress[own], 1)[0]
+
+
+def picture(out, path, moduli):
+    """Draw both tests; CalculiX's straight lines reach to half of the largest stress."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.4), layout="constrained")
@@ -160,6 +195,8 @@ def picture(out, path):
         for name, style in (("oofem", {"color": "#c9a66b", "linewidth": 4.0}), ("mesocrete", {"color": "#2f3b4c", "linewidth": 1.2})):
             strain, stress = curve(out / test / f"{name}.csv")
             ax.plot(1e3 * strain, stress, label={"oofem": "OOFEM", "mesocrete": "mesocrete"}[name], **style)
+        end = 0.5 * max(stress) / moduli[test]
+        ax.plot([0, 1e3 * end], [0, moduli[test] * end], color="#a33", linewidth=1.2, linestyle="--", label="CalculiX, elastic")
         ax.set(xlabel="strain, per mille", ylabel="stress, MPa", title=test, xlim=0, ylim=0)
         ax.legend(frameon=False)
     figure.savefig(path, dpi=120)
@@ -171,6 +208,7 @@ def main():
     parser.add_argument("--only", choices=TESTS, action="append")
     parser.add_argument("--judge", action="store_true")
     options = parser.parse_args()
+    moduli = {}
     for test in options.only or TESTS:
         out = options.out.resolve() / test
         out.mkdir(parents=True, exist_ok=True)
@@ -184,11 +222,15 @@ def main():
         found = [figures(*one, end) for one in (ours_, theirs)]
         for name, values in zip(("mesocrete", "oofem"), found, strict=True):
             print(test, name, " ".join(f"{value:.5g}" for value in values))
+        modulus = calculix(out, test)
+        slopes = [slope(*one, *ELASTIC[test]) / modulus for one in (ours_, theirs)]
+        print(test, f"modulus in CalculiX {modulus:.1f} MPa; mesocrete {slopes[0]:.5f} and OOFEM {slopes[1]:.5f} of it")
+        moduli[test] = modulus
         at = theirs[0][theirs[0] > 0.02 * end]
         ratios = np.interp(at, *ours_) / np.interp(at, *theirs)
         print(test, f"ratio of stresses {ratios.min():.4f} to {ratios.max():.4f} until a strain of {end:.4g}")
     if not options.only:
-        picture(options.out, options.out / "second-code.png")
+        picture(options.out, options.out / "second-code.png", moduli)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ use meso_core::mesh::{ItzForm, Method, Phase};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Silent;
 use meso_solve::{
-    Along, Control, Drive, Frame, Gauge, LawName, Observer, Response, Rule, Side, Speed, SupportSpec, Test, TestKind,
+    Along, Control, Drive, Frame, Gauge, Geometry, LawName, Observer, Response, Rule, Side, Speed, SupportSpec, Test,
+    TestKind,
 };
 use std::cell::RefCell;
 use std::f64::consts::PI;
@@ -432,6 +433,10 @@ fn named_tests_in_real_time_run_with_and_without_rates() {
             assert_eq!(result.errors, Vec::<String>::new(), "{kind:?}");
             assert!(result.energy_balance_error < 1e-3 && result.added_mass_percent == 0.0, "{kind:?} {result:?}");
             assert!(result.energies.dissipated > 0.0, "{kind:?} {:?} {:?}", result.energies, result.figures);
+            // The case: a beam that ended at 0.1 %, since its roller's way was compared with its depth.
+            let ends = result.warnings.iter().any(|text| text.contains("at a strain of 2 %"));
+            let strain = response.curve.last().unwrap().strain.abs();
+            assert!(ends == (strain > 0.019), "{kind:?} {strain} {:?}", result.warnings);
             result.figures.peak_mpa
         });
         // The largest stress of a spall test is the pulse.
@@ -444,9 +449,9 @@ fn named_tests_in_real_time_run_with_and_without_rates() {
 /// middle, 0.0116 F a^2 / D. Shear, the dent under the load and corners that lift make k smaller.
 #[test]
 fn a_mass_that_falls_on_a_plate_is_borne_by_its_four_edges() {
-    let (span, mass_kg, speed) = (80.0, 5.0, 0.05);
+    let (span, mass_kg, speed) = (81.0, 5.0, 0.05);
     let plate = Meshed::mortar([90.0, 90.0, 9.0], Method::FITTED, 3.0);
-    let values = Test { mass_kg: Some(mass_kg), speed_m_per_s: Some(speed), span_mm: Some(span), ..Test::default() };
+    let values = Test { mass_kg: Some(mass_kg), speed_m_per_s: Some(speed), ..Test::default() };
     let test = Test { kind: TestKind::Drop, law: LawName::Elastic, duration_s: Some(1e-3), ..values };
     let response = plate.solve(&mortar(0.2), &test);
     let bending = MODULUS_MPA * 9.0_f64.powi(3) / (12.0 * (1.0 - 0.04));
@@ -458,8 +463,16 @@ fn a_mass_that_falls_on_a_plate_is_borne_by_its_four_edges() {
         let share = mean(name).abs() / mean("load").abs();
         assert!((share - 0.25).abs() < 0.01, "{name} {share}");
     }
-    let wide = Specimen::cuboid([90.0, 60.0, 9.0]);
-    assert!(test.suits(&wide).unwrap_err().to_string().contains("stand on the plate, 60 mm wide; take 54.000"));
+    // Rollers of an oblong plate are as far from all edges.
+    let places = |specimen: Specimen, span_mm| {
+        let rig = Test { span_mm, ..test.clone() }.rig(&Geometry::of(&specimen)).unwrap();
+        [0, 3].map(|place| rig.supports[place].strip.unwrap().at_mm)
+    };
+    let oblong = Specimen::cuboid([90.0, 60.0, 9.0]);
+    assert_eq!(places(oblong.clone(), None), [-42.0, -27.0]);
+    assert_eq!(places(oblong.clone(), Some(70.0)), [-35.0, -20.0]);
+    let near = Test { span_mm: Some(35.0), ..test };
+    assert!(near.suits(&oblong).unwrap_err().to_string().contains("would be less than 9 mm apart"));
 }
 
 /// A Brazilian test between bars: once waves have settled, both have the force Z v_i of the wave, and 2 F / (pi l d) is the stress.

@@ -20,7 +20,7 @@ curve = runs[True].curve
 pulses, ends = plt.subplots(1, 2, figsize=(10, 4))[1]
 for column, name in [("input_in_mpa", "incident"), ("input_out_mpa", "reflected"), ("output_out_mpa", "transmitted")]:
     pulses.plot(1e6 * curve["time_s"], curve[column], label=name)
-for column, name in [("stress_bottom_mpa", "one wave, input"), ("stress_top_mpa", "one wave, output"), ("stress_mpa", "mean")]:
+for column, name in [("stress_bottom_mpa", "two waves, input"), ("stress_top_mpa", "one wave, output"), ("stress_mpa", "mean")]:
     ends.plot(1e6 * curve["time_s"], curve[column], label=name)
 for axes in (pulses, ends):
     axes.set(xlabel="time, µs", ylabel="stress, MPa")

@@ -394,7 +394,12 @@ impl Summary {
         if !self.has_peak() {
             return format!("no peak yet, {peak_mpa:.2} MPa at a strain of {peak_strain:.5}");
         }
-        let splits_early = self.test == TestKind::Splitting && first_peak_mpa < peak_mpa;
+        // Waves and inertia are in the stress of these.
+        if matches!(self.test, TestKind::Spall | TestKind::Drop) {
+            return format!("largest stress {peak_mpa:.2} MPa");
+        }
+        let splits = matches!(self.test, TestKind::Splitting | TestKind::HopkinsonSplitting);
+        let splits_early = splits && first_peak_mpa < peak_mpa;
         let first = if splits_early { format!("first peak {first_peak_mpa:.2} MPa, ") } else { String::new() };
         format!("{first}peak {peak_mpa:.2} MPa at a strain of {peak_strain:.5}")
     }

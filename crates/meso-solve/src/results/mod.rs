@@ -170,11 +170,13 @@ fn write_figures(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)
 }
 
-/// The frames as ParaView and PyVista read them; their time is the strain.
+/// The frames as ParaView and PyVista read them; their time is the strain, or the time of a test whose strain does not only grow.
 fn write_collection(frames: &[Moment], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>")?;
+    let grows = frames.windows(2).all(|pair| pair[0].strain < pair[1].strain);
     for moment in frames {
-        writeln!(out, "<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>", moment.strain, moment.file())?;
+        let time = if grows { moment.strain } else { moment.time_s };
+        writeln!(out, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{}\"/>", moment.file())?;
     }
     writeln!(out, "</Collection>\n</VTKFile>")
 }
@@ -203,5 +205,9 @@ mod tests {
         write_collection(&[moment(1), moment(2)], &mut text).unwrap();
         let text = String::from_utf8(text).unwrap();
         assert!(text.contains("timestep=\"0.002\" part=\"0\" file=\"frame_0002.vtu\""), "{text}");
+        let still = |number: u32| Moment { number, time_s: 1e-6 * f64::from(number), ..Moment::default() };
+        let mut text = Vec::new();
+        write_collection(&[still(1), still(2)], &mut text).unwrap();
+        assert!(String::from_utf8(text).unwrap().contains("timestep=\"0.000002\" part=\"0\" file=\"frame_0002.vtu\""));
     }
 }

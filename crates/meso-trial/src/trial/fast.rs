@@ -25,6 +25,9 @@ const PERIODS: f64 = 2.0;
 /// Reason why a value of a named test has no effect.
 const OWN: &str = "supports of the file take the place of those of the named test; leave it out, or the supports";
 
+/// Overhang of a plate beyond the rollers of one pair, over its shorter side; width of its load over its thickness.
+const OVERHANG: f64 = 0.1;
+const LOAD: f64 = 0.5;
 /// Thicknesses of a plate in its length and width at least; others are beams.
 const PLATE: f64 = 3.0;
 
@@ -149,17 +152,24 @@ impl Test {
         Ok(Rig { supports, axis: 2, length_mm: geometry.size_mm[2], section_mm2, breaking_mm2: section_mm2 })
     }
 
-    /// The supports of a bent plate: rollers along the other two edges, too, and a square load.
+    /// Distance of the rollers of a plate on its edges along x, unless it is given, mm; none of another specimen.
+    pub(super) fn plate_span_mm(&self, geometry: &Geometry) -> Option<f64> {
+        let [x, y, _] = geometry.size_mm;
+        (self.kind == TestKind::Drop && is_plate(geometry)).then(|| x - OVERHANG * x.min(y))
+    }
+
+    /// The supports of a bent plate: rollers along the other two edges, too, as far from them, and a square load.
     fn on_edges(&self, geometry: &Geometry, mut supports: Vec<SupportSpec>) -> Result<Vec<SupportSpec>, TrialError> {
-        let width = geometry.size_mm[1];
-        let most = 0.9 * width;
-        let span = self.span_mm.unwrap_or(self.span_mm(geometry).min(most));
-        let accepted = format!("the rollers must stand on the plate, {width} mm wide; take {most:.3} mm at most");
-        TEST.require("span_mm", span, span < width, accepted)?;
+        let [x, y, z] = geometry.size_mm;
+        let span = y - (x - self.span_mm(geometry));
+        let accepted =
+            format!("rollers as far from the other edges would be less than {z} mm apart; take a larger one");
+        TEST.require("span_mm", self.span_mm(geometry), span >= z, accepted)?;
         let mut more = Vec::new();
         for support in &mut supports {
             let Some(strip) = &mut support.strip else { continue };
             if support.drive.is_some() {
+                strip.width_mm = self.strip_mm.unwrap_or(LOAD * z);
                 strip.length_mm = Some(strip.width_mm);
             } else {
                 let name = if strip.at_mm < 0.0 { "front" } else { "back" };
@@ -182,21 +192,27 @@ impl Test {
         use TestKind::{Drop, Impact};
         let (kind, is_own) = (self.kind, !self.supports.is_empty());
         let pulsed = kind.has_pulse();
-        for (key, value, most, has, of) in [
+        for (key, value, [least, most], has, of) in [
             (
                 "speed_m_per_s",
                 self.speed_m_per_s,
-                100.0,
+                [1e-3, 100.0],
                 kind.is_fast(),
                 "hopkinson, hopkinson-splitting, spall, drop and impact",
             ),
-            ("pulse_s", self.pulse_s, 1.0, pulsed, "hopkinson, hopkinson-splitting and spall"),
-            ("rise_s", self.rise_s, 1.0, pulsed || kind == Impact, "hopkinson, hopkinson-splitting, spall and impact"),
-            ("mass_kg", self.mass_kg, 1e6, kind == Drop, "drop"),
+            ("pulse_s", self.pulse_s, [1e-9, 1.0], pulsed, "hopkinson, hopkinson-splitting and spall"),
+            (
+                "rise_s",
+                self.rise_s,
+                [1e-9, 1.0],
+                pulsed || kind == Impact,
+                "hopkinson, hopkinson-splitting, spall and impact",
+            ),
+            ("mass_kg", self.mass_kg, [1e-6, 1e6], kind == Drop, "drop"),
         ] {
             let Some(value) = value else { continue };
             TEST.positive(key, value)?;
-            TEST.require(key, value, value <= most, format!("it must be {most} at most"))?;
+            TEST.require(key, value, (least..=most).contains(&value), format!("it must be {least:?} to {most:?}"))?;
             let accepted = format!("only {of} tests take it; leave it out, or take that kind of test");
             TEST.require(key, value, has, accepted)?;
             TEST.require(key, value, !is_own, OWN)?;
@@ -251,20 +267,23 @@ impl Test {
         is_driven || self.kind.is_fast() && self.supports.is_empty()
     }
 
-    /// Whether two opposite plates, and no other support, have a speed from the first moment.
+    /// Whether two opposite plates, and no other support, strain the specimen from the first moment: glued ones where they pull.
     fn is_stretched(&self) -> bool {
-        let moves = |support: &SupportSpec| matches!(&support.drive, Some(Drive::Speed { speed_m_per_s }) if speed_m_per_s.at(0.0) != 0.0);
-        let bits: Vec<_> =
-            self.supports.iter().filter(|support| moves(support)).map(|support| support.on.bit()).collect();
-        matches!(bits[..], [Some(one), Some(other)] if one ^ other == 1) && self.supports.len() == 2
+        let first = |support: &SupportSpec| match &support.drive {
+            Some(Drive::Speed { speed_m_per_s }) if support.strip.is_none() => Some(speed_m_per_s.at(0.0)),
+            _ => None,
+        };
+        let [one, other] = &self.supports[..] else { return false };
+        let faces = one.on.bit().zip(other.on.bit()).is_some_and(|(one, other)| one ^ other == 1);
+        let holds = |presses: bool| presses || [one, other].iter().all(|plate| plate.rule == Rule::Glued);
+        first(one).zip(first(other)).is_some_and(|(a, b)| faces && a + b != 0.0 && holds(a + b > 0.0))
     }
 
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.
     pub(super) fn validate_fast(&self) -> Result<(), OutOfRange> {
         let timed = "the time of a quasi-static test is artificial; leave it out, or give the supports a drive";
         TEST.require("rate_effect", true, !self.rate_effect || self.is_fast(), timed)?;
-        let moving =
-            "it needs a speed other than 0 at time 0 of two opposite plates, and no other support; leave it out";
+        let moving = "it needs two opposite plates that strain the specimen from time 0, glued if they pull, alone; leave it out";
         TEST.require("starts_moving", true, !self.starts_moving || self.is_stretched(), moving)?;
         let has_law = !self.rate_effect || self.law == LawName::Meso;
         TEST.require("law", word(&self.law), has_law, "only meso has a rate_effect; take it, or leave that out")?;
@@ -326,10 +345,18 @@ mod tests {
         };
         let wave = || Speed::Over(vec![[0.0, 0.0], [1e-5, 1.0]]);
         let drive = |test: &mut Test, drive: Drive| test.supports[1].drive = Some(drive);
+        let start = |test: &mut Test, speeds: [f64; 2], rule| {
+            test.starts_moving = true;
+            for (support, speed) in test.supports.iter_mut().zip(speeds) {
+                (support.rule, support.drive) = (rule, Some(Drive::Speed { speed_m_per_s: Speed::Steady(speed) }));
+            }
+        };
         type Edit<'a> = &'a dyn Fn(&mut Test);
-        let edits: [(Edit, &str); 22] = [
+        let edits: [(Edit, &str); 24] = [
             (&|test| (test.rate_effect, test.law) = (true, LawName::Cdp), "only meso has a rate_effect"),
-            (&|test| test.starts_moving = true, "test.starts_moving is true; it needs a speed other than 0 at time 0"),
+            (&|test| test.starts_moving = true, "test.starts_moving is true; it needs two opposite plates"),
+            (&|test| start(test, [1.0, -1.0], Rule::Glued), "two opposite plates that strain the specimen"),
+            (&|test| start(test, [-1.0, -1.0], Rule::Plate), "glued if they pull"),
             (&|test| (test.rate_effect, test.supports) = (true, Vec::new()), "a quasi-static test is artificial"),
             (&|test| test.control = Some(Control::CrackMouth), "test.control is crack-mouth"),
             (&|test| test.control = Some(Control::Servo), "test.control is servo; a test in real time keeps its speed"),

@@ -204,7 +204,12 @@ impl SupportSpec {
 
     /// Finds out whether its strip lies on a specimen of this size.
     pub fn suits(&self, size_mm: &[f64; 3]) -> Result<(), OutOfRange> {
-        let Some(Strip { axis, at_mm, width_mm, .. }) = self.strip else { return Ok(()) };
+        let Some(Strip { axis, at_mm, width_mm, length_mm }) = self.strip else { return Ok(()) };
+        let across = (0..3).filter(|&k| k != axis as usize && Some(k) != self.on.bit().map(|bit| bit / 2));
+        let side = across.map(|k| size_mm[k]).fold(f64::INFINITY, f64::min);
+        let key = format!("supports.{}.strip.length_mm", self.name);
+        let why = format!("the side is {side} mm long there; leave it out for a strip across the whole side");
+        TEST.require(key, length_mm.unwrap_or_default(), length_mm.is_none_or(|length| length <= side), why)?;
         let half = 0.5 * size_mm[axis as usize];
         let why = format!("the strip lies beside the specimen, which reaches from {} to {half} mm", -half);
         let key = format!("supports.{}.strip.at_mm", self.name);

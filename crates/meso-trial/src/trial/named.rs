@@ -267,7 +267,8 @@ impl Test {
     pub fn span_mm(&self, geometry: &Geometry) -> f64 {
         let [x, _, z] = geometry.size_mm;
         let depths = if self.kind == TestKind::FourPoint { THIRD_POINT_SPAN } else { SPAN };
-        self.span_mm.unwrap_or((depths * z).min(0.9 * x))
+        let own = || self.plate_span_mm(geometry).unwrap_or((depths * z).min(0.9 * x));
+        self.span_mm.unwrap_or_else(own)
     }
 
     /// Width of the strips of a splitting test, mm; none for other tests and supports of a file.

@@ -29,7 +29,9 @@ impl TestKind {
             Self::Spall => {
                 "A pulse comes along a steel bar below; its reflection from the free upper end tears the specimen."
             }
-            Self::Drop => "A mass falls on the middle of a beam on two rollers, or on a specimen on a base.",
+            Self::Drop => {
+                "A mass falls on the middle of a beam on two rollers, of a plate on four, or on a specimen on a base."
+            }
             Self::Impact => "A plate of constant speed presses along z.",
             Self::Shear => {
                 "Plates glued to the upper left and the lower right half of a double-notched prism move past each other along z."
@@ -67,7 +69,7 @@ impl TestKind {
                 )
             }
             Self::Drop => format!(
-                "# mass_kg = 1.0\n# speed_m_per_s = {:?}       # of the mass when it strikes\n# span_mm = 450.0           # of a beam; strip_mm: width of its rollers\n{RATED}",
+                "# mass_kg = 1.0\n# speed_m_per_s = {:?}       # of the mass when it strikes\n# span_mm = 450.0           # of a beam or plate; strip_mm: width of its rollers or load\n{RATED}",
                 test.speed_m_per_s()
             ),
             Self::Impact => {

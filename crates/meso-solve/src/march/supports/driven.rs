@@ -105,15 +105,18 @@ impl Supports {
         [0, 1].map(|end| own(end).map(speed).sum())
     }
 
-    /// Largest change of the distance of two opposite plates, over the size along their axis.
+    /// Strain of the test, or the largest change of the distance of two opposite plates over the size along their axis; strips
+    /// are no plates, since a beam is thinner than their way.
     pub(crate) fn farthest(&self, held: &[Held; MOST_SUPPORTS]) -> f64 {
-        let plates = || self.all.iter().zip(held).filter(|(fixture, _)| fixture.face.rule != Rule::Pressure);
+        let is_plate = |fixture: &Fixture| fixture.face.rule != Rule::Pressure && fixture.area_mm2 > 0.0;
+        let plates = || self.all.iter().zip(held).filter(|(fixture, _)| is_plate(fixture));
         let at = |axis, inward| {
             let own = plates().filter(move |(fixture, _)| fixture.face.axis == axis && fixture.face.inward == inward);
             own.map(|(_, [at, ..])| *at).max_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
         let strain = |axis: usize| Some((at(axis, 1.0)? - at(axis, -1.0)?).abs() / self.size_mm[axis]);
-        (0..3).filter_map(strain).fold(0.0, f64::max)
+        let of_test = self.approach(held).abs() / self.length_mm;
+        (0..3).filter_map(strain).fold(of_test, f64::max)
     }
 
     /// Moves the plates in real time by the step from `time`; `free` gives a node's mass, and its displacement and its velocity

@@ -400,7 +400,8 @@ impl DeckOptions {
     }
 
     fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
-        let test = self.test().filter(|test| test.kind == TestKind::Compression && self.has_curves())?;
+        let test =
+            self.test().filter(|test| test.kind == TestKind::Compression && !test.is_fast() && self.has_curves())?;
         let (mortar, given) = (&self.materials.mortar, self.materials.mortar_strength.of(LAW));
         let (strain, width_mm) = (test.strain(), materials::crack_band(mesh).width_mm);
         let mut halved = (0..=HALVINGS).map(|n| {
