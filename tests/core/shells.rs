@@ -146,6 +146,54 @@ fn images_and_meshes_have_the_layers_within_their_resolution() {
     }
 }
 
+/// Issue 69: images of n equal shells are those of one that is as thick.
+#[test]
+fn four_shells_have_the_voxels_and_cells_of_one_that_is_as_thick() {
+    const PLAIN: &str = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 40 }\n\
+        grading = { d_min_mm = 8, d_max_mm = 16, classes_mm = [8, 16] }\nitz.thickness_mm = [0.2, 0.3]\n";
+    let coated = |names: &[&str]| {
+        let thickness = 1.0 / names.len() as f64;
+        let entry = |name| format!("[[shape.shells]]\nname = '{name}'\nthickness_mm = [{thickness}, {thickness}]\n");
+        packed(&format!("{PLAIN}{}", names.iter().map(entry).collect::<String>()))
+    };
+    let [one, four] = [coated(&["rim"]), coated(&["a", "b", "c", "d"])];
+    // The first phase of a specimen's own is 5.
+    let merged = |phases: Vec<u8>| phases.into_iter().map(|phase| phase.min(5)).collect::<Vec<_>>();
+    let image = |model: &Model| {
+        let image = VoxelImage::new(model, &ImageOptions { voxel_size_mm: 0.5, ..ImageOptions::default() }).unwrap();
+        let Voxels::Label(labels) = image.layers(0..image.counts()[2]) else { panic!("labels") };
+        labels.to_vec()
+    };
+    assert!(image(&four).contains(&8) && image(&one) == merged(image(&four)));
+    for (method, element_size_mm) in [(Method::VOXEL, 0.5), (Method::FITTED, 1.0)] {
+        let options = MeshOptions { method, element_size_mm, itz: ItzForm::Smeared, ..MeshOptions::default() };
+        let cells = |model: &Model| {
+            let mesh = mesh::build(model, &options, &Tools::default()).unwrap();
+            mesh.phase.iter().map(|phase| phase.index() as u8).collect::<Vec<_>>()
+        };
+        assert!(cells(&one) == merged(cells(&four)), "{method:?}");
+    }
+}
+
+/// Wet-screened concrete: the same seed without the top class.
+#[test]
+fn the_grains_of_a_class_do_not_depend_on_the_classes_above_it() {
+    let volumes = |fraction: f64, sieves: &str, passing: &str, d_max_mm: u32| {
+        let model = packed(&format!(
+            "fraction = {fraction}\nspecimen = {{ kind = 'cube', side_mm = 50 }}\n\
+             grading = {{ d_min_mm = 5, d_max_mm = {d_max_mm}, curve = {{ kind = 'sieves', sieves_mm = {sieves}, \
+             passing = {passing} }} }}"
+        ));
+        let fine = model.aggregates.iter().filter(|grain| grain.class == 0);
+        let mut volumes: Vec<f64> = fine.map(|grain| grain.body.volume()).collect();
+        volumes.sort_by(f64::total_cmp);
+        volumes
+    };
+    let (whole, twin) = (volumes(0.4, "[5, 10, 20]", "[0, 0.5, 1]", 20), volumes(0.2, "[5, 10]", "[0, 1]", 10));
+    assert!(twin.len() > 50 && whole.len() == twin.len());
+    assert!(whole.iter().zip(&twin).all(|(a, b)| (a / b - 1.0).abs() < 1e-8));
+}
+
 #[test]
 fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
     const PLAIN: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 60 }\n";
