@@ -243,7 +243,11 @@ impl RunRecord {
             return Err("it has phases that the results of this test do not name; solve the test again".to_owned());
         }
         if !snapshot.is_of_its_moment() {
-            return Err("it is a frame of another test, or it was changed; solve the test again".to_owned());
+            let why = match moment.seal {
+                Some(_) => "it is a frame of another test, or it was changed; solve the test again",
+                None => "the results of this test have no seal of it; solve the test again with this version",
+            };
+            return Err(why.to_owned());
         }
         Ok((Mesh { phases, ..mesh }, snapshot))
     }

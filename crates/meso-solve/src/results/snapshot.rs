@@ -117,9 +117,9 @@ impl Snapshot {
         own
     }
 
-    /// Whether its fields are those of its moment; those of a moment without a seal are taken as such.
+    /// Whether its fields are those of its moment; without a seal nothing shows it.
     pub fn is_of_its_moment(&self) -> bool {
-        self.moment.seal.is_none_or(|seal| seal == self.seal())
+        self.moment.seal == Some(self.seal())
     }
 
     /// The first four bytes of a SHA-256.
