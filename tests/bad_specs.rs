@@ -135,7 +135,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[specimen]\nkind = 'cube'\nside_mm = 20\nperiodic = ['x']", "grading.d_max_mm", "would meet their own images"),
     ("[specimen]\nkind = 'cube'\nside_mm = 15", "grading.d_max_mm", "is 20 but the specimen has only 15 mm of room"),
     // grading
-    ("[grading]\nd_min_mm = 25", "grading.d_min_mm", "is 25 but grading.d_max_mm is 20"),
+    ("[grading]\nd_min_mm = 25", "grading.d_min_mm", "is 25 but d_max_mm is 20"),
     ("[grading]\nd_min_mm = 20", "grading.d_min_mm", "the smallest size must be below the largest"),
     ("[grading]\nd_min_mm = 0", "grading.d_min_mm", "is 0;"),
     ("[grading]\nd_min_mm = -5", "grading.d_min_mm", "is -5;"),

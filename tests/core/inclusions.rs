@@ -459,7 +459,7 @@ fn voids_follow_a_grading_of_their_own_and_one_class_of_it_is_the_range_of_diame
         ),
         ("", "voids.diameter_mm is missing, and so is voids.grading; give one of the two"),
         ("grading = { d_max_mm = 4 }", "voids.grading.d_min_mm is missing; pores have no usual diameters"),
-        ("grading = { d_min_mm = 4, d_max_mm = 1 }", "voids.grading.d_min_mm is 4 but grading.d_max_mm is 1"),
+        ("grading = { d_min_mm = 4, d_max_mm = 1 }", "voids.grading.d_min_mm is 4 but d_max_mm is 1; the smallest"),
         ("grading = { d_min_mm = 1, d_max_mm = 60 }", "voids.grading.d_max_mm makes bodies 63.673 long"),
         (
             "grading = { d_min_mm = 0.001, d_max_mm = 4, classes_mm = [0.001, 0.01, 4] }",

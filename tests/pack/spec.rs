@@ -45,7 +45,7 @@ fn errors_name_the_line() {
     assert_eq!(error.line, Some(4));
     assert_eq!(
         error.to_string(),
-        "line 4: grading.d_min_mm is 5 but grading.d_max_mm is 4; the smallest size must be below the largest"
+        "line 4: grading.d_min_mm is 5 but d_max_mm is 4; the smallest size must be below the largest"
     );
     assert_eq!(Spec::from_toml("seed = 3\nfractoin = 1").unwrap_err().line, Some(2));
     assert_eq!(Spec::from_toml("seed = 3\n\nx =").unwrap_err().line, Some(3));

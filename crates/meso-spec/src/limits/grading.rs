@@ -11,7 +11,7 @@ pub(super) fn grading(grading: &Grading, least_mm: f64) -> Checked {
     size("grading.d_max_mm", grading.d_max_mm, least_mm)?;
     let (low, high) = (number(grading.d_min_mm), number(grading.d_max_mm));
     if grading.d_min_mm >= grading.d_max_mm {
-        let message = format!("is {low} but grading.d_max_mm is {high}; the smallest size must be below the largest");
+        let message = format!("is {low} but d_max_mm is {high}; the smallest size must be below the largest");
         return Err(SpecError::value("grading.d_min_mm", message));
     }
     curve(grading, least_mm)?;
@@ -90,7 +90,7 @@ fn classes(limits: &[f64], range: [f64; 2], least_mm: f64) -> Checked {
         let [first, last] = ends.map(number);
         let [low, high] = range.map(number);
         let message = format!(
-            "goes from {first} to {last} but the sizes from {low} to {high}; it must begin at grading.d_min_mm and end at grading.d_max_mm"
+            "goes from {first} to {last} but the sizes from {low} to {high}; it must begin at d_min_mm and end at d_max_mm"
         );
         return Err(SpecError::value(KEY, message));
     }
