@@ -214,6 +214,11 @@ fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
             "name = 'rim'\nthickness_over_size_mm = [[5, 1], [10, 4.5]]",
             "reaches 5 with the ITZ, but one of these grains is 10 thick at most; stay below 5 in all",
         ),
+        // Both rows leave a core, and sizes between them do not; 2.4 + 5.41 ln(d / 5) is farthest beyond d / 2 at 10.82.
+        (
+            "name = 'rim'\nthickness_over_size_mm = [[5, 1.9], [20, 9.4]]",
+            "with the ITZ, but one of these grains is 10.82",
+        ),
         (
             "name = 'rim'\nvolume_share = 1.0",
             "shape.shells.volume_share of rim is 1; the accepted range is above 0 and below 1",

@@ -160,7 +160,10 @@ fn law(shell: &ShellLaw) -> Checked {
     }
 }
 
-/// ITZ and shells of grains of a phase leave a core in the smallest of them, and in those at each row of a law.
+/// ITZ and shells of grains of a phase leave a core in grains of every size.
+///
+/// From row to row of a law they take a + b ln(d) + c d of a grain of the size d, which comes nearest to d / 2 at the ends or
+/// at d = b / (1/2 - c).
 fn together(spec: &Spec, own: Option<u8>) -> Checked {
     let laws = spec.shells_of(own);
     let shares: f64 = laws.iter().filter_map(|(_, law)| law.volume_share).sum();
@@ -171,11 +174,21 @@ fn together(spec: &Spec, own: Option<u8>) -> Checked {
     let sizes = own.and_then(|own| spec.phases.get(usize::from(own))).and_then(|phase| phase.sizes_mm);
     let [smallest, largest] = sizes.unwrap_or([spec.grading.d_min_mm, spec.grading.d_max_mm]);
     let rows = laws.iter().filter_map(|(_, law)| law.thickness_over_size_mm.as_ref()).flatten().map(|[size, _]| *size);
+    let c: f64 = laws.iter().filter_map(|(_, law)| law.size_share).map(|[_, high]| high).sum();
     let all = |size: f64| {
         let shells: f64 = laws.iter().filter_map(|(_, law)| law.limits_mm(size)).map(|[_, high]| high).sum();
         if shells > 0.0 { spec.itz.thickness_mm[1] + shells } else { 0.0 }
     };
-    let sizes = std::iter::once(smallest).chain(rows.filter(|size| smallest < *size && *size <= largest));
+    let mut sizes = vec![smallest, largest];
+    sizes.extend(rows.filter(|size| smallest < *size && *size < largest));
+    sizes.sort_by(f64::total_cmp);
+    sizes.dedup();
+    let between = |ends: &[f64]| {
+        let (low, high) = (ends[0], ends[1]);
+        let b = (all(high) - all(low) - c * (high - low)) / libm::log(high / low);
+        [low, (b / (0.5 - c)).clamp(low, high), high]
+    };
+    let sizes = sizes.windows(2).flat_map(between);
     let Some(size) = sizes.into_iter().find(|size| (2.0 * all(*size)).partial_cmp(size) != Some(Ordering::Less)) else {
         return Ok(());
     };
@@ -184,8 +197,8 @@ fn together(spec: &Spec, own: Option<u8>) -> Checked {
          volume_share, or give the shells to a phase of larger sizes_mm",
         number(short(all(size))),
         if size == smallest { "the smallest" } else { "one" },
-        number(size),
-        number(size / 2.0)
+        number(short(size)),
+        number(short(size / 2.0))
     );
     Err(SpecError::value("shape.shells", message))
 }
