@@ -155,6 +155,8 @@ class Workers:
         pool, module = self._executor, sys.modules.get(type(self._executor).__module__)
         if type(pool) is ProcessPoolExecutor:
             told: Any = pool
+            # Its other processes are being ended, and could still write into folders of cases that are done again.
+            told.shutdown(wait=True)
             self._executor = ProcessPoolExecutor(told._max_workers, told._mp_context, told._initializer, told._initargs)
         elif module is not None and hasattr(module, "get_reusable_executor") and not getattr(pool, "_initializer", None):
             self._executor = module.get_reusable_executor(pool._max_workers)
