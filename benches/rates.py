@@ -5,9 +5,10 @@
     python3 benches/rates.py --quick        one packing and one rate
 
 Cubes with 40 % of grains of 5 to 16 mm are pulled and pressed between two plates in real time, with and without the
-`rate_effect` of the law, and pulled from a uniform rate of strain, without a wave from the plates (rates.csv), and pressed between two bars with other ramps, frictions and pressures
-(hopkinson.csv, with `rate_effect`). The strength at rest is that of the quasi-static test of the same mesh. The fib curve
-is that of fib Model Code 2010, 5.1.11, both branches. Rows that stand in the tables are kept; rates.svg draws the first.
+`rate_effect` of the law, and pulled from a uniform rate of strain, without a wave from the plates (rates.csv). They are
+pressed between two bars with other ramps, frictions and pressures (hopkinson.csv, with `rate_effect`). The strength at rest
+is that of the quasi-static test of the same mesh. The fib curve is that of fib Model Code 2010, 5.1.11, both branches. Rows
+that stand in the tables are kept; rates.svg draws the first.
 """
 
 import argparse
@@ -63,7 +64,7 @@ def spec(side_mm: float, seed: int) -> str:
 
 
 def test(side_mm: float, load: str, rate: float, law: str) -> str:
-    """A TEST.toml: two plates move with half of the speed each, after a rise of a twentieth of the time or from the first moment."""
+    """A TEST.toml: two plates move with half of the speed each, after a rise of a twentieth of the time or from the start."""
     pulls, is_uniform = load != "compression", load == "uniform tension"
     if not rate:
         return 'kind = "tension"\n' if pulls else 'kind = "compression"\nfriction = 0.1\n'

@@ -23,6 +23,11 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
+    /// One that reads no node yet.
+    fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), is_mouth: false, is_momentum: false, weights: Vec::new() }
+    }
+
     /// Its value at some displacements.
     pub(crate) fn read(&self, displacement: &[[f64; 3]]) -> f64 {
         let of = |(node, weight): &(u32, [f64; 3])| {
@@ -123,7 +128,7 @@ impl Setter<'_> {
             let half = least.max(0.5 * self.sample.element_size_mm) + 1e-9 * size;
             surface.iter().copied().filter(|&node| off(node) <= half).collect()
         };
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false, is_momentum: false };
+        let mut reader = Reader::new(name);
         let factor = if axis == self.axis && self.has_path { self.sign } else { 1.0 };
         let [low, high] = planes.map(near);
         if low.iter().any(|node| high.contains(node)) {
@@ -142,7 +147,7 @@ impl Setter<'_> {
             let why = "a side across this axis has no face; take another axis";
             return Err(TEST.error(format!("gauges.{name}"), ["x", "y", "z"][axis], why).into());
         }
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false, is_momentum: false };
+        let mut reader = Reader::new(name);
         let factor = if axis == self.axis && self.has_path { self.sign } else { 1.0 };
         let place = |side: &[(u32, f64)]| -> f64 {
             side.iter().map(|(node, share)| share * self.mesh().points[*node as usize][axis]).sum()
@@ -161,7 +166,7 @@ impl Setter<'_> {
             let why = "this side has no face; take another side";
             return Err(TEST.error(format!("gauges.{name}"), "side", why).into());
         }
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false, is_momentum: false };
+        let mut reader = Reader::new(name);
         let outward = if bit % 2 == 1 { 1.0 } else { -1.0 };
         reader.weigh(nodes, bit / 2, outward);
         Ok(reader)
@@ -179,7 +184,7 @@ impl Setter<'_> {
             let why = "no node lies between its planes; take planes further apart than the elements";
             return Err(TEST.error(format!("gauges.{name}"), format!("{from} to {to}"), why).into());
         }
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false, is_momentum: true };
+        let mut reader = Reader { is_momentum: true, ..Reader::new(name) };
         reader.weigh(masses, axis, 1.0);
         Ok(reader)
     }
@@ -194,7 +199,7 @@ impl Setter<'_> {
         let sides = Sides::of(self.mesh());
         let aabb = Aabb::around(&self.mesh().points);
         let (middle, quarter) = (0.5 * (aabb.min + aabb.max)[self.axis], 0.25 * aabb.size()[self.axis]);
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: false, is_momentum: false };
+        let mut reader = Reader::new(name);
         for axis in ACROSS[self.axis] {
             let at = |node: &u32| (self.mesh().points[*node as usize][self.axis] - middle).abs() <= quarter;
             let of = |bit: usize| -> Vec<u32> { sides.members(bit).filter(at).collect() };
@@ -215,7 +220,7 @@ impl Setter<'_> {
         let at_lips = if self.sample.notches_mm[0] > 0.0 { 0.0 } else { aabb.size().z };
         let half = 0.5 * over_mm.unwrap_or(at_lips);
         let sides = Sides::of(self.mesh());
-        let mut reader = Reader { name: name.to_owned(), weights: Vec::new(), is_mouth: true, is_momentum: false };
+        let mut reader = Reader { is_mouth: true, ..Reader::new(name) };
         for sense in [1.0, -1.0] {
             let along = |node: u32| sense * (points[node as usize].x - middle);
             // The row of nodes nearest to the gauge's end among those on one side of it, and its mean place.
