@@ -46,6 +46,21 @@ def test_stiffness_lies_between_its_bounds_and_shrinks(cube):
     assert -4e-4 < found["expansion"][0] < 0
 
 
+def test_shells_make_an_itz_whose_values_follow_the_distance():
+    def found(values):
+        shells = [{"name": f"rim_{i}", "thickness_mm": [0.4 / len(values)] * 2} for i in range(len(values))]
+        packing = mc.pack({**SPEC, "itz": {"thickness_mm": [0, 0]}, "shape": {"shells": shells}})
+        assert [shell["phase"] for shell in packing.report()["shells"]] == [shell["name"] for shell in shells]
+        own = {shell["name"]: value for shell, value in zip(shells, values, strict=True)}
+        result = packing.effective(voxel_size=1.5, axes="x", phases={"mortar": 1, "aggregate": 0, **own})
+        return result["tensor"][0][0], result["error"][0][0]
+
+    (mortar, _), (even, error), (rising, own_error) = found([1]), found([4]), found([1.4, 6.6])
+    assert found([4, 4])[0] == pytest.approx(even, rel=1e-6)
+    # Thin shells count by thickness times value.
+    assert abs(rising - even) < min(error, own_error) and min(rising, even) > 1.3 * mortar
+
+
 def test_tetrahedra_have_the_values_of_voxels(cube):
     found = cube.effective(method="lattice", element_size=1.5, axes="x")
     assert set(found) == set(_results.Effective.__annotations__) - OF_VOXELS - OF_FRAMES
