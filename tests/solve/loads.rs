@@ -404,6 +404,21 @@ fn a_beam_as_deep_as_those_of_standards_spends_its_fracture_energy_in_boxes() {
     assert!(result.kinetic_over_internal_to_half_peak < 0.01 && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
+/// Work of the rollers over ligament and G_f is 1.04, 1.07 and 0.97 in a lattice of 2, 3 and 4 mm: docs/tests.md, Bending.
+#[test]
+#[ignore = "slow tier: minutes of processor time"]
+fn beams_of_a_lattice_spend_one_fracture_energy_in_elements_of_any_size() {
+    let materials = brittle();
+    let work = |size: f64| {
+        let beam = notched([115.0, 3.0 * size, 32.0], [8.0, 0.0, 4.0], size);
+        let test = Test { kind: TestKind::Bending, strain: Some(0.012), ..Test::default() };
+        let energy = materials.mortar_strength.of(LawName::Meso).fracture_energy_n_per_mm;
+        beam.solve(&materials, &test).result.energies.external / (24.0 * 3.0 * size) / energy
+    };
+    let found = [2.0, 3.0, 4.0].map(work);
+    assert!(found.iter().all(|share| (share - 1.0).abs() < 0.1), "{found:?}");
+}
+
 /// Largest rate of a column over some rows, per second at full speed: a difference over `rows` of them.
 fn rates(response: &Response, name: &str, rows: usize) -> Vec<f64> {
     let (values, curve) = (column(response, name), &response.curve);

@@ -379,6 +379,11 @@ impl Summary {
         self.setup.supports.iter().any(|support| support.drive.is_some())
     }
 
+    /// Whether waves and inertia are in its largest stress, which is no strength then.
+    fn is_struck(&self) -> bool {
+        matches!(self.test, TestKind::Spall | TestKind::Drop)
+    }
+
     /// Whether no support moves: an expansion has strains and no strength.
     pub fn is_free(&self) -> bool {
         self.test == TestKind::Expansion && self.setup.supports.iter().all(|support| support.moves == 0.0)
@@ -394,8 +399,7 @@ impl Summary {
         if !self.has_peak() {
             return format!("no peak yet, {peak_mpa:.2} MPa at a strain of {peak_strain:.5}");
         }
-        // Waves and inertia are in the stress of these.
-        if matches!(self.test, TestKind::Spall | TestKind::Drop) {
+        if self.is_struck() {
             return format!("largest stress {peak_mpa:.2} MPa");
         }
         let splits = matches!(self.test, TestKind::Splitting | TestKind::HopkinsonSplitting);
@@ -407,7 +411,7 @@ impl Summary {
     /// The result with the flags of its mesh and its speed, if there are any.
     pub fn flagged(&self) -> Option<String> {
         let (peak, flags) = (self.figures.peak_mpa, self.flags.join("; "));
-        let is_plain = self.has_peak() && !self.is_free();
+        let is_plain = self.has_peak() && !self.is_free() && !self.is_struck();
         let found = || if is_plain { format!("peak {peak:.2} MPa") } else { self.headline() };
         (!flags.is_empty()).then(|| format!("{}, {flags}", found()))
     }
