@@ -146,10 +146,12 @@ impl<R: Real, const N: usize> Law<R> for Scaled<R, N> {
             history[LAST] = now;
             history[RATE] = R::select(yielded, history[RATE], passed);
         }
-        // Strengths only grow: where none is reached at rest, none is.
-        let at_rest = if Self::IS_SCATTERED { scaled(&elastic, one / (one + history[N - 1])) } else { elastic };
-        if !R::any(yielded | self.meso.yields(&at_rest)) {
-            return PointResponse { stress: elastic, integrity: one };
+        if !R::any(yielded) {
+            // Strengths only grow: where none is reached at rest, none is.
+            let at_rest = if Self::IS_SCATTERED { scaled(&elastic, one / (one + history[N - 1])) } else { elastic };
+            if !R::any(self.meso.yields(&at_rest)) {
+                return PointResponse { stress: elastic, integrity: one };
+            }
         }
         let (before, rates, c) = Self::parts(history, &Self::factors(history));
         let (per, mut own) = (one / c, before);
