@@ -81,7 +81,9 @@ impl Default for Speed {
 const STEEL_RATIO: f64 = 0.29;
 
 /// Fastest plates and waves, m/s: in steel 100 m/s is a stress of 4 GPa, in mortar a strain of 0.03.
-const FASTEST: f64 = 100.0;
+pub(super) const FASTEST: f64 = 100.0;
+/// Masses that strike, kg.
+pub(super) const MASSES_KG: [f64; 2] = [1e-6, 1e6];
 
 /// The reason why no row of a speed over time can follow the time `before`.
 pub(super) fn unfit_row(before: f64, [time, speed]: [f64; 2]) -> Option<(usize, &'static str)> {
@@ -259,7 +261,7 @@ impl Drive {
                 TEST.require(named("drive.area_mm2"), area, (1e-3..=1e8).contains(&area), "it must be 1e-3 to 1e8 mm2")
             }
             Self::Mass { mass_kg, speed_m_per_s: speed } => {
-                let met = (1e-6..=1e6).contains(&mass_kg);
+                let met = (MASSES_KG[0]..=MASSES_KG[1]).contains(&mass_kg);
                 TEST.require(named("drive.mass_kg"), mass_kg, met, "it must be 1e-6 to 1e6 kg")?;
                 Speed::Steady(speed).validate(&named("drive.speed_m_per_s"))
             }

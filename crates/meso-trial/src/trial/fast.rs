@@ -2,7 +2,7 @@
 
 use crate::error::{TEST, TrialError};
 use crate::sample::Geometry;
-use crate::trial::drive::{Drive, Speed};
+use crate::trial::drive::{Drive, FASTEST, MASSES_KG, Speed};
 use crate::trial::load::{Along, Rule, Side, Strip, SupportSpec};
 use crate::trial::named::Rig;
 use crate::trial::setup::word;
@@ -196,7 +196,7 @@ impl Test {
             (
                 "speed_m_per_s",
                 self.speed_m_per_s,
-                [1e-3, 100.0],
+                [1e-3, FASTEST],
                 kind.is_fast(),
                 "hopkinson, hopkinson-splitting, spall, drop and impact",
             ),
@@ -208,7 +208,7 @@ impl Test {
                 pulsed || kind == Impact,
                 "hopkinson, hopkinson-splitting, spall and impact",
             ),
-            ("mass_kg", self.mass_kg, [1e-6, 1e6], kind == Drop, "drop"),
+            ("mass_kg", self.mass_kg, MASSES_KG, kind == Drop, "drop"),
         ] {
             let Some(value) = value else { continue };
             TEST.positive(key, value)?;
