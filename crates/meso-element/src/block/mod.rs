@@ -344,6 +344,10 @@ fn inlined<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Octet
     let (before, integrity) = (one + L::load(&memory[states]), response.integrity);
     let zero = L::splat(0.0);
     let (mut steps, mut moved) = ([zero; PLASTIC], (before - integrity).abs());
+    #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
+    for i in W::RUNNING[0]..W::RUNNING[1] {
+        history.as_ref()[i].store(&mut memory[i]);
+    }
     for (i, own) in history.as_ref().iter().enumerate() {
         let step = *own - L::load(&memory[i]);
         moved = moved.max(step.abs());

@@ -95,13 +95,27 @@ pub(super) struct Rates<R> {
     /// Over the width of a band of cracking, and of crushing.
     pub(super) crack: R,
     pub(super) crush: R,
+    /// Unit of stress and strain, and what is in one of them.
+    pub(super) unit: R,
+    pub(super) per: R,
 }
 
 impl<R: Real> Rates<R> {
     /// At rest.
     fn none() -> Self {
         let one = R::splat(1.0);
-        Self { tensile: one, crack: one, crush: one }
+        Self { tensile: one, crack: one, crush: one, unit: one, per: one }
+    }
+
+    /// A tensor times one of the units.
+    #[inline(always)]
+    fn scaled<const RATED: bool>(mut tensor: Tensor<R>, unit: R) -> Tensor<R> {
+        if RATED {
+            for component in &mut tensor {
+                *component = *component * unit;
+            }
+        }
+        tensor
     }
 
     /// A band's width in cracking.
@@ -358,8 +372,8 @@ impl<R: Real> Meso<R> {
 }
 
 /// Where the two hardening strains stand in a history, after the plastic strain.
-const CRACKED: usize = 6;
-const CRUSHED: usize = 7;
+pub(super) const CRACKED: usize = 6;
+pub(super) const CRUSHED: usize = 7;
 
 impl<R: Real> Meso<R> {
     /// Whether cracks or crushing have begun in a history that begins as this law's.
@@ -371,26 +385,27 @@ impl<R: Real> Meso<R> {
 
     /// Whether a sound point can yield at this stress.
     #[inline(always)]
-    pub(super) fn yields(&self, stress: &Tensor<R>) -> R::Mask {
-        self.active(&Invariants::of(stress), self.tensile, [R::splat(0.0); 2])
+    pub(super) fn yields(&self, stress: &Invariants<R>) -> R::Mask {
+        self.active(stress, self.tensile, [R::splat(0.0); 2])
     }
 
     /// See [`Law::stress`].
     #[inline(always)]
-    pub(super) fn answer<const RATED: bool>(
+    pub(super) fn answer<const RATED: bool, const N: usize>(
         &self,
         strain: &Tensor<R>,
-        history: &mut [R; 8],
+        history: &mut [R; N],
         width: R,
         rates: &Rates<R>,
     ) -> PointResponse<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let stress = self.elastic.of(&elastic_part(strain, history));
+        let stress = self.elastic.of(&Rates::scaled::<RATED>(elastic_part(strain, history), rates.per));
         let invariants = Invariants::of(&stress);
         let tensile = rates.tension::<RATED>(self.tensile);
         let active = self.active(&invariants, tensile, [history[CRACKED], history[CRUSHED]]);
+        let mut nominal = Rates::scaled::<RATED>(stress, rates.unit);
         if !R::any(active) {
-            return PointResponse { stress, integrity: one };
+            return PointResponse { stress: nominal, integrity: one };
         }
         let Invariants { mean, deviator, mises } = invariants;
         let scale = R::splat(2.0 / 3.0) * mises;
@@ -412,24 +427,25 @@ impl<R: Real> Meso<R> {
             Self::stiffness(self.cohesion(history[CRUSHED], per_scale)) * self.standing(history[CRACKED], cracking);
 
         let volumetric = (mean - end.mean) * self.per_volume;
-        let mut nominal = stress;
+        let kept = if RATED { integrity * rates.unit } else { integrity };
         for i in 0..6 {
             let own = end.deviator[i];
             let lost = (deviator[i] - own) * self.per_shear;
             let (flowed, whole) = if i < 3 { (lost + volumetric, own + end.mean) } else { (lost + lost, own) };
             // A point at rest has the same bits as where all of its register are.
-            nominal[i] = R::select(active, integrity * whole, stress[i]);
-            history[i] = history[i] + R::select(active, flowed, zero);
+            nominal[i] = R::select(active, kept * whole, nominal[i]);
+            let flowed = R::select(active, flowed, zero);
+            history[i] = if RATED { flowed.mul_add(rates.unit, history[i]) } else { history[i] + flowed };
         }
         PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
     }
 
     /// See [`Law::state`].
     #[inline(always)]
-    pub(super) fn shown<const RATED: bool>(
+    pub(super) fn shown<const RATED: bool, const N: usize>(
         &self,
         strain: &Tensor<R>,
-        history: &[R; 8],
+        history: &[R; N],
         width: R,
         rates: &Rates<R>,
     ) -> State<R> {
@@ -437,12 +453,13 @@ impl<R: Real> Meso<R> {
         let bridged = self.bridged::<RATED>(history[CRACKED], rates.cracking::<RATED>(width), rates);
         let left = self.cohesion(history[CRUSHED], self.per_scale::<RATED>(width, rates));
         let elastic_strain = rates.tension::<RATED>(self.crack.elastic_strain);
-        let stress = self.answer::<RATED>(strain, &mut { *history }, width, rates).stress;
+        let stress = self.answer::<RATED, N>(strain, &mut { *history }, width, rates).stress;
+        let opening = width.min(self.widest[0]) * (one - bridged).mul_add(elastic_strain, history[CRACKED]);
         State {
             tension: one - bridged,
             compression: one - left,
             weakened: (-bridged).mul_add(left, one),
-            opening: width.min(self.widest[0]) * (one - bridged).mul_add(elastic_strain, history[CRACKED]),
+            opening: if RATED { opening * rates.unit } else { opening },
             stored: energy(&stress, &elastic_part(strain, history)),
         }
     }
@@ -458,12 +475,12 @@ impl<R: Real> Law<R> for Meso<R> {
 
     #[inline(always)]
     fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
-        self.answer::<false>(strain, history, width, &Rates::none())
+        self.answer::<false, 8>(strain, history, width, &Rates::none())
     }
 
     #[inline(always)]
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
-        self.shown::<false>(strain, history, width, &Rates::none())
+        self.shown::<false, 8>(strain, history, width, &Rates::none())
     }
 
     fn widest_mm(&self) -> [f64; 2] {

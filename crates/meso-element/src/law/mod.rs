@@ -30,6 +30,9 @@ pub trait Law<R: Real>: Send + Sync {
     /// The history of a point, as registers: all zero at the start.
     type History: Copy + Send + Sync + AsRef<[R]> + AsMut<[R]>;
 
+    /// First and end of the registers of a history that change in every step and spend nothing.
+    const RUNNING: [usize; 2] = [0; 2];
+
     /// History of a point that was never strained.
     fn virgin() -> Self::History;
 

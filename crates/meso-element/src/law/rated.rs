@@ -18,8 +18,8 @@
 //! A factor s of [`Scatter`](meso_mesh::materials::Scatter), which stays, multiplies c and t, the peak strain and the
 //! energies. A band then softens as one of c t / s and c^2 / s times its width.
 
-use super::elastic::energy;
-use super::meso::{Meso, Rates};
+use super::invariants::Invariants;
+use super::meso::{CRACKED, CRUSHED, Meso, Rates};
 use super::{Hooke, Law, PointResponse, State, Tensor};
 use crate::real::Real;
 use meso_mesh::materials::{self, Mesoscale, Strength};
@@ -30,10 +30,14 @@ const LAG_S: f64 = 3e-6;
 const COMPRESSION: [f64; 3] = [0.014, 30e-6, 30.0];
 const TENSION: [f64; 3] = [0.018, 1e-6, 10.0];
 
-/// Factor of a strength at a rate of strain, 1/s.
+/// Factors of f_c and f_t at a rate of strain, 1/s, by one logarithm.
 #[inline(always)]
-fn factor<R: Real>(rate: R, [exponent, least, most]: [f64; 3]) -> R {
-    ((rate.between(least, most) * R::splat(1.0 / least)).ln() * R::splat(exponent)).exp()
+fn growth<R: Real>(rate: R) -> [R; 2] {
+    let ([c, least, most], [t, least_t, most_t]) = (COMPRESSION, TENSION);
+    let ln = (rate.between(least_t, most) * R::splat(1.0 / least_t)).ln();
+    let compressed = (ln - R::splat(libm::log(least / least_t))).positive();
+    let pulled = ln.min(R::splat(libm::log(most_t / least_t)));
+    [(compressed * R::splat(c)).exp(), (pulled * R::splat(t)).exp()]
 }
 
 /// The law with strengths that grow with the rate of strain.
@@ -48,8 +52,8 @@ pub type RatedScattered<R> = Scaled<R, 11>;
 pub struct Scaled<R, const N: usize> {
     meso: Meso<R>,
     elastic: Hooke<R>,
-    /// 2 / E, per MPa.
-    per_energy: R,
+    /// The square of the equivalent strain over those of the mean stress and of the Mises stress, per MPa2.
+    equivalent: [R; 2],
     per_step: R,
     /// Share of a step's rate in the low-passed one.
     share: R,
@@ -57,11 +61,12 @@ pub struct Scaled<R, const N: usize> {
     most: f64,
 }
 
-/// Where equivalent strain and rate stand in a history, after that of `meso`; the factor of the scatter, less 1, is last.
+/// Where equivalent strain and rate stand in a history, after that of `meso`. Where cracks or crushing have begun, the
+/// factor of f_c and that of f_t over it. The factor of the scatter, less 1, is last.
 const LAST: usize = 8;
 const RATE: usize = 9;
 
-/// Factors of f_c and f_t by the rate, and of both by the scatter.
+/// Factor of f_c and that of f_t over it, by the rate, and factor of both by the scatter.
 struct Factors<R> {
     growth: [R; 2],
     own: R,
@@ -73,56 +78,47 @@ impl<R: Real, const N: usize> Scaled<R, N> {
 
     /// The law of a phase with these values, in steps of `dt_s`, with factors of `most` at most.
     pub fn new(elastic: &materials::Elastic, strength: &Strength, own: &Mesoscale, [dt_s, most]: [f64; 2]) -> Self {
+        let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
+        // stress : strain = p^2 / K + q^2 / (3 G).
+        let equivalent = [3.0 * (1.0 - 2.0 * nu), 2.0 * (1.0 + nu) / 3.0].map(|share| R::splat(share / (e * e)));
         Self {
             meso: Meso::new(elastic, strength, own),
             elastic: Hooke::new(elastic),
-            per_energy: R::splat(2.0 / elastic.youngs_modulus_mpa),
+            equivalent,
             per_step: R::splat(1.0 / dt_s),
             share: R::splat(-libm::expm1(-dt_s / LAG_S)),
             most,
         }
     }
 
-    /// Factors at the rate and the place of a history.
+    /// Factors at the rate and the place of a history; where it has yielded, those it yielded with.
     #[inline(always)]
-    fn factors(history: &[R; N]) -> Factors<R> {
+    fn factors(history: &[R; N], free: bool) -> Factors<R> {
         let one = R::splat(1.0);
-        let growth = if Self::IS_RATED {
-            [factor(history[RATE], COMPRESSION), factor(history[RATE], TENSION)]
-        } else {
-            [one; 2]
-        };
+        let mut growth = [one; 2];
+        if Self::IS_RATED {
+            growth = [history[LAST], history[RATE]];
+            if free {
+                let (yielded, [c, t]) = (Meso::yielded(history), self::growth(history[RATE]));
+                growth = [R::select(yielded, growth[0], c), R::select(yielded, growth[1], t / c)];
+            }
+        }
         Factors { growth, own: if Self::IS_SCATTERED { one + history[N - 1] } else { one } }
     }
 
-    /// A number times the factor of the scatter.
+    /// Whether cracks or crushing have not begun somewhere.
     #[inline(always)]
-    fn times(number: R, own: R) -> R {
-        if Self::IS_SCATTERED { number * own } else { number }
+    fn is_free(history: &[R; N]) -> bool {
+        R::any(history[CRACKED].max(history[CRUSHED]).lt(R::splat(f64::from(f32::MIN_POSITIVE))))
     }
 
-    /// The history of `meso`, its rates at these factors, and its unit of stress and strain.
+    /// What `meso` becomes with these factors.
     #[inline(always)]
-    fn parts(history: &[R; N], Factors { growth: [c, t], own }: &Factors<R>) -> ([R; 8], Rates<R>, R) {
-        let (c, t, own) = (*c, *t, *own);
-        let unit = Self::times(c, own);
-        let (mut first, per) = ([history[0]; 8], R::splat(1.0) / unit);
-        for i in 0..8 {
-            first[i] = if i < 6 { history[i] * per } else { history[i] };
-        }
-        let rates = Rates { tensile: t / c, crack: Self::times(c * t, own), crush: Self::times(c * c, own) };
-        (first, rates, unit)
+    fn rates(Factors { growth: [c, t], own }: &Factors<R>) -> Rates<R> {
+        let unit = if Self::IS_SCATTERED { *c * *own } else { *c };
+        let crush = *c * unit;
+        Rates { tensile: *t, crack: crush * *t, crush, unit, per: R::splat(1.0) / unit }
     }
-}
-
-/// A tensor times a number.
-#[inline(always)]
-fn scaled<R: Real>(tensor: &Tensor<R>, by: R) -> Tensor<R> {
-    let mut scaled = *tensor;
-    for component in &mut scaled {
-        *component = *component * by;
-    }
-    scaled
 }
 
 impl<R: Real, const N: usize> Law<R> for Scaled<R, N> {
@@ -134,47 +130,57 @@ impl<R: Real, const N: usize> Law<R> for Scaled<R, N> {
         [R::splat(0.0); N]
     }
 
+    const RUNNING: [usize; 2] = if Self::IS_RATED { [LAST, RATE + 1] } else { [0; 2] };
+
     #[inline(always)]
     fn stress(&self, strain: &Tensor<R>, history: &mut [R; N], width: R) -> PointResponse<R> {
         let one = R::splat(1.0);
-        let yielded = Meso::yielded(history);
-        let elastic = self.elastic.of(strain);
-        if Self::IS_RATED {
-            let now = (energy(&elastic, strain) * self.per_energy).positive().sqrt();
-            let rate = (now - history[LAST]).abs() * self.per_step;
-            let passed = self.share.mul_add(rate - history[RATE], history[RATE]);
-            history[LAST] = now;
-            history[RATE] = R::select(yielded, history[RATE], passed);
-        }
-        if !R::any(yielded) {
-            // Strengths only grow: where none is reached at rest, none is.
-            let at_rest = if Self::IS_SCATTERED { scaled(&elastic, one / (one + history[N - 1])) } else { elastic };
-            if !R::any(self.meso.yields(&at_rest)) {
-                return PointResponse { stress: elastic, integrity: one };
+        let (yielded, free) = (Meso::yielded(history), Self::is_free(history));
+        let mut elastic = *strain;
+        if free {
+            elastic = self.elastic.of(strain);
+            let mut invariants = Invariants::of(&elastic);
+            if Self::IS_RATED {
+                let ([p, q], Invariants { mean, mises, .. }) = (self.equivalent, invariants);
+                let now = (mean * p).mul_add(mean, mises * q * mises).sqrt();
+                let rate = (now - history[LAST]).abs() * self.per_step;
+                let passed = self.share.mul_add(rate - history[RATE], history[RATE]);
+                history[LAST] = R::select(yielded, history[LAST], now);
+                history[RATE] = R::select(yielded, history[RATE], passed);
+            }
+            if !R::any(yielded) {
+                // Strengths only grow: where none is reached at rest, none is.
+                if Self::IS_SCATTERED {
+                    let per = one / (one + history[N - 1]);
+                    invariants.mean = invariants.mean * per;
+                    invariants.mises = invariants.mises * per;
+                }
+                if !R::any(self.meso.yields(&invariants)) {
+                    return PointResponse { stress: elastic, integrity: one };
+                }
             }
         }
-        let (before, rates, c) = Self::parts(history, &Self::factors(history));
-        let (per, mut own) = (one / c, before);
-        let answer = self.meso.answer::<true>(&scaled(strain, per), &mut own, width, &rates);
-        for i in 0..8 {
-            // Where nothing flows, not a bit changes.
-            history[i] = if i < 6 { c.mul_add(own[i] - before[i], history[i]) } else { own[i] };
+        let factors = Self::factors(history, free);
+        let PointResponse { mut stress, integrity } =
+            self.meso.answer::<true, N>(strain, history, width, &Self::rates(&factors));
+        if free {
+            let flows = Meso::yielded(history);
+            for i in 0..6 {
+                // A point at rest has the same bits as where all of its register are.
+                stress[i] = R::select(flows, stress[i], elastic[i]);
+            }
+            if Self::IS_RATED {
+                history[LAST] = R::select(flows, factors.growth[0], history[LAST]);
+                history[RATE] = R::select(flows, factors.growth[1], history[RATE]);
+            }
         }
-        // A point at rest has the same bits as where all of its register are.
-        let flows = Meso::yielded(history);
-        let mut stress = elastic;
-        for i in 0..6 {
-            stress[i] = R::select(flows, answer.stress[i] * c, elastic[i]);
-        }
-        PointResponse { stress, integrity: answer.integrity }
+        PointResponse { stress, integrity }
     }
 
     #[inline(always)]
     fn state(&self, strain: &Tensor<R>, history: &[R; N], width: R) -> State<R> {
-        let (own, rates, c) = Self::parts(history, &Self::factors(history));
-        let per = R::splat(1.0) / c;
-        let state = self.meso.shown::<true>(&scaled(strain, per), &own, width, &rates);
-        State { opening: state.opening * c, stored: state.stored * (c * c), ..state }
+        let rates = Self::rates(&Self::factors(history, Self::is_free(history)));
+        self.meso.shown::<true, N>(strain, history, width, &rates)
     }
 
     fn widest_mm(&self) -> [f64; 2] {
