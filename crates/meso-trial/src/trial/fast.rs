@@ -8,7 +8,7 @@ use crate::trial::named::Rig;
 use crate::trial::setup::word;
 use crate::trial::{Control, Test, TestKind};
 use meso_concrete::OutOfRange;
-use meso_mesh::materials::LawName;
+use meso_mesh::materials::{Elastic, LawName};
 use std::f64::consts::FRAC_PI_4;
 
 /// Modulus, MPa, and density, tonne/mm3, of steel bars.
@@ -277,6 +277,17 @@ impl Test {
         let faces = one.on.bit().zip(other.on.bit()).is_some_and(|(one, other)| one ^ other == 1);
         let holds = |presses: bool| presses || [one, other].iter().all(|plate| plate.rule == Rule::Glued);
         first(one).zip(first(other)).is_some_and(|(a, b)| faces && a + b != 0.0 && holds(a + b > 0.0))
+    }
+
+    /// Refuses steps in real time that no mesh of about this size is stable with, since no mass is added.
+    ///
+    /// # Errors
+    /// A step in which waves run two elements of `mortar` far.
+    pub fn suits_waves(&self, element_size_mm: f64, mortar: &Elastic) -> Result<(), OutOfRange> {
+        let (step, crossed) = (self.time_step_s.unwrap_or_default(), element_size_mm / mortar.wave_speed_mm_per_s());
+        let why =
+            format!("waves cross an element in {crossed:.3e} s, and a test in real time adds no mass; leave it out");
+        TEST.require("time_step_s", step, step <= 2.0 * crossed, why)
     }
 
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.
