@@ -58,7 +58,7 @@ OF_BARS = ["rise_s", "friction", "pressure_mpa", "speed_m_per_s", "seed", "rate_
 def fib(load: str, rate: float) -> float:
     """Strength over that at rest, both branches."""
     exponent, rest, turn, steep = (0.014, 30e-6, 30.0, 0.012) if load == "compression" else (0.018, 1e-6, 10.0, 0.0062)
-    return (rate / rest) ** exponent if rate <= turn else steep * (rate / rest) ** (1 / 3)
+    return max(1.0, rate / rest) ** exponent if rate <= turn else steep * (rate / rest) ** (1 / 3)
 
 
 def spec(side_mm: float, seed: int) -> str:

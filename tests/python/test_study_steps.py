@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import json
+import math
 import multiprocessing
 import subprocess
 from pathlib import Path
@@ -90,6 +91,19 @@ def test_a_test_with_errors_fails_its_case_and_keeps_its_warnings(tmp_path):
     study = mc.study(TINY, solve={**COARSE, "duration_s": 1e-5}, out=tmp_path / "s")
     (record,) = study.results
     assert "kinetic energy" in record["error"] and any("not quasi-static" in text for text in record["warnings"])
+
+
+def test_a_study_of_fast_tests_has_their_figures_and_mean_waves_over_time(tmp_path):
+    test = {"kind": "hopkinson", "speed_m_per_s": 8.0, "pulse_s": 2e-5, "rise_s": 5e-6}
+    fast = {"test": test, "frames": 1, **COARSE}
+    study = mc.study(TINY, {"seed": [1, 2], "solve.rate_effect": [False, True]}, solve=fast, out=tmp_path / "s")
+    assert not study.failures
+    table = study.table()
+    at_rest, rated = (table["solve.peak_mpa"][table["solve.rate_effect"] == is_rated] for is_rated in (False, True))
+    assert (rated > 1.02 * at_rest).all()
+    waves = mc.mean_curves(study, x="time_s", y="input_in_mpa")
+    # Half of rho c v_0 comes along a bar from a striker of the same bar.
+    assert len(waves) == 2 and max(waves.table()["mean"]) == pytest.approx(math.sqrt(2.1e5 * 7.85e-9) * 8e3 / 2, rel=0.02)
 
 
 @pytest.mark.parametrize("row", REFUSALS, ids=lambda row: f"{row['verb']}-{'-'.join(row['options'])}")
