@@ -123,6 +123,27 @@ fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
 }
 
 #[test]
+fn walls_of_pores_are_no_part_of_a_round_side() {
+    let text = "fraction = 0.2\nspecimen = { kind = 'cylinder', diameter_mm = 50, height_mm = 40 }\n\
+                grading = { d_min_mm = 8, d_max_mm = 12 }\nvoids = { fraction = 0.05, diameter_mm = [5, 8] }";
+    let model = meso_core::pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap();
+    for (method, itz) in
+        [(Method::FITTED, ItzForm::Cohesive), (Method::FITTED, ItzForm::Smeared), (Method::VOXEL, ItzForm::Smeared)]
+    {
+        let options = MeshOptions { method, itz, element_size_mm: 2.0, ..Default::default() };
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+        let (sides, container) = (Sides::of(&mesh), model.spec.specimen.container());
+        let depth = |node: u32| container.depth(&mesh.points[node as usize]);
+        let deepest = (0..4).flat_map(|bit| sides.members(bit)).map(depth).fold(0.0, f64::max);
+        assert!(deepest < 2.0 * 2.0_f64.sqrt(), "{method:?} {itz:?}: a node {deepest} mm inside");
+        let cells = mesh.by_owner();
+        let wall = |&(cell, face): &(u32, usize)| cells.face(cell, face).all(|node| depth(node) > 2.0 * 2.0_f64.sqrt());
+        // Where a pore meets the steps of voxels it is open.
+        assert!(method == Method::VOXEL || !mesh.outer_faces().iter().any(wall), "{method:?} {itz:?}");
+    }
+}
+
+#[test]
 fn a_solid_layer_in_a_cylinder_turns_no_cell_over_and_leaves_its_sides_alone() {
     let specimen = cylinder();
     let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Method::FITTED, itz));

@@ -35,6 +35,7 @@ mod build;
 pub mod cells;
 mod clip;
 pub mod conforming;
+mod disjoint;
 mod error;
 pub mod figures;
 mod lattice;

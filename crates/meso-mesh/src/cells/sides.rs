@@ -5,6 +5,7 @@
 
 use super::interface::{NO_NODE, by_nodes};
 use super::mesh::{Cells, Mesh};
+use crate::disjoint::{find, join};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::specimen::Specimen;
 use rayon::prelude::*;
@@ -124,13 +125,14 @@ fn in_planes(mesh: Cells, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
 }
 
 impl Mesh {
-    /// The faces (cell, number of the face in [`CellKind::faces`](super::CellKind::faces)) of the mesh's surface, by cell.
+    /// The faces (cell, number of the face in [`CellKind::faces`](super::CellKind::faces)) of the mesh's surface, by cell,
+    /// without the walls of pores inside.
     pub fn outer_faces(&self) -> Vec<(u32, usize)> {
         outer_faces(self.by_owner(), &self.cohesive)
     }
 }
 
-/// The faces that only one cell has, by cell; cohesive elements join the faces at their two sides.
+/// The faces that only one cell has, by cell, but for walls of pores; cohesive elements join the faces at their two sides.
 fn outer_faces(mesh: Cells, cohesive: &[u32]) -> Vec<(u32, usize)> {
     let mut faces = by_nodes(mesh, |_| true);
     let joined = |face: &[u32]| {
@@ -144,6 +146,38 @@ fn outer_faces(mesh: Cells, cohesive: &[u32]) -> Vec<(u32, usize)> {
     let lone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| &same[0]);
     let mut lone: Vec<(u32, usize)> = lone.map(|&(_, cell, face)| (cell, face as usize)).collect();
     lone.sort_unstable();
+    without_pores(mesh, cohesive, lone)
+}
+
+/// Those of the `lone` faces that edges connect with a bounding plane, also from one side of a cohesive element to the other.
+fn without_pores(mesh: Cells, cohesive: &[u32], mut lone: Vec<(u32, usize)>) -> Vec<(u32, usize)> {
+    let mut twin: Vec<u32> = (0..mesh.points.len() as u32).collect();
+    for sides in cohesive.chunks_exact(2 * mesh.kind.faces()[0].len()) {
+        let (one, other) = sides.split_at(sides.len() / 2);
+        one.iter().zip(other).for_each(|(&one, &other)| join(&mut twin, one, other));
+    }
+    let on = on_planes(mesh.points);
+    let (mut edges, mut reaches) = (Vec::new(), vec![false; lone.len()]);
+    for (index, &(cell, face)) in (0..).zip(&lone) {
+        let nodes: Vec<u32> = mesh.face(cell, face).collect();
+        for (&node, &next) in nodes.iter().zip(nodes.iter().cycle().skip(1)) {
+            let [a, b] = [node, next].map(|node| find(&mut twin, node));
+            edges.push(([a.min(b), a.max(b)], index));
+            reaches[index as usize] |= on[node as usize] != 0;
+        }
+    }
+    edges.sort_unstable();
+    let mut part: Vec<u32> = (0..lone.len() as u32).collect();
+    // A pore may touch the surface at an edge, which four faces have.
+    for same in edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 2) {
+        join(&mut part, same[0].1, same[1].1);
+    }
+    for index in 0..lone.len() {
+        let root = find(&mut part, index as u32) as usize;
+        reaches[root] |= reaches[index];
+    }
+    let mut index = 0..;
+    lone.retain(|_| index.next().is_some_and(|index| reaches[find(&mut part, index) as usize]));
     lone
 }
 

@@ -6,6 +6,7 @@
 
 use super::clipped::Piece;
 use crate::cells::NO_BODY;
+use crate::disjoint::{find, join};
 use crate::error::MeshError;
 use crate::triangulation::{Nodes, Triangles, Untriangulated, facets};
 use meso_collision::math::{Aabb, Vec3};
@@ -249,8 +250,7 @@ fn parts(
         let [(_, a), (_, b)] = *pair else {
             return Err(Untriangulated::new("the surface for gmsh is open", &points[pair[0].0[0] as usize]));
         };
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        root[a.max(b) as usize] = a.min(b);
+        join(&mut root, a, b);
     }
     let mut parts: BTreeMap<u32, Part> = BTreeMap::new();
     for (index, (sheet, triangle)) in (0..).zip(triangles) {
@@ -260,14 +260,6 @@ fn parts(
     let mut parts: Vec<Part> = parts.into_values().collect();
     parts.sort_by_key(|part| std::cmp::Reverse(part.triangles().count()));
     Ok(parts)
-}
-
-fn find(root: &mut [u32], mut index: u32) -> u32 {
-    while root[index as usize] != index {
-        root[index as usize] = root[root[index as usize] as usize];
-        index = root[index as usize];
-    }
-    index
 }
 
 /// The index of the part around `position`, which lies in one: the first where no other holds it.
