@@ -445,6 +445,27 @@ fn named_tests_in_real_time_run_with_and_without_rates() {
     }
 }
 
+/// The case: 27 MPa of three rows, since a test that ended at 2 % of strain had been planned a hundred times as long.
+#[test]
+fn a_test_that_is_planned_far_too_long_has_the_same_peak() {
+    let cube = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
+    let of = |duration_s| {
+        let test = Test { kind: TestKind::Hopkinson, rate_effect: true, duration_s, ..Test::default() };
+        cube.solve(&Materials::default(), &test).result
+    };
+    let [usual, long] = [None, Some(1e-2)].map(of);
+    assert!(long.steps_planned > 50 * usual.steps_planned && usual.figures.softened && long.figures.softened);
+    assert!(
+        (long.figures.peak_mpa / usual.figures.peak_mpa - 1.0).abs() < 1e-3,
+        "{:?} {:?}",
+        usual.figures,
+        long.figures
+    );
+    let rates = [&usual, &long].map(|result| result.rate_at_peak_per_s.unwrap());
+    assert!(rates[0] > 100.0 && (rates[1] / rates[0] - 1.0).abs() < 0.05, "{rates:?}");
+    assert_eq!(long.setup.rate_effect, Some(true));
+}
+
 /// A mass far heavier than the plate swings on it as on a spring: v sqrt(k M), where k is of Navier's plate under a load in its
 /// middle, 0.0116 F a^2 / D. Shear, the dent under the load and corners that lift make k smaller.
 #[test]

@@ -35,7 +35,7 @@ enum Drawn {
 }
 
 /// Colours that differ for every eye (Okabe and Ito 2008).
-const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
+const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 /// Margins, pixels; the legend lies between the title and the axes.
 const LEFT: f64 = 48.0;
 const RIGHT: f64 = 12.0;

@@ -18,7 +18,7 @@ pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
 pub use meso::Meso;
 pub use meso_mesh::materials::LawName;
-pub use rated::{Rated, RatedScattered, Scaled, Scattered};
+pub use rated::{Rated, RatedScattered, Scaled, Scattered, strengths_over_rest};
 
 use crate::real::Real;
 

@@ -40,6 +40,11 @@ fn growth<R: Real>(rate: R) -> [R; 2] {
     [(compressed * R::splat(c)).exp(), (pulled * R::splat(t)).exp()]
 }
 
+/// Mortar's f_c and f_t at a rate of strain, 1/s, over those at rest.
+pub fn strengths_over_rest(rate_per_s: f64) -> [f64; 2] {
+    growth(rate_per_s)
+}
+
 /// The law with strengths that grow with the rate of strain.
 pub type Rated<R> = Scaled<R, 10>;
 /// The law with strengths that scatter.

@@ -2,7 +2,7 @@
 
 use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
-use crate::march::curve::{Extra, Figures, Row, to_half_peak};
+use crate::march::curve::{Extra, Figures, Row, peak, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
@@ -10,7 +10,7 @@ use meso_concrete::exceeds;
 use meso_element::LawName;
 use meso_mesh::materials::Scatter;
 use meso_mesh::{CellKind, Phase, PhaseVolumes};
-use meso_trial::{Control, Gauge, Rule, Setup, Smoothing, Test, TestKind, TurnOf};
+use meso_trial::{Control, Gauge, OF_PLATES, Rule, Setup, Smoothing, Test, TestKind, TurnOf};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -75,6 +75,9 @@ pub struct Summary {
     /// Figures of the curve.
     #[serde(flatten)]
     pub figures: Figures,
+    /// Rate of strain at the peak between two plates in real time, 1/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_at_peak_per_s: Option<f64>,
     /// Figures of the curve beyond its peak.
     #[serde(flatten)]
     pub beyond_peak: BeyondPeak,
@@ -202,6 +205,7 @@ impl Response {
             stable_time_step_s: run.outline.stable_s,
             added_mass_percent: run.added_mass_percent(),
             figures: Figures::of(rows, run.path.lead_s),
+            rate_at_peak_per_s: rate_at_peak(run),
             beyond_peak: BeyondPeak::of(rows, run.supports.length_mm, run.supports.breaking_share),
             lateral: lateral(run),
             kinetic_over_internal_max: largest(rows, kinetic),
@@ -229,6 +233,12 @@ impl Response {
         result.flags.extend(result.dynamic_flag().into_iter().chain(stopped));
         Self { curve: rows.clone(), extra: run.extra(), result }
     }
+}
+
+fn rate_at_peak(run: &Run) -> Option<f64> {
+    let (extra, rows) = (run.extra(), &run.state.rows);
+    let column = extra.names.iter().position(|name| name == OF_PLATES[0])?;
+    (!rows.is_empty()).then(|| extra.row(peak(rows))[column])
 }
 
 /// Means of the gauges over the rows after the growth, or their last values before, if no support moves. Cracks leave the
@@ -397,7 +407,7 @@ impl Summary {
         }
         let Figures { first_peak_mpa, peak_mpa, peak_strain, .. } = self.figures;
         if !self.has_peak() {
-            return format!("no peak yet, {peak_mpa:.2} MPa at a strain of {peak_strain:.5}");
+            return format!("no peak yet, {peak_mpa:.2} MPa at a strain of {:.5}", peak_strain.max(0.0));
         }
         if self.is_struck() {
             return format!("largest stress {peak_mpa:.2} MPa");

@@ -279,15 +279,20 @@ impl Test {
         first(one).zip(first(other)).is_some_and(|(a, b)| faces && a + b != 0.0 && holds(a + b > 0.0))
     }
 
-    /// Refuses steps in real time that no mesh of about this size is stable with, since no mass is added.
+    /// Refuses steps in real time that no mesh of about this size is stable with, since no mass is added, and a duration of too
+    /// many of them.
     ///
     /// # Errors
-    /// A step in which waves run two elements of `mortar` far.
+    /// A step in which waves run two elements of `mortar` far, and a duration of 1e9 of these.
     pub fn suits_waves(&self, element_size_mm: f64, mortar: &Elastic) -> Result<(), OutOfRange> {
         let (step, crossed) = (self.time_step_s.unwrap_or_default(), element_size_mm / mortar.wave_speed_mm_per_s());
         let why =
             format!("waves cross an element in {crossed:.3e} s, and a test in real time adds no mass; leave it out");
-        TEST.require("time_step_s", step, step <= 2.0 * crossed, why)
+        TEST.require("time_step_s", step, step <= 2.0 * crossed, why)?;
+        let (duration, most) = (self.duration_s.unwrap_or_default(), 2e9 * crossed);
+        let why =
+            format!("these are more than 1e9 steps in elements of {element_size_mm} mm; take {most:.0e} s at most");
+        TEST.require("duration_s", duration, duration <= most, why)
     }
 
     /// Refuses keys of a quasi-static test in one in real time: its time would be artificial.

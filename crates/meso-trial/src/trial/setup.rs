@@ -26,6 +26,12 @@ pub struct Setup {
     /// Places at which the path turns.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turns: Vec<Turn>,
+    /// Whether strengths grew with the rate of strain, in a test in real time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_effect: Option<bool>,
+    /// Whether it began with the speeds of a uniform strain.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub starts_moving: bool,
     /// Supports and loads.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<SupportSpec>,
@@ -50,6 +56,8 @@ impl Setup {
             strip_mm: strip_mm.filter(|_| is_beam || is(TestKind::Splitting)),
             expansion: test.expansion(),
             turns: test.turns(),
+            rate_effect: test.is_fast().then_some(test.rate_effect),
+            starts_moving: test.starts_moving,
             supports,
             gauges: test.gauges(),
         }
@@ -65,6 +73,8 @@ impl Setup {
             ("width of strips or rollers", self.strip_mm.map(|mm| format!("{mm:.2} mm"))),
             ("expansion", self.expansion.as_ref().map(Expansion::words)),
             ("turns", listed(self.turns.iter().map(Turn::words).collect())),
+            ("strengths grow with the rate", self.rate_effect.map(|grow| if grow { "yes" } else { "no" }.to_owned())),
+            ("starts moving", self.starts_moving.then(|| "yes".to_owned())),
             ("supports", listed(self.supports.iter().map(SupportSpec::words).collect())),
         ];
         rows.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()

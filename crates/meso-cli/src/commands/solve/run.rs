@@ -248,7 +248,9 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     result.late_warnings().for_each(|doubt| warn(&doubt));
     result.errors.iter().for_each(|error| stderr::line(format!("error: {error}")));
     if result.ended == Ended::Stopped {
-        let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;
-        stderr::line(format!("stopped after {share:.0} % of the strain; the curve is valid until there"));
+        let strained = response.curve.last().map_or(0.0, |row| row.strain) / strain;
+        let timed = result.steps as f64 / result.steps_planned as f64;
+        let (share, of) = if result.is_fast() { (timed, "time") } else { (strained, "strain") };
+        stderr::line(format!("stopped after {:.0} % of the {of}; the curve is valid until there", 100.0 * share));
     }
 }

@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 13;
+const VERSION: u64 = 14;
 /// Bytes of a SHA-256.
 const SEAL: usize = 32;
 const DAMAGED: &str = "the file is cut off or damaged";

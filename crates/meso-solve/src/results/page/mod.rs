@@ -8,6 +8,7 @@ use super::{Outcome, ResultFile};
 use crate::march::{Ended, Row, Summary};
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
+use meso_element::law;
 use meso_mesh::Mesh;
 use meso_mesh::materials::Scatter;
 use meso_trial::{Gauge, OF_SUPPORTS, TestKind, word};
@@ -261,6 +262,18 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("displacement from the peak to half of it", to_half),
         ("energy beyond the peak, per area", energy),
     ];
+    let rate = result.rate_at_peak_per_s.map(|rate| {
+        let [compressed, pulled] = law::strengths_over_rest(rate.abs());
+        (
+            "rate of strain at the peak",
+            match result.setup.rate_effect {
+                Some(true) => {
+                    format!("{rate:.3e} /s, at which mortar has {compressed:.3} f_c and {pulled:.3} f_t at rest")
+                }
+                _ => format!("{rate:.3e} /s"),
+            },
+        )
+    });
     // Waves run in a test in real time, so its secant is none.
     let of_strength = of_strength.into_iter().skip(usize::from(result.is_fast())).filter(|_| !result.is_free());
     let of_run = [
@@ -286,6 +299,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         .chain([("strain smoothing", word(&result.smoothing))])
         .chain(strains)
         .chain(of_strength)
+        .chain(rate)
         .chain(of_run)
         .chain(lateral)
         .chain(stone)

@@ -6,10 +6,13 @@ use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
 use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
+use meso_mesh::Phase;
 use meso_trial::{Expansion, Test};
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 pub(super) const RUNAWAY: f64 = 4.0;
+/// Time between rows over that in which a wave crosses the specimen, above which rows miss what happens in it.
+const COARSE: f64 = 0.1;
 
 impl Run<'_> {
     /// Goes on to the end of the test, or until the watch stops it or it diverges.
@@ -86,7 +89,18 @@ impl Run<'_> {
     fn rows_due(&self) -> u64 {
         let due = |taken: f64| (taken / self.outline.stride as f64) as u64;
         // One more for as many steps of the servo.
-        due(self.state.progress) + due(self.state.added)
+        due(self.state.progress) + due(self.state.added) + self.strained()
+    }
+
+    /// Rows due by the strain between plates in real time, where those over time would miss the peak: in a test that is planned
+    /// longer than its strain allows, and after slow pressures.
+    fn strained(&self) -> u64 {
+        let mortar = &self.common.matter[Phase::Mortar.index()].elastic;
+        let crossing = self.supports.length_mm / mortar.wave_speed_mm_per_s();
+        if !self.supports.is_driven || self.outline.stride as f64 * self.outline.dt <= COARSE * crossing {
+            return 0;
+        }
+        (self.supports.farthest(&self.state.held) / Test::LARGEST_STRAIN * f64::from(self.test.rows)) as u64
     }
 
     /// Frames due so far: evenly over the strain of a straight path, else over the time at full speed, the last at its end.
