@@ -22,6 +22,7 @@ mod pack;
 mod phases;
 #[path = "../property.rs"]
 mod property;
+mod sampled_shells;
 mod shells;
 mod stop;
 #[path = "../hostile/targets.rs"]

@@ -19,7 +19,7 @@ fn placed(corner: [f64; 3]) -> Vec3 {
 }
 
 /// A prism whose section is an L, 6 mm high.
-fn angle() -> Polyhedron {
+pub(crate) fn angle() -> Polyhedron {
     let outline = [[0.0, 0.0], [8.0, 0.0], [8.0, 3.0], [3.0, 3.0], [3.0, 8.0], [0.0, 8.0]];
     let vertices = [0.0, 6.0].iter().flat_map(|z| outline.map(|[x, y]| placed([x, y, *z]))).collect();
     let top = (1..5).map(|k| [6, 6 + k, 7 + k]);

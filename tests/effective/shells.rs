@@ -1,9 +1,11 @@
 //! Properties of grains with nested shells, against the exact sphere that stands for a coated one.
 
 use crate::bodies::{aggregate, cube, entry, phases, sphere};
+use crate::dents::angle;
 use meso_concrete::{Parts, PhaseNames};
 use meso_core::Silent;
 use meso_core::aggregate::{Aggregate, Shell};
+use meso_core::geometry::{Polyhedron, Round};
 use meso_core::math::Vec3;
 use meso_core::specimen::Specimen;
 use meso_effective::{
@@ -17,8 +19,12 @@ const RADIUS: f64 = 8.0;
 
 /// A ball in a periodic cube, with shells of some thicknesses, whose phases are called `a`, `b` and so on.
 fn coated<'a>(specimen: &'a Specimen, thicknesses: &[f64]) -> Parts<'a> {
+    coated_body(specimen, sphere(Vec3::repeat(SIDE / 2.0 + 0.1), RADIUS, 3), thicknesses)
+}
+
+fn coated_body<'a>(specimen: &'a Specimen, body: Polyhedron, thicknesses: &[f64]) -> Parts<'a> {
     let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm };
-    let body = aggregate(sphere(Vec3::repeat(SIDE / 2.0 + 0.1), RADIUS, 3), 0.0);
+    let body = aggregate(body, 0.0);
     let body = Aggregate { shells: thicknesses.iter().enumerate().map(shell).collect(), ..body };
     let names: PhaseNames = (0..thicknesses.len()).map(name).collect();
     Parts { bodies: Cow::Owned(vec![body]), specimen, phases: names }
@@ -180,4 +186,33 @@ fn shares_of_shells_are_their_volumes_and_closed_shells_are_refused_in_voxels() 
     }
     let closed = effective(coated(&specimen, &[1.0]), &values(0.1, &[0.0]), &options, &Silent);
     assert!(closed.err().unwrap().to_string().contains("diffusivity.a is 0; a shell lets something pass"));
+}
+
+#[test]
+fn shells_of_a_ball_with_dents_and_of_an_ellipsoid_conduct_as_those_of_a_ball() {
+    let (specimen, options) = (cube(SIDE, true), EffectiveOptions::new(Property::Diffusivity, 0.5));
+    let (thicknesses, shells) = ([1.5, 1.0], [3.0, 0.2]);
+    let of = |body: Polyhedron| {
+        let parts = coated_body(&specimen, body, &thicknesses);
+        let voxels = effective(parts.clone(), &values(0.5, &shells), &options, &Silent).unwrap().0;
+        let shares: Vec<f64> = voxels.phases.iter().map(|phase| phase.volume_fraction).collect();
+        let tetrahedra = effective_in_tetrahedra(parts, &values(0.5, &shells), &options, 0.8, &Silent).unwrap().0;
+        ([&voxels, &tetrahedra].map(|found| entry(found, 0, 0)), shares)
+    };
+    let middle = Vec3::repeat(SIDE / 2.0 + 0.1);
+    let ball = sphere(middle, RADIUS, 3);
+    let exact = of(ball.clone());
+    let ends = Round::of_semi_axes(&Vec3::new(RADIUS, RADIUS, RADIUS - 1e-6)).ends().map(|end| end + middle);
+    for body in [ball.with_dents(), Polyhedron::of_ends(&ends)] {
+        let (values, shares) = of(body);
+        assert!(
+            values.iter().zip(exact.0).all(|(one, other)| (one / other - 1.0).abs() < 0.002),
+            "{values:?} {exact:?}"
+        );
+        let is_near = |(one, other): (&f64, &f64)| (one - other).abs() <= 0.005 * other;
+        assert!(shares.iter().zip(&exact.1).all(is_near), "{shares:?} {exact:?}");
+    }
+    let thick = effective(coated_body(&specimen, angle(), &[0.5, 1.2]), &values(0.5, &shells), &options, &Silent);
+    let said = thick.err().unwrap().to_string();
+    assert!(said.contains("thinner than two of its ITZ with shells (1.700 mm); take the method lattice"), "{said}");
 }

@@ -75,24 +75,29 @@ impl Aggregate {
         self.own.map_or(Phase::of(self.kind), Phase::Own)
     }
 
+    /// Its layers below the ITZ, from outside: the depth at which each begins, mm, and its phase. The core is the last.
+    pub fn layers(&self) -> impl Iterator<Item = (f64, Phase)> {
+        let thicknesses =
+            std::iter::once(self.itz_thickness_mm).chain(self.shells.iter().map(|shell| shell.thickness_mm));
+        let phases = self.shells.iter().map(|shell| Phase::Own(shell.own)).chain([self.phase()]);
+        let depths = thicknesses.scan(0.0, |depth, thickness_mm| {
+            *depth += thickness_mm;
+            Some(*depth)
+        });
+        depths.zip(phases)
+    }
+
     /// The body with the phase of its first layer below the ITZ, then the inside of every further one as a body without ITZ: the
     /// core is the last. Shells without a trustworthy inner body end the list.
     pub fn nested(&self) -> Vec<Self> {
-        let cores = self.shells.iter().map(|shell| Some(shell.own)).chain([self.own]);
-        let mut depth = self.itz_thickness_mm;
-        let mut all = Vec::with_capacity(self.shells.len() + 1);
-        for (own, before) in cores.zip(std::iter::once(None).chain(self.shells.iter().map(Some))) {
-            let (body, itz_thickness_mm) = match before {
-                None => (self.body.clone(), depth),
-                Some(shell) => {
-                    depth += shell.thickness_mm;
-                    let Ok(Some(body)) = self.body.inward_offset(depth) else { break };
-                    (body, 0.0)
-                }
-            };
-            all.push(Self { own, shells: Vec::new(), itz_thickness_mm, body, ..*self });
-        }
-        all
+        let of = |phase, itz_thickness_mm, body| {
+            let own = if let Phase::Own(own) = phase { Some(own) } else { None };
+            Self { own, shells: Vec::new(), itz_thickness_mm, body, ..*self }
+        };
+        let mut layers = self.layers();
+        let outer = layers.next().map(|(itz_mm, phase)| of(phase, itz_mm, self.body.clone()));
+        let inner = |(depth, phase)| Some(of(phase, 0.0, self.surface_below(depth).ok().flatten()?));
+        outer.into_iter().chain(layers.map_while(inner)).collect()
     }
 
     /// Volume of every layer within an ITZ of `itz_mm`, mm3, with its phase.
@@ -101,22 +106,18 @@ impl Aggregate {
     /// Where the offset of an ill-shaped body has no trustworthy answer.
     pub fn layer_volumes(&self, itz_mm: f64) -> Result<Vec<(Phase, f64)>, OffsetError> {
         let inside = self.core_volume(itz_mm)?;
-        let nested = self.nested();
-        let within = nested.iter().skip(1).map(|body| body.body.volume()).chain([0.0]);
-        let outer = std::iter::once(inside).chain(nested.iter().skip(1).map(|body| body.body.volume()));
-        Ok(nested.iter().zip(outer.zip(within)).map(|(body, (outer, within))| (body.phase(), outer - within)).collect())
+        let below = |(depth, phase)| Some((phase, self.core_volume(depth).ok().filter(|volume| *volume > 0.0)?));
+        let mut layers = self.layers();
+        let first = layers.next().map(|(_, phase)| (phase, inside));
+        let all: Vec<(Phase, f64)> = first.into_iter().chain(layers.map_while(below)).collect();
+        let within = all.iter().skip(1).map(|(_, within)| *within).chain([0.0]);
+        Ok(all.iter().zip(within).map(|((phase, outer), within)| (*phase, outer - within)).collect())
     }
 
     /// Phase at a depth below its surface, mm, within its ITZ.
     pub fn phase_at(&self, depth_mm: f64) -> Phase {
-        let mut depth = self.itz_thickness_mm;
-        for shell in &self.shells {
-            depth += shell.thickness_mm;
-            if depth_mm < depth {
-                return Phase::Own(shell.own);
-            }
-        }
-        self.phase()
+        let deeper = self.layers().skip(1).take_while(|(depth, _)| depth_mm >= *depth);
+        deeper.last().or_else(|| self.layers().next()).map_or(self.phase(), |(_, phase)| phase)
     }
 }
 

@@ -145,7 +145,7 @@ pub fn effective<'a>(
     let Parts { bodies, specimen, phases: names } = parts.into();
     let values = phases.values(options.what);
     values.validate(options.what, &names)?;
-    let bodies = error::accepted(bodies)?;
+    let bodies = error::accepted_with_shells(bodies)?;
     values.validate_shells(options.what, &bodies, &names)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, names: &names, values: &values }, counts, options, watch)

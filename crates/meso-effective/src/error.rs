@@ -40,6 +40,12 @@ pub enum EffectiveError {
          shape.hull = true"
     )]
     Dents(u32, f64),
+    /// A body with dents that is too thin for its shells.
+    #[error(
+        "aggregate {0} has dents and parts that are thinner than two of its ITZ with shells ({1:.3} mm); take the method \
+         lattice, or pack with thinner shells"
+    )]
+    DentsInShells(u32, f64),
     /// A label of a volume that no table has.
     #[error("label {label} has no value; give it in [{table}] of a phases file, as in {label} = {example}", example = example(table))]
     Unlabelled {
@@ -93,6 +99,23 @@ pub(crate) fn accept_tolerance(tolerance: f64) -> Result<(), OutOfRange> {
 
 fn example(table: &str) -> &'static str {
     if table == "stiffness" { "{ youngs_modulus_mpa = 20000, poisson_ratio = 0.2 }" } else { "1.0" }
+}
+
+/// The bodies as [`accepted`] gives them, where the inner sides of all shells are surfaces.
+///
+/// # Errors
+/// A body with dents that is too thin for its ITZ or its shells.
+pub(crate) fn accepted_with_shells(bodies: Cow<'_, [Aggregate]>) -> Result<Cow<'_, [Aggregate]>, EffectiveError> {
+    let bodies = accepted(bodies)?;
+    let lost = |number: usize| {
+        let body = Some(&bodies[number]).filter(|body| body.body.form() == BodyForm::Surface)?;
+        let mut inner = body.layers().skip(1);
+        inner.find(|(depth, _)| body.surface_below(*depth).is_err()).map(|(depth, _)| (body.id, depth))
+    };
+    match parallel::flat_map(bodies.len(), lost).first() {
+        Some(&(id, depth)) => Err(EffectiveError::DentsInShells(id, depth)),
+        None => Ok(bodies),
+    }
 }
 
 /// The bodies as properties are computed for them: balls and ellipsoids become polyhedra of their volume.

@@ -23,6 +23,8 @@ pub struct Facets {
     by: By,
     /// Shell thickness in this mesh, mm; 0: no shell.
     pub(crate) shell: f64,
+    /// Whether the points below the shell are all that is painted.
+    is_core_alone: bool,
 }
 
 /// By what a body says which points it holds.
@@ -52,7 +54,17 @@ impl Facets {
             BodyForm::Round(round) => By::Round(round),
             BodyForm::Surface => By::Skin(a.body.skin(shell)),
         };
-        Self { phase: Phase::of(a.kind), aabb: a.body.aabb(), by, shell }
+        Self { phase: Phase::of(a.kind), aabb: a.body.aabb(), by, shell, is_core_alone: false }
+    }
+
+    /// The layers of an aggregate below its ITZ, each with its phase: the first one with the ITZ as its shell, and the inside
+    /// of every further one, to be painted over those before it.
+    pub fn layers(a: &Aggregate) -> Vec<(Self, Phase)> {
+        if !a.shells.is_empty() && a.body.has_inner_body() {
+            return a.nested().iter().map(|layer| (Self::of(layer, layer.itz_thickness_mm), layer.phase())).collect();
+        }
+        let of = |(number, (depth, phase))| (Self { is_core_alone: number > 0, ..Self::of(a, depth) }, phase);
+        a.layers().enumerate().map(of).collect()
     }
 
     /// How far `x` lies below the inner side of the shell, mm; negative in the shell and outside.
@@ -272,7 +284,11 @@ impl Scan<'_> {
         for [from, to] in spans {
             for i in self.grid.range(0, *from, *to) {
                 let is_deep = || body.is_deep(&Vec3::new(self.grid.coordinate(0, i), y, z));
-                row[i] = if body.shell == 0.0 || is_deep() { core } else { shell };
+                if body.shell == 0.0 || is_deep() {
+                    row[i] = core;
+                } else if !body.is_core_alone {
+                    row[i] = shell;
+                }
             }
         }
     }

@@ -59,10 +59,18 @@ impl Aggregate {
     /// # Errors
     /// Fails like [`core`](Self::core), and where a body with dents is too thin for its shell.
     pub fn inner_surface(&self) -> Result<Option<Polyhedron>, OffsetError> {
-        if self.body.form() != BodyForm::Surface || self.itz_thickness_mm <= 0.0 {
-            return self.core();
+        self.surface_below(self.itz_thickness_mm)
+    }
+
+    /// The body of the points deeper than `depth` mm as a polyhedron, as [`inner_surface`](Self::inner_surface) makes it of the ITZ.
+    ///
+    /// # Errors
+    /// Fails like [`inner_surface`](Self::inner_surface).
+    pub fn surface_below(&self, depth: f64) -> Result<Option<Polyhedron>, OffsetError> {
+        if self.body.form() != BodyForm::Surface || depth <= 0.0 {
+            return self.body.inward_offset(depth);
         }
-        self.body.inset(self.itz_thickness_mm).map(Some).ok_or(OffsetError::NotConvex)
+        self.body.inset(depth).map(Some).ok_or(OffsetError::NotConvex)
     }
 
     /// The volume inside a shell of `thickness` mm, mm3; sampled where the body has dents or is an ellipsoid.

@@ -124,6 +124,11 @@ impl Shape {
         self.grains.iter().any(|grain| grain.dents().is_some())
     }
 
+    /// True where volumes below a depth are exact in all grains, which they are not with dents and in ellipsoids.
+    pub fn has_exact_cores(&self) -> bool {
+        self.kind != ShapeKind::Ellipsoid && !self.has_dents()
+    }
+
     /// Draws the outline of a grain whose longest axis 2a is `length` mm.
     ///
     /// `class_limit / vertex count` (mm) is the least spacing of the paper's random vertices.

@@ -1,15 +1,15 @@
 //! Shells of a grain: nested inward offsets below its ITZ, each of a phase of the specimen's own.
 //!
-//! The half-space erosion of a convex body lies within that of a smaller depth, so that shells are nested by their thicknesses
-//! alone. A shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. The volume at a depth
-//! falls, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
+//! The points deeper than a depth hold those deeper than a larger one, so that shells are nested by their thicknesses alone. A
+//! shell's thickness is drawn, or follows from its share of a convex grain's volume within the ITZ. That volume falls with the
+//! depth, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
 
 use super::Grading;
 use super::grading::interpolate;
 use super::grain::{Grain, Kind, Shell};
 use super::random::{Draw, Stream};
 use crate::parallel;
-use meso_collision::geometry::{OffsetError, Polyhedron};
+use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
 use serde::{Deserialize, Serialize};
 
 /// A shell that grains have below their ITZ: an entry of `[[shape.shells]]` in a spec.
@@ -87,6 +87,8 @@ pub struct TooThick {
 
 /// ITZ and shells take at most this share of the distance from a grain's centre to its nearest face.
 const LIMIT: f64 = 0.95;
+/// The same with dents, whose deepest point is searched to 5 %.
+const LIMIT_WITH_DENTS: f64 = 0.9;
 
 /// Gives the grains their shells; `laws` yields those of grains of a phase, with the positions of their own phases.
 ///
@@ -134,8 +136,9 @@ fn of_grain(
         depth += thickness_mm;
         shells.push(Shell { own: *own, thickness_mm });
     }
+    let limit = if grain.body.form() == BodyForm::Surface { LIMIT_WITH_DENTS } else { LIMIT };
     let fits =
-        depth <= LIMIT * radius_mm || laws.iter().all(|(_, law)| law.volume_share.is_some()) && depth.is_finite();
+        depth <= limit * radius_mm || laws.iter().all(|(_, law)| law.volume_share.is_some()) && depth.is_finite();
     if fits { Ok(shells) } else { Err(TooThick { grains: 1, thickness_mm: depth, radius_mm }) }
 }
 

@@ -144,7 +144,7 @@ pub fn stiffness<'a>(
 ) -> Result<(Stiffness, Vec<PropertyField>), EffectiveError> {
     let Parts { bodies, specimen, phases: names } = parts.into();
     let table = moduli.table(&names)?;
-    let bodies = error::accepted(bodies)?;
+    let bodies = error::accepted_with_shells(bodies)?;
     accept_strains(&table, &bodies, &names)?;
     let counts = grid::counts(specimen, options.voxel_size_mm)?;
     of_medium(&Packing { bodies: &bodies, specimen, names, table }, counts, options, watch)

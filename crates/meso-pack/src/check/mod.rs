@@ -313,7 +313,7 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
     Some(Finding::Itz { aggregate: aggregate.id, reason })
 }
 
-/// Shells are inward offsets of one convex body, which are nested: that something is left inside is all there is to prove.
+/// Shells are the points of one body between two depths, which are nested: that something is left inside is all there is to prove.
 fn shells(aggregate: &Aggregate) -> Option<Finding> {
     let all: f64 = aggregate.shells.iter().map(|shell| shell.thickness_mm).sum();
     let depth = aggregate.itz_thickness_mm + all;

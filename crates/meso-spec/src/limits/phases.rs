@@ -4,7 +4,7 @@ use super::grading::ascending;
 use super::{Checked, in_order, length, number, within};
 use crate::{Spec, SpecError};
 use meso_concrete::PhaseNames;
-use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING, ShapeKind, ShellLaw, Thickness};
+use meso_concrete::aggregate::{Grading, OwnPhase, SHARE_ROUNDING, ShellLaw, Thickness};
 use meso_concrete::own_tables::alike;
 use meso_concrete::{exceeds, short};
 use std::cmp::Ordering;
@@ -99,13 +99,17 @@ pub(super) fn check_shells(spec: &Spec) -> Checked {
     if shape.shells.is_empty() {
         return Ok(());
     }
-    if matches!(shape.kind, ShapeKind::Library | ShapeKind::Ellipsoid) {
-        let message = "is for convex polyhedra and spheres; take another shape.kind, or leave the shells out";
-        return Err(SpecError::value("shape.shells", message));
-    }
     for shell in &shape.shells {
         name("shape.shells.name", &shell.name)?;
         law(shell)?;
+        if !shape.has_exact_cores() && shell.volume_share.is_some() {
+            let message = format!(
+                "of {} needs exact volumes, which convex polyhedra and spheres have; give thickness_mm, size_share or \
+                 thickness_over_size_mm",
+                shell.name
+            );
+            return Err(SpecError::value("shape.shells.volume_share", message));
+        }
         if let Some(of) = shell.of.as_ref().filter(|of| phases.iter().all(|phase| phase.name != **of)) {
             let message =
                 format!("of {} is {of:?}; it must be the name of an entry of [[phases]], or be left out", shell.name);

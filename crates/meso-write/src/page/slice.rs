@@ -10,6 +10,7 @@ use meso_concrete::specimen::Surface;
 use meso_mesh::cells::Phase;
 use meso_pack::model::Model;
 use meso_view::section::{ACROSS, sort_around};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -113,8 +114,18 @@ fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Res
     let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
     shown.iter().try_for_each(|aggregate| match aggregate.shells.is_empty() {
         true => cut(aggregate, axis, at, out),
-        false => aggregate.nested().iter().try_for_each(|layer| cut(layer, axis, at, out)),
+        false => faceted(aggregate).nested().iter().try_for_each(|layer| cut(layer, axis, at, out)),
     })
+}
+
+/// An ellipsoid with shells is drawn by its facets.
+fn faceted(aggregate: &Aggregate) -> Cow<'_, Aggregate> {
+    match aggregate.body.form() {
+        BodyForm::Round(round) if round.radius().is_none() => {
+            Cow::Owned(Aggregate { body: aggregate.body.faceted().into_owned(), ..aggregate.clone() })
+        }
+        _ => Cow::Borrowed(aggregate),
+    }
 }
 
 fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {

@@ -27,7 +27,6 @@ use meso_mesh::location::{Facets, PointGrid, Scan};
 use meso_pack::model::Model;
 use meso_pack::spec::SpecError;
 use share::Shares;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -194,12 +193,10 @@ impl Maker {
         let scan = || Scan::new(grid, Facets::all(bodies, |body| body.itz_thickness_mm));
         match options.quantity {
             Quantity::Phase => {
-                // The inside of a shell follows its outside, over which it is painted.
-                let has_shells = bodies.iter().any(|body| !body.shells.is_empty());
-                let nested = || Cow::Owned(bodies.iter().flat_map(Aggregate::nested).collect());
-                let layers: Cow<'_, [Aggregate]> = if has_shells { nested() } else { Cow::Borrowed(bodies) };
-                let labels = layers.iter().map(|body| [Phase::Itz, body.phase()].map(Phase::number)).collect();
-                Self::Phase(Scan::new(grid, Facets::all(&layers, |body| body.itz_thickness_mm)), labels)
+                let layers = parallel::flat_map(bodies.len(), |number| Facets::layers(&bodies[number]));
+                let (facets, phases): (Vec<Facets>, Vec<Phase>) = layers.into_iter().unzip();
+                let labels = phases.iter().map(|phase| [Phase::Itz, *phase].map(Phase::number)).collect();
+                Self::Phase(Scan::new(grid, facets), labels)
             }
             Quantity::Grain => Self::Grain(scan(), bodies.iter().map(|body| body.id as i32).collect()),
             Quantity::Share => Self::Share(Shares::new(grid, options.of, bodies)),
