@@ -713,6 +713,10 @@ class Setup(TypedDict):
     """Linear strains of the phases without stress."""
     turns: NotRequired[list[dict[str, float | str]]]
     """Places at which the path turns."""
+    rate_effect: NotRequired[bool | None]
+    """Whether strengths grew with the rate of strain, in a test in real time."""
+    starts_moving: NotRequired[bool]
+    """Whether it began with the speeds of a uniform strain."""
     supports: NotRequired[list[dict[str, object]]]
     """Supports and loads."""
     gauges: NotRequired[list[dict[str, object]]]
@@ -809,6 +813,8 @@ class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     """Longest step that would have needed no mass, s."""
     added_mass_percent: float
     """Mass added over the specimen's own."""
+    rate_at_peak_per_s: NotRequired[float | None]
+    """Rate of strain at the peak between two plates in real time, 1/s."""
     kinetic_over_internal_max: float
     """Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp."""
     kinetic_over_internal_to_half_peak: float
