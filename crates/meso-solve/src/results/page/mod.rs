@@ -268,7 +268,9 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
             "rate of strain at the peak",
             match result.setup.rate_effect {
                 Some(true) => {
-                    format!("{rate:.3e} /s, at which mortar has {compressed:.3} f_c and {pulled:.3} f_t at rest")
+                    format!(
+                        "{rate:.3e} /s, where mortar has {compressed:.3} and {pulled:.3} times its f_c and f_t at rest"
+                    )
                 }
                 _ => format!("{rate:.3e} /s"),
             },
