@@ -53,7 +53,11 @@ pub(super) fn check(test: &Test, word: &str) -> Result<(), OutOfRange> {
     let lacks = test.expansion().is_some() || test.kind == TestKind::Biaxial && test.supports.is_empty() || has_ratio;
     let accepted = format!("{word} has no .k yet: write an .inp, or test it with `mesocrete solve`");
     DECK.require("analysis", word, !lacks, accepted)?;
-    let elastic = "a .k has no statics: write an .inp for the law elastic, or take a law that breaks";
+    let elastic = if test.is_fast() {
+        "decks of the law elastic are static: take a law that breaks, or test it with `mesocrete solve`"
+    } else {
+        "a .k has no statics: write an .inp for the law elastic, or take a law that breaks"
+    };
     DECK.require("analysis", word, test.law != LawName::Elastic, elastic)?;
     let pulls = |support: &meso_trial::SupportSpec| support.rule == Rule::Glued && support.pressure_mpa != 0.0;
     let glued = "a .k presses with plates alone: write an .inp for a glued plate with a pressure";
