@@ -188,6 +188,7 @@ impl<'a> Run<'a> {
         expansion.as_ref().map_or(Ok(()), |expansion| expansion.suits(mesh))?;
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
         let (steps, dt) = if test.is_fast() {
+            test.suits_waves(sample.element_size_mm, &materials.mortar)?;
             let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below, strengths: None };
             in_real_time(test, test.duration_s(&geometry), stable_s(&parts)?)?
         } else {
