@@ -502,7 +502,7 @@ def file_rows() -> list[Row]:
               lambda c, strain=strain: c["kupfer-200"].left_at(strain)) for strain in (0.003, 0.004, 0.005)),
         Row(shapes, "cylinder, h = 2 d, over cube, steel", *about(0, *shape_ratios()), over("slenderness-0.6-h2", "cube-0.6")),
     ]
-    return [*rows, *beam_rows("Gregoire et al. 2013", "no-notch"), *beam_rows("Gregoire et al. 2013", "half-notch"),
+    return [*rows, *beam_rows("Gregoire et al. 2013 (chose G_f)", "no-notch"), *beam_rows("Gregoire et al. 2013 (chose G_f)", "half-notch"),
             *beam_rows("Garcia-Alvarez et al. 2012", "mixed-mode")]  # fmt: skip
 
 

@@ -97,6 +97,27 @@ fn a_cylinder_under_pressure_has_the_strength_of_its_law_at_a_point() {
     }
 }
 
+/// The case: a pull is a dead load, and what it tore beyond the peak was called a fast test before it; a specimen that was torn
+/// apart before the plates moved had a peak like any other.
+#[test]
+fn a_lateral_tension_is_judged_to_the_peak_and_one_that_tears_the_specimen_is_an_error() {
+    let cube = Meshed::mortar([12.0; 3], Method::FITTED, 3.0);
+    let pulled = |mpa: f64| {
+        let test = Test { kind: TestKind::Triaxial, pressure_mpa: Some(-mpa), friction: Some(0.0), ..Test::default() };
+        cube.solve(&Materials::default(), &test).result
+    };
+    let mild = pulled(0.5);
+    assert!(mild.errors.is_empty() && mild.flags.iter().all(|flag| !flag.contains("quasi-static")), "{mild:?}");
+    assert!(mild.kinetic_over_internal_to_half_peak < 0.01 && mild.figures.peak_mpa > 15.0, "{mild:?}");
+    let torn = pulled(8.0);
+    assert!(
+        torn.errors.iter().any(|text| text.contains("tore the specimen apart before the plates moved")),
+        "{torn:?}"
+    );
+    assert!(torn.flags.iter().any(|flag| flag == "torn by its lateral tension"), "{:?}", torn.flags);
+    assert!(torn.late_warnings().all(|text| !text.contains("longer duration")));
+}
+
 /// Displacements and gauges at every frame.
 #[derive(Default)]
 struct Seen(RefCell<Vec<Shot>>);

@@ -818,7 +818,7 @@ class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     kinetic_over_internal_max: float
     """Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp."""
     kinetic_over_internal_to_half_peak: float
-    """Largest kinetic over internal energy until the stress has fallen to half its peak."""
+    """Largest kinetic over internal energy until the stress has fallen to half its peak; to the peak under a lateral tension."""
     energy_balance_error: float
     """Largest difference of work and energies over the work."""
     hourglass_over_internal: float

@@ -2,7 +2,7 @@
 
 use crate::assemble::tet::{Shape, corners};
 use crate::march::beyond_peak::BeyondPeak;
-use crate::march::curve::{Extra, Figures, Row, peak, to_half_peak};
+use crate::march::curve::{Extra, Figures, Row, lead, peak, to_half_peak};
 use crate::march::frame::Frame;
 use crate::march::lateral::Lateral;
 use crate::march::run::Run;
@@ -86,7 +86,7 @@ pub struct Summary {
     pub lateral: Lateral,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
-    /// Largest kinetic over internal energy until the stress has fallen to half its peak.
+    /// Largest kinetic over internal energy until the stress has fallen to half its peak; to the peak under a lateral tension.
     pub kinetic_over_internal_to_half_peak: f64,
     /// Largest difference of work and energies over the work.
     pub energy_balance_error: f64,
@@ -167,6 +167,8 @@ pub struct PhaseResult {
 /// Kinetic over internal energy that is still quasi-static, and that is no longer.
 const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
+/// Flag of a specimen that was gone before its test began.
+const TORN: &str = "torn by its lateral tension";
 /// Distance of a curve from the stress of a turn, over that, at which it is met: rows are means over some steps.
 const UNMET: f64 = 0.02;
 /// Hourglass over internal energy that is still small.
@@ -189,6 +191,9 @@ impl Response {
             after.map(of).fold(0.0, f64::max)
         };
         let kinetic = |row: &Row| row.kinetic / row.internal;
+        // A pull is a dead load: it drives what breaks beyond the peak, however slow the plates are.
+        let counted =
+            if is_pulled(&run.setup) { &rows[..(peak(rows) + 1).min(rows.len())] } else { to_half_peak(rows) };
         let off = run.sample.phase_off();
         let mut result = Summary {
             test: run.test.kind,
@@ -209,7 +214,7 @@ impl Response {
             beyond_peak: BeyondPeak::of(rows, run.supports.length_mm, run.supports.breaking_share),
             lateral: lateral(run),
             kinetic_over_internal_max: largest(rows, kinetic),
-            kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
+            kinetic_over_internal_to_half_peak: largest(counted, kinetic),
             energy_balance_error: balance_error(rows),
             hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
             energies: energies(&last),
@@ -228,11 +233,18 @@ impl Response {
             mesh_warnings: 0,
             errors: Vec::new(),
         };
-        result.warn(run);
+        let torn = is_pulled(&run.setup)
+            && lead(rows, run.path.lead_s).last().is_some_and(|row| row.kinetic > FAST * row.internal);
+        result.warn(run, torn);
         let stopped = (result.ended == Ended::Stopped).then(|| "stopped".to_owned());
         result.flags.extend(result.dynamic_flag().into_iter().chain(stopped));
         Self { curve: rows.clone(), extra: run.extra(), result }
     }
+}
+
+/// Whether a side is pulled by a pressure below 0.
+fn is_pulled(setup: &Setup) -> bool {
+    setup.supports.iter().any(|support| support.pressure_mpa < 0.0)
 }
 
 fn rate_at_peak(run: &Run) -> Option<f64> {
@@ -345,7 +357,7 @@ fn gave_back(rows: &[Row]) -> bool {
 }
 
 impl Summary {
-    fn warn(&mut self, run: &Run) {
+    fn warn(&mut self, run: &Run, torn: bool) {
         self.mesh_warnings = self.warnings.len();
         self.warn_of_the_laws(run);
         self.warn_of_strips(run);
@@ -360,7 +372,13 @@ impl Summary {
             let fix = "resume from the last checkpoint, on this device or another";
             self.errors.push(format!("the device failed: {why}; the curve is valid until then; {fix}"));
         }
-        self.warn_of_speed();
+        if torn {
+            self.flags.push(TORN.to_owned());
+            let fix = "take a pressure_mpa nearer to 0 than the tensile strength";
+            self.errors.push(format!("its lateral tension tore the specimen apart before the plates moved; {fix}"));
+        } else {
+            self.warn_of_speed();
+        }
         if exceeds(self.hourglass_over_internal, HOURGLASS) {
             let share = 100.0 * self.hourglass_over_internal;
             let way_out = "take smaller elements or less hourglass stiffness";
@@ -434,7 +452,8 @@ impl Summary {
     /// Kinetic energy before the peak, % of the internal one, of a test that was not quasi-static.
     fn dynamic_percent(&self) -> Option<f64> {
         let share = self.kinetic_over_internal_to_half_peak;
-        (exceeds(share, SLOW) && !self.is_free() && !self.is_fast()).then_some(100.0 * share)
+        let is_torn = self.flags.iter().any(|flag| flag == TORN);
+        (exceeds(share, SLOW) && !self.is_free() && !self.is_fast() && !is_torn).then_some(100.0 * share)
     }
 
     fn dynamic_flag(&self) -> Option<String> {
@@ -465,6 +484,13 @@ impl Summary {
         }
         let share = 100.0 * kinetic;
         let reached = format!("the kinetic energy reached {share:.1} % of the internal energy");
+        if is_pulled(&self.setup) && before <= SLOW {
+            self.warnings.push(format!(
+                "{reached} beyond the peak: a lateral tension is a dead load, which drives what breaks, so that the curve there \
+                 is no test; no duration calms it"
+            ));
+            return;
+        }
         // No row to half the peak: it broke within the ramp.
         let text = if before > SLOW || before == 0.0 {
             format!("{reached}; take a longer duration")
