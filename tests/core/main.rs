@@ -23,6 +23,7 @@ mod phases;
 #[path = "../property.rs"]
 mod property;
 mod sampled_shells;
+mod shell_layers;
 mod shells;
 mod stop;
 #[path = "../hostile/targets.rs"]

@@ -93,7 +93,7 @@ fn spec(text: &str) -> Result<Spec, String> {
     Spec::from_toml_with(text, &mut folder).map_err(|error| error.to_string())
 }
 
-fn models(shells: &[(&str, [f64; 2])]) -> [Model; 2] {
+pub(crate) fn models(shells: &[(&str, [f64; 2])]) -> [Model; 2] {
     texts(shells).map(|text| pack(&spec(&text).unwrap(), &Silent).unwrap())
 }
 

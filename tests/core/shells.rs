@@ -19,7 +19,7 @@ pub(crate) fn packed(text: &str) -> Model {
     pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap()
 }
 
-fn recycled() -> &'static Model {
+pub(crate) fn recycled() -> &'static Model {
     static MODEL: LazyLock<Model> = LazyLock::new(|| packed(RECYCLED));
     &MODEL
 }

@@ -1,7 +1,7 @@
 //! The ITZ of grains that the sides of a box cut, as those of a label volume: balls, against integrals over the whole balls.
 
 use crate::pack::models::model_of;
-use meso_core::aggregate::Grading;
+use meso_core::aggregate::{Grading, Shell};
 use meso_core::geometry::{Polyhedron, TriangleMesh, convex_hull};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
@@ -125,6 +125,25 @@ fn fitted_layers_reach_the_sides_and_have_the_volume_of_the_whole_balls_shell_in
             assert_sides(&mesh, itz - core, case);
         }
     }
+}
+
+#[test]
+fn shells_below_a_layer_reach_the_sides_and_have_their_volumes() {
+    let (middle, depths) = (MIDDLES[1], [0.3, 0.8, 1.2]);
+    let mut model = model(middle, depths[0]);
+    model.aggregates[0].shells = [(0, 0.5), (1, 0.4)].map(|(own, thickness_mm)| Shell { own, thickness_mm }).into();
+    let mesh = meshed(&model, Method::FITTED, 1.0);
+    let volumes = PhaseVolumes::of_mesh(&mesh);
+    let within = depths.map(|depth| shell(middle, depth));
+    for (phase, expected) in
+        [(Phase::Itz, within[0]), (Phase::Own(0), within[1] - within[0]), (Phase::Own(1), within[2] - within[1])]
+    {
+        assert_near(volumes.of(phase), expected, "the layer", (middle, expected));
+    }
+    assert_near(volumes.total(), SIDE.powi(3), "everything", (middle, 0.0));
+    assert!(mesh.points.iter().all(|point| point.iter().all(|x| (0.0..=SIDE).contains(x))));
+    let [itz, core] = [RADIUS, RADIUS - depths[0]].map(|radius| area_in_sides(middle, radius));
+    assert_sides(&mesh, itz - core, (middle, depths[0]));
 }
 
 /// Area of a ball's sections in the sides of the box, mm2.

@@ -87,6 +87,13 @@ impl Aggregate {
         depths.zip(phases)
     }
 
+    /// Depths at which its layer of this number begins and ends, mm: 0 is the ITZ, and the shells follow from outside. Both are
+    /// 0 where it has no such layer.
+    pub fn layer_between(&self, number: usize) -> [f64; 2] {
+        let mut begins = std::iter::once(0.0).chain(self.layers().map(|(depth, _)| depth)).skip(number);
+        begins.next().zip(begins.next()).map_or([0.0; 2], |(begin, end)| [begin, end])
+    }
+
     /// The body with the phase of its first layer below the ITZ, then the inside of every further one as a body without ITZ: the
     /// core is the last. Shells without a trustworthy inner body end the list.
     pub fn nested(&self) -> Vec<Self> {

@@ -68,7 +68,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     }
     report(watch, 0.95)?;
     all_positive(mesh.by_owner())?;
-    mark_own(&mut mesh, &parts, bodies);
+    mark_own(&mut mesh, &parts, bodies, options);
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -150,7 +150,7 @@ fn cells_of(
 /// of 4 mm misses 13 % of aggregates from 5 mm, and with it 10 %.
 const FLAPS: f64 = 0.02;
 
-/// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
+/// Tetrahedra of bodies and mortar with the solid ITZ and the shells below it, where it is asked for.
 fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &Parts, options: &MeshOptions) -> Mesh {
     let bodies = images.all.as_slice();
     let inside = |&owner: &u32| match owner {
@@ -168,19 +168,33 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
         if restores_volumes(options) {
             mesh.points = with_exact_volumes(&mesh, &phase, images, options.element_size_mm);
         }
-        let onto = if is_lattice { layer::Onto::Triangles(options.element_size_mm) } else { layer::Onto::Faces };
         let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
-        let exact_mm3 = exact.map(|exact| exact.itz);
         notes.cores_mm3 = exact.map(|exact| exact.aggregate);
-        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm, onto, exact_mm3);
-        notes.thinned_itz_aggregates = layer.thinned_aggregates;
-        notes.thinned_itz_nodes = layer.short_nodes();
-        notes.pinched_itz_nodes = layer.pinched_nodes;
-        if is_lattice {
-            let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, exact_mm3, options.element_size_mm);
-            notes.shifted_itz_nodes = improved.shifted;
-            notes.pinched_itz_nodes += improved.collapsed;
-            notes.thinned_itz_nodes += improved.thinned;
+        let (size, mut finished) = (options.element_size_mm, layer::Finished::default());
+        let shells = parts.bodies.iter().map(|body| body.shells.len()).max().unwrap_or(0);
+        for number in 0..=shells {
+            // Inner sides of layers have nodes along most edges alone.
+            let onto = if is_lattice || number > 0 { layer::Onto::Triangles(size) } else { layer::Onto::Faces };
+            let exact_mm3 = match number {
+                0 => exact.map(|exact| exact.itz),
+                shell => layer::exact_mm3(&parts.bodies, shell),
+            };
+            let (first, between) = (mesh.cells.len(), |body: &Aggregate| body.layer_between(number));
+            let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, between, onto, exact_mm3);
+            notes.thinned_itz_aggregates += layer.thinned_aggregates;
+            notes.thinned_itz_nodes += layer.short_nodes();
+            notes.pinched_itz_nodes += layer.pinched_nodes;
+            if is_lattice {
+                let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, exact_mm3, size);
+                notes.shifted_itz_nodes += improved.shifted;
+                notes.pinched_itz_nodes += improved.collapsed;
+                notes.thinned_itz_nodes += improved.thinned;
+            }
+            finished.set_aside(&mut mesh, &mut phase, first);
+        }
+        finished.give_back(&mut mesh, &mut phase, bodies);
+        if is_lattice && shells > 0 {
+            layer::smooth(&mut mesh, &mut phase, periodic, bodies, size);
         }
     }
     let TetMesh { points, cells, owner } = mesh;
@@ -206,21 +220,22 @@ fn clip(mesh: &mut Mesh, container: &dyn Container) {
 }
 
 /// Gives the cells of aggregates with phases of their own these phases; all of meshing is the same for them. In an aggregate
-/// with shells a cell has the phase at its centre.
-fn mark_own(mesh: &mut Mesh, parts: &Parts, images: &BodyImages) {
+/// with shells a cell has the phase at its centre, unless the shells are layers.
+fn mark_own(mesh: &mut Mesh, parts: &Parts, images: &BodyImages, options: &MeshOptions) {
     mesh.phases = parts.phases.clone();
     if parts.bodies.iter().all(|body| body.own.is_none() && body.shells.is_empty()) {
         return;
     }
+    let has_layers = options.itz == ItzForm::Solid && options.method.follows_surfaces();
     // A cell lies in one of the images of its body.
-    let facets = |body: usize| match parts.bodies[body].shells.is_empty() {
+    let facets = |body: usize| match has_layers || parts.bodies[body].shells.is_empty() {
         true => Vec::new(),
         false => Facets::all(images.images(body as u32), |_| 0.0),
     };
     let facets = parallel::map(parts.bodies.len(), facets);
     let (nodes, mut phase) = (mesh.kind.nodes(), std::mem::take(&mut mesh.phase));
     parallel::each_short_mut(&mut phase, |cell, phase| {
-        if !phase.is_aggregate() {
+        if *phase != Phase::Aggregate {
             return;
         }
         let owner = mesh.owner[cell] as usize;

@@ -41,7 +41,8 @@ pub struct Notes {
     pub widest_closed_side_gap_mm: f64,
     /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
     pub off_surface_nodes: usize,
-    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
+    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead. Here and in the next three,
+    /// layers of shells count as the ITZ does.
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over or has too sharp an angle.
     pub thinned_itz_nodes: usize,

@@ -1,4 +1,5 @@
-//! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body.
+//! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body; and the shells below it,
+//! one after the other ([`nested`](mod@nested)).
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
 //! surface nodes onto the offsets of their own faces ([`offset`]) or of the mesh's triangles ([`triangles`]), and between each
@@ -17,6 +18,7 @@
 
 mod approach;
 mod improve;
+mod nested;
 mod offset;
 mod periodic;
 mod prisms;
@@ -30,6 +32,7 @@ pub(super) use improve::improve;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
+pub(super) use nested::{Finished, exact_mm3, smooth};
 use offset::RadialOffsets;
 use periodic::{Bodies, PeriodicConstraint};
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
@@ -49,7 +52,13 @@ fn by_node(vectors: &mut [(u32, Vec3)]) {
     vectors.sort_by_key(|(node, _)| *node);
 }
 
-/// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
+/// Whether there is a layer between two depths.
+fn has_some([begin, end]: [f64; 2]) -> bool {
+    end > begin
+}
+
+/// Splits the layer `between(body)`, two depths in mm, off the inside of every one of `bodies`, which are sorted by id. What lies
+/// above must be of no body.
 ///
 /// The exact volume of all layers together is `exact_mm3`, where it is known, those of a body and its images once.
 /// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
@@ -59,14 +68,14 @@ pub(super) fn add(
     phase: &mut Vec<Phase>,
     periodic: [bool; 3],
     bodies: &[Aggregate],
-    thickness: impl Fn(&Aggregate) -> f64 + Sync,
+    between: impl Fn(&Aggregate) -> [f64; 2] + Sync,
     onto: Onto,
     exact_mm3: Option<f64>,
 ) -> Layer {
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
-    let thickness = |body: u32| thickness(bodies.get(body));
+    let between = |body: u32| between(bodies.get(body));
     let mut faces = faces(mesh.by_body());
-    faces.retain(|face| thickness(mesh.owner[face.cell as usize]) > 0.0);
+    faces.retain(|face| has_some(between(mesh.owner[face.cell as usize])));
     let copies = copies(mesh.by_body(), &faces, None);
     copies.part(&mut mesh.points, 4, mesh.cells.as_flattened_mut(), &mesh.owner);
     // Nodes of the mortar, and of interfaces, have none.
@@ -78,7 +87,7 @@ pub(super) fn add(
         Onto::Faces => f64::INFINITY,
         Onto::Triangles(size) => triangles::THICK * size,
     };
-    let offsets = RadialOffsets::new(&bodies, thickness, thick, &owner, &mut constraint, periodic);
+    let offsets = RadialOffsets::new(&bodies, between, thick, &owner, &mut constraint, periodic);
     let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &constraint));
     let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
     offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
@@ -103,7 +112,7 @@ pub(super) fn add(
     approach(mesh, &layer, &constraint, &targets, &mut at);
     let pinched = parallel::map_short(at.len(), |node| at[node] == mesh.points[node]);
     mesh.points = at;
-    let thinned_aggregates = offsets.thinner(&bodies, thickness);
+    let thinned_aggregates = offsets.thinner(&bodies, between);
     let rails = append(mesh, phase, &layer, &copies, &targets, &pinched);
     Layer { thinned_aggregates, pinched_nodes: copies.iter().len() - rails.len(), rails, caps: bodies.caps() }
 }

@@ -15,8 +15,8 @@
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
 //!    small edges of its own; the squares of the residuals are least then (0.006 mm rms in all).
 
-use super::by_node;
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
+use super::{by_node, has_some};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::tet::TetMesh;
 use meso_collision::dents::Skin;
@@ -39,10 +39,12 @@ const LEAST_SLOPE: f64 = 0.25;
 /// The map of one aggregate, or of its cut with faces of the box.
 pub(super) struct RadialOffset {
     pub(super) centre: Vec3,
-    /// Outward normals, and the centre's distance to every face plane, mm.
+    /// Outward normals, and the centre's distance to every face plane where the layer begins, mm.
     pub(super) planes: Vec<(Vec3, f64)>,
     /// mm.
     pub(super) thickness: f64,
+    /// Depth below the body's surface at which the layer begins, mm.
+    begin: f64,
     /// The faces of a periodic box that the aggregate reaches across.
     across: Flat,
     /// A ray from the centre meets one face: not so where the body has dents.
@@ -59,7 +61,7 @@ impl RadialOffset {
     /// `None` where the aggregate hardly reaches `flat`: no direction is inward.
     fn new(
         aggregate: &Aggregate,
-        thickness: f64,
+        [begin, end]: [f64; 2],
         thick: f64,
         flat: Flat,
         walls: &Aabb,
@@ -76,16 +78,18 @@ impl RadialOffset {
                 deepest(&planes, flat.put(&aabb.min, walls), &free, &aabb).0
             }
         };
-        let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
+        let below = |p: &Plane| (p.normal, p.offset - p.normal.dot(&centre) - begin);
+        let planes: Vec<(Vec3, f64)> = planes.iter().map(below).collect();
         let depths = planes.iter().filter(|_| has_rays).map(|p| p.1);
         let shallowest = depths.fold(f64::INFINITY, f64::min);
-        let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
-        let thickness = thickness.min(DEEPEST * shallowest);
+        let sides =
+            side_bits(|axis| [aabb.min[axis] + begin < walls.min[axis], aabb.max[axis] - begin > walls.max[axis]]);
+        let thickness = (end - begin).min(DEEPEST * shallowest);
         let settles = thickness > thick && !matches!(aggregate.body.form(), BodyForm::Round(_));
         let in_cap = flat.is_in(aggregate.body.caps());
-        let skin = (!has_rays && (settles || in_cap)).then(|| aggregate.body.skin(thickness));
+        let skin = (!has_rays && (settles || in_cap)).then(|| aggregate.body.skin(begin + thickness));
         let across = Flat::of(sides, periodic);
-        (shallowest > 0.0).then_some(Self { centre, planes, thickness, across, has_rays, settles, in_cap, skin })
+        (shallowest > 0.0).then_some(Self { centre, planes, thickness, begin, across, has_rays, settles, in_cap, skin })
     }
 
     /// The target of a node along its ray; where the body has dents, the node itself.
@@ -127,14 +131,14 @@ impl RadialOffset {
         (0..CAP_STEPS).fold(target, step)
     }
 
-    /// The unit vector away from the face nearest to `x` into the body, and the depth below it.
+    /// The unit vector away from the face nearest to `x` into the body, and the depth in the layer below it.
     fn way_in(&self, x: &Vec3) -> (Vec3, f64) {
         match &self.skin {
             Some(skin) => {
                 let (nearest, distance) = skin.nearest(x).unwrap_or_default();
                 let sign = if skin.surface().contains(x) { 1.0 } else { -1.0 };
                 let from_surface = (x - nearest).try_normalize(ON * self.thickness).unwrap_or_default();
-                (from_surface * sign, distance * sign)
+                (from_surface * sign, distance * sign - self.begin)
             }
             None => {
                 let depths =
@@ -156,10 +160,10 @@ impl RadialOffset {
 pub(super) struct RadialOffsets(HashMap<(u32, Flat), RadialOffset>);
 
 impl RadialOffsets {
-    /// Layers of `thickness(body)` mm, which settle above `thick` mm; nodes without an inward direction are pinned.
+    /// Layers of bodies `between` two depths, which settle above `thick` mm; nodes without an inward direction are pinned.
     pub(super) fn new(
         bodies: &Bodies,
-        thickness: impl Fn(u32) -> f64 + Sync,
+        between: impl Fn(u32) -> [f64; 2] + Sync,
         thick: f64,
         owner: &[u32],
         constraint: &mut PeriodicConstraint,
@@ -168,13 +172,13 @@ impl RadialOffsets {
         let on_faces = (0..).zip(owner).map(|(node, body)| (*body, constraint.flat(node)));
         let mut wanted: Vec<(u32, Flat)> = on_faces.filter(|(_, flat)| *flat != Flat::SPACE).collect();
         wanted.extend((0..bodies.count()).map(|body| (body, Flat::SPACE)));
-        wanted.retain(|(body, _)| *body != NO_BODY && thickness(*body) > 0.0);
+        wanted.retain(|(body, _)| *body != NO_BODY && has_some(between(*body)));
         wanted.sort_unstable();
         wanted.dedup();
         let offset = |&(body, flat): &(u32, Flat)| {
             stop::point();
             let offset =
-                RadialOffset::new(bodies.get(body), thickness(body), thick, flat, constraint.faces.walls(), periodic)?;
+                RadialOffset::new(bodies.get(body), between(body), thick, flat, constraint.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
         let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());
@@ -197,9 +201,10 @@ impl RadialOffsets {
     }
 
     /// Aggregates too small for their thickness, with all their periodic images.
-    pub(super) fn thinner(&self, bodies: &Bodies, thickness: impl Fn(u32) -> f64) -> usize {
+    pub(super) fn thinner(&self, bodies: &Bodies, between: impl Fn(u32) -> [f64; 2]) -> usize {
+        let asked = |[begin, end]: [f64; 2]| end - begin;
         let thinner =
-            |body: &u32| self.get(*body, Flat::SPACE).is_some_and(|offset| offset.thickness < thickness(*body));
+            |body: &u32| self.get(*body, Flat::SPACE).is_some_and(|offset| offset.thickness < asked(between(*body)));
         let ids: BTreeSet<u32> = (0..bodies.count()).filter(thinner).map(|body| bodies.get(body).id).collect();
         ids.len()
     }

@@ -3,6 +3,7 @@
 //! The fit leaves some at edges, and many where it closed a gap. A layer cannot go below such a face: its prism would stand
 //! upside down. Nodes that step back from there take the layer's thickness from all that is around; so the mortar gets the cell.
 
+use super::has_some;
 use super::periodic::{Faces, Flat};
 use crate::cells::{NO_BODY, Owners, Phase, by_nodes};
 use crate::tet::{TetMesh, volume};
@@ -40,8 +41,9 @@ type Side = (u32, u32, u8, bool);
 fn flaps(mesh: &TetMesh, at: &Faces, bodies: &[Aggregate], most: f64) -> Vec<u32> {
     let owners = Owners::of(mesh.by_body());
     let lies_on = |node: u32| owners.are_several(node) && at.flat(node) == Flat::SPACE;
-    let has_layer = |owner: u32| owner != NO_BODY && bodies[owner as usize].itz_thickness_mm > 0.0;
-    let may_be = |cell: usize| has_layer(mesh.owner[cell]) && mesh.cells[cell].iter().all(|&node| lies_on(node));
+    let has_layer = |body: &Aggregate| (0..=body.shells.len()).any(|layer| has_some(body.layer_between(layer)));
+    let is_split = |owner: u32| owner != NO_BODY && has_layer(&bodies[owner as usize]);
+    let may_be = |cell: usize| is_split(mesh.owner[cell]) && mesh.cells[cell].iter().all(|&node| lies_on(node));
     let mut asked = vec![false; mesh.points.len()];
     for cell in parallel::filter(mesh.cells.len(), may_be) {
         mesh.cell(cell).iter().for_each(|&node| asked[node as usize] = true);

@@ -232,7 +232,8 @@ fn notes(notes: &Notes) {
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
         stderr::line(format!(
-            "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of these it has no thickness",
+            "the ITZ (or a shell) is thinner than asked in {} aggregates and at {} nodes; at {} of these it has no \
+             thickness",
             thousands(notes.thinned_itz_aggregates),
             thousands(notes.thinned_itz_nodes),
             thousands(notes.pinched_itz_nodes)
@@ -240,7 +241,9 @@ fn notes(notes: &Notes) {
     }
     if notes.shifted_itz_nodes > 0 {
         let nodes = thousands(notes.shifted_itz_nodes);
-        stderr::line(format!("{nodes} inner nodes of the ITZ left its exact thickness to avoid sharp angles"));
+        stderr::line(format!(
+            "{nodes} inner nodes of the ITZ (or of a shell) left its exact thickness to avoid sharp angles"
+        ));
     }
 }
 
