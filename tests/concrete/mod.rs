@@ -7,6 +7,6 @@ mod round;
 mod shapes;
 mod sieve_tables;
 mod specimens;
-mod stones;
+pub(crate) mod stones;
 mod surfaces;
 mod volumes;

@@ -1,10 +1,11 @@
 //! Shells of ellipsoids and of grains with dents, whose volumes are sampled: beside closed forms, and as one of them is proved.
 
+use crate::concrete::stones::stone_and_its_dented_twin;
 use crate::pack::folder::Folder;
 use crate::shells::shelled;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
-use meso_core::geometry::{BodyForm, Polyhedron, Round, TriangleMesh, convex_hull};
+use meso_core::geometry::{BodyForm, Polyhedron, Round, TriangleMesh};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, PhaseVolumes, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
@@ -48,13 +49,7 @@ fn within_spheroid(a: f64, c: f64, t: f64) -> f64 {
 fn layers_have_the_volumes_of_closed_forms_to_the_stated_error() {
     let ball = |t: f64| 4.0 / 3.0 * PI * (6.0 - t).powi(3);
     let ellipsoid = |axes: [f64; 3]| Polyhedron::of_round(&Round::of_semi_axes(&Vec3::from(axes)));
-    let point = |i: i32| {
-        let (a, z) = (f64::from(i) * 2.4, f64::from(i) / 20.0 - 0.975);
-        let r = (1.0 - z * z).sqrt();
-        Vec3::new(6.0 * r * libm::cos(a), 5.0 * r * libm::sin(a), 4.0 * z)
-    };
-    let convex = convex_hull(&(0..40).map(point).collect::<Vec<_>>()).unwrap();
-    let twin = Polyhedron::from_parts(convex.vertices().to_vec(), convex.triangles()).with_dents();
+    let [convex, twin] = stone_and_its_dented_twin();
     for (name, body, exact) in [
         ("nearly a ball", ellipsoid([6.0, 6.0, 6.0 - 1e-6]), &ball as &dyn Fn(f64) -> f64),
         ("spheroid", ellipsoid([6.0, 4.0, 4.0]), &|t| within_spheroid(4.0, 6.0, t)),

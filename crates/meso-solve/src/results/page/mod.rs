@@ -264,17 +264,9 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     ];
     let rate = result.rate_at_peak_per_s.map(|rate| {
         let [compressed, pulled] = law::strengths_over_rest(rate.abs());
-        (
-            "rate of strain at the peak",
-            match result.setup.rate_effect {
-                Some(true) => {
-                    format!(
-                        "{rate:.3e} /s, where mortar has {compressed:.3} and {pulled:.3} times its f_c and f_t at rest"
-                    )
-                }
-                _ => format!("{rate:.3e} /s"),
-            },
-        )
+        let grown = format!(", where mortar has {compressed:.3} and {pulled:.3} times its f_c and f_t at rest");
+        let grown = if result.setup.rate_effect == Some(true) { grown } else { String::new() };
+        ("rate of strain at the peak", format!("{rate:.3e} /s{grown}"))
     });
     // Waves run in a test in real time, so its secant is none.
     let of_strength = of_strength.into_iter().skip(usize::from(result.is_fast())).filter(|_| !result.is_free());
