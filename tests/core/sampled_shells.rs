@@ -1,5 +1,6 @@
 //! Shells of ellipsoids and of grains with dents, whose volumes are sampled: beside closed forms, and as one of them is proved.
 
+use crate::angle_piece::angle_piece;
 use crate::concrete::stones::stone_and_its_dented_twin;
 use crate::pack::folder::Folder;
 use crate::shells::shelled;
@@ -8,6 +9,7 @@ use meso_core::check::{Finding, check};
 use meso_core::geometry::{BodyForm, Polyhedron, Round, TriangleMesh};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::specimen::Specimen;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::{ImageOptions, VoxelImage, Voxels};
 use meso_core::{Model, Silent, Spec, pack, page, saved};
@@ -20,15 +22,10 @@ fn turned() -> Rotation {
 
 /// A prism whose section is an L with arms 3 mm wide in a square of 8 mm, 6 mm high.
 fn angle() -> Polyhedron {
-    let outline = [[0.0, 0.0], [8.0, 0.0], [8.0, 3.0], [3.0, 3.0], [3.0, 8.0], [0.0, 8.0]];
-    let vertices = [0.0, 6.0].iter().flat_map(|z| outline.map(|[x, y]| turned() * Vec3::new(x, y, *z))).collect();
-    let top = (1..5).map(|k| [6, 6 + k, 7 + k]);
-    let bottom = (1..5).map(|k| [0, k + 1, k]);
-    let sides = (0..6).flat_map(|k| {
-        let next = (k + 1) % 6;
-        [[k, next, next + 6], [k, next + 6, k + 6]]
-    });
-    Polyhedron::of_surface(&TriangleMesh { vertices, triangles: top.chain(bottom).chain(sides).collect() })
+    let place = |corner: [f64; 3]| (turned() * Vec3::from(corner)).into();
+    let Specimen::Mesh { vertices_mm, triangles, .. } = angle_piece([8.0, 3.0, 6.0], place) else { unreachable!() };
+    let vertices = vertices_mm.into_iter().map(Vec3::from).collect();
+    Polyhedron::of_surface(&TriangleMesh { vertices, triangles })
 }
 
 /// Points of the angle deeper than `t` mm: along its inner edge they end in a round.
