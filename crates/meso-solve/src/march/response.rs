@@ -88,7 +88,7 @@ pub struct Summary {
     pub kinetic_over_internal_max: f64,
     /// Largest kinetic over internal energy until the stress has fallen to half its peak; to the peak under a lateral tension.
     pub kinetic_over_internal_to_half_peak: f64,
-    /// Largest difference of work and energies over the work.
+    /// Largest difference of work and energies over the work: what loose nodes lose when they meet a plate again, and rounding.
     pub energy_balance_error: f64,
     /// Largest hourglass over internal energy after the ramp.
     pub hourglass_over_internal: f64,
