@@ -35,15 +35,15 @@ impl Prepared {
     fn law<W: Any + Send + Sync>(&self, prepare: &dyn Fn() -> W) -> Ready<'_, W> {
         match self.0.get_or_init(|| Box::new(prepare())).downcast_ref() {
             Some(law) => Ready::Kept(law),
-            None => Ready::New(prepare()),
+            None => Ready::New(Box::new(prepare())),
         }
     }
 }
 
-/// A law that is kept, or a new one.
+/// A law that is kept, or a new one; behind one address, to which kernels add those of its values.
 enum Ready<'a, W> {
     Kept(&'a W),
-    New(W),
+    New(Box<W>),
 }
 
 impl<W> Ready<'_, W> {

@@ -82,6 +82,34 @@ pub(super) fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: 
     sum
 }
 
+/// The tensor with the axes of a deviator and the principal values `to` where that has `of`, both in falling order and `to`
+/// nowhere steeper: the quadratic polynomial of the deviator through all three, by Newton's form.
+#[inline(always)]
+pub(super) fn moved<R: Real>(deviator: &Tensor<R>, of: &[R; 3], to: &[R; 3]) -> Tensor<R> {
+    let [a, b, c, xy, yz, zx] = *deviator;
+    // Rounding of stresses, MPa: where two principal values nearly agree, they keep their distance.
+    let least = R::splat(if R::SINGLE { 1e-5 } else { 1e-13 });
+    let slope = |i: usize| ((to[i] - to[i + 1] + least) / (of[i] - of[i + 1] + least)).min(R::splat(1.0));
+    let (first, second) = (slope(0), slope(1));
+    let weight = (first - second) / (of[0] - of[2]).max(least);
+    let linear = weight.mul_add(of[2], first);
+    let constant = (-first).mul_add(of[0], weight.mul_add(of[0] * of[1], to[0]));
+    let square = [
+        a.mul_add(a, xy.mul_add(xy, zx * zx)),
+        b.mul_add(b, xy.mul_add(xy, yz * yz)),
+        c.mul_add(c, yz.mul_add(yz, zx * zx)),
+        a.mul_add(xy, xy.mul_add(b, zx * yz)),
+        xy.mul_add(zx, b.mul_add(yz, yz * c)),
+        a.mul_add(zx, xy.mul_add(yz, zx * c)),
+    ];
+    let mut sum = *deviator;
+    for i in 0..6 {
+        let rest = if i < 3 { linear.mul_add(deviator[i], constant) } else { linear * deviator[i] };
+        sum[i] = weight.mul_add(square[i], rest);
+    }
+    sum
+}
+
 /// cos(acos(c) / 3) from u = sqrt((1 + c) / 2) = cos(acos(c) / 2): cos(2/3 acos(u)), smooth on all of 0 to 1.
 ///
 /// Within 3e-8 in f32 (before rounding), 3e-17 in f64.

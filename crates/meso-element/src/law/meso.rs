@@ -48,7 +48,7 @@
 
 use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy};
-use super::invariants::{Invariants, split};
+use super::invariants::{Invariants, moved};
 use super::{Hooke, Law, LawName, PointResponse, State, Tensor, cdp, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
@@ -131,8 +131,6 @@ impl<R: Real> Rates<R> {
     }
 }
 
-/// Newton's steps of the cone's return.
-const STEPS: usize = 2;
 /// Least share of the cohesion.
 const LEAST_COHESION: f64 = 1e-3;
 /// Least share of the stiffness: crushed mortar is loose.
@@ -186,30 +184,24 @@ impl<R: Real> Meso<R> {
     }
 }
 
-/// A stress by its tensor and its principal values.
+/// A stress by its principal values; its axes are those of the trial stress.
 #[derive(Clone, Copy)]
 struct Stress<R> {
     mean: R,
     mises: R,
-    deviator: Tensor<R>,
     /// Principal deviators in falling order, MPa.
     principal: [R; 3],
 }
 
-impl<R: Real> Stress<R> {
-    /// This stress less `share` of the deviator of `of`, which has its axes, and less a mean stress; its Mises stress stays
-    /// the former one.
-    #[inline(always)]
-    fn less(&self, of: &Self, share: R, mean: R) -> Self {
-        let (mut deviator, mut principal) = (self.deviator, self.principal);
-        for (own, other) in deviator.iter_mut().zip(&of.deviator) {
-            *own = (-share).mul_add(*other, *own);
-        }
-        for (own, other) in principal.iter_mut().zip(&of.principal) {
-            *own = (-share).mul_add(*other, *own);
-        }
-        Self { mean: self.mean - mean, mises: self.mises, deviator, principal }
-    }
+/// A stress after its return to the cracks: to the last bit the one before, where none opens.
+struct Opened<R> {
+    /// What the mean stress lost, MPa.
+    lost: R,
+    mises: R,
+    /// Principal deviators, MPa: 0 and no rounding where all cracks open.
+    principal: [R; 3],
+    /// The largest of the openings' strains.
+    strain: R,
 }
 
 /// Start and direction of the cone's flow.
@@ -218,8 +210,9 @@ struct Flow<R> {
     /// (1 - alpha) F without the strength, and how fast it falls.
     pressed: R,
     fall: R,
-    /// How fast the mean stress falls.
+    /// How fast the mean stress falls, and the share of the Mises stress.
     mean_fall: R,
+    share_fall: R,
     /// Crushing strain at the start, and per step of flow.
     crushed: R,
     harden: R,
@@ -242,6 +235,14 @@ impl<R: Real> Meso<R> {
     fn cohesion(&self, crushed: R, per_scale: R) -> R {
         let share = (-((crushed - self.rise.peak) * per_scale)).exp();
         share.max(R::splat(LEAST_COHESION)).min(R::splat(1.0))
+    }
+
+    /// Share of the cohesion that a step leaves: the first terms of exp(-x), which is less.
+    #[inline(always)]
+    fn softened(x: R) -> R {
+        let one = R::splat(1.0);
+        let x = x.min(one);
+        R::splat(0.5).mul_add(x, -one).mul_add(x, one)
     }
 
     /// Share of the stiffness that is left beside this share of the cohesion.
@@ -274,55 +275,42 @@ impl<R: Real> Meso<R> {
         zero.lt(bound) | tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
-    /// Return to the cracks: the stress after it, and the largest of the openings.
+    /// Return to the cracks.
     #[inline(always)]
-    fn open(&self, trial: Stress<R>, strength: R) -> (Stress<R>, R) {
+    fn open(&self, trial: &Stress<R>, strength: R) -> Opened<R> {
         let (zero, third) = (R::splat(0.0), R::splat(1.0 / 3.0));
         let above = trial.mean - strength;
         let [first, second, last] = trial.principal.map(|d| d + above);
         let opens = zero.lt(first);
         // Seldom anywhere.
         if !R::any(opens) {
-            return (trial, zero);
+            return Opened { lost: zero, mises: trial.mises, principal: trial.principal, strain: zero };
         }
         let (two, three) = (first + second, first + second + last);
         let [a, b, c] = self.shares;
         let m = (a * first).max(b * two).max(c * three).positive();
         let after = [first, second, last].map(|s| (s - m).min(zero));
-        let sum = (after[0] + after[1] + after[2]) * third;
-        let principal = after.map(|s| s - sum);
+        let mean = (after[0] + after[1] + after[2]) * third;
+        let principal = after.map(|s| s - mean);
         let [x, y, z] = principal;
         let mises = (R::splat(1.5) * x.mul_add(x, y.mul_add(y, z * z))).sqrt();
-        let mut deviator = split(above - m, &trial.deviator, &trial.principal, zero, R::splat(1.0));
-        #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
-        for i in 0..6 {
-            let own = if i < 3 { deviator[i] - sum } else { deviator[i] };
-            deviator[i] = R::select(opens, own, trial.deviator[i]);
-        }
         let pick = |a: R, b: R| R::select(opens, a, b);
-        let stress = Stress {
-            mean: pick(sum + strength, trial.mean),
+        Opened {
+            lost: pick(above - mean, zero),
             mises: pick(mises, trial.mises),
-            deviator,
             principal: [0, 1, 2].map(|i| pick(principal[i], trial.principal[i])),
-        };
-        (stress, pick((first - m) * self.per_shear, zero))
+            strain: (first.max(m) - m) * self.per_shear,
+        }
     }
 
-    /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
+    /// (1 - alpha) F and how fast it falls along the flow, from the stress without the strength, the crushing strain, and the
+    /// share of the effective strength that the flow leaves.
     #[inline(always)]
-    fn excess(&self, of: &Flow<R>, flow: R) -> (R, R) {
-        let one = R::splat(1.0);
-        let hardened = of.harden * flow;
-        let crushed = of.crushed + hardened;
+    fn excess(&self, of: &Flow<R>, pressed: R, crushed: R, share: R) -> (R, R) {
         let (risen, rising) = self.rise.at(crushed);
-        // Steps are small: the exponential's first terms.
-        let x = (hardened * of.per_scale).min(one);
         let softens = self.rise.peak.lt(crushed);
-        let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
         let strength = risen * of.left * share;
         let slope = R::select(softens, -(strength * of.per_scale), rising);
-        let pressed = (-of.fall).mul_add(flow, of.pressed);
         ((-self.one_less_alpha).mul_add(strength, pressed), (self.one_less_alpha * slope).mul_add(of.harden, of.fall))
     }
 
@@ -338,36 +326,37 @@ impl<R: Real> Meso<R> {
         let size = stress.mises.max(R::splat(1e-8));
         // All quotients by one division.
         let over = one / (bent * costly * size);
-        let per_mises = bent * costly * over;
-        let tan = self.dilation * left * (size * over);
-        let [first, _, last] = stress.principal.map(|d| R::splat(1.5) * d * per_mises);
-        let mean_fall = self.bulk * tan;
-        let least = tan.mul_add(R::splat(1.0 / 3.0), last);
+        let (per_mises, per_both) = (bent * costly * over, size * over);
+        let tan = self.dilation * left * per_both;
+        let (mean_fall, share_fall) = (self.bulk * tan, self.three_shear * per_mises);
+        let least = tan.mul_add(R::splat(1.0 / 3.0), R::splat(1.5) * per_mises * stress.principal[2]);
         // The flow lowers s1, so that gamma is that of the start all the way.
-        let gamma = self.gamma * (costly * size * over);
+        let gamma = self.gamma * (costly * per_both);
         let pressed =
             |mean: R, first: R, last: R| self.three_alpha.mul_add(mean, gamma.mul_add(mean + first, first - last));
-        let two_shear = R::splat(2.0 / 3.0) * self.three_shear;
         Flow {
             pressed: pressed(stress.mean, stress.principal[0], stress.principal[2]),
-            fall: pressed(mean_fall, two_shear * first, two_shear * last),
+            fall: pressed(mean_fall, share_fall * stress.principal[0], share_fall * stress.principal[2]),
             mean_fall,
+            share_fall,
             crushed,
-            harden: (-least).positive() * (bent * size * over),
+            harden: (-least).positive() * (bent * per_both),
             left: left / stiffness,
             per_scale: R::select(left.lt(R::splat(LEAST_STIFFNESS)), per_scale, zero),
         }
     }
 
-    /// Length of the cone's flow.
+    /// Length of the cone's flow, by two of Newton's steps.
     #[inline(always)]
     fn back(&self, of: &Flow<R>) -> R {
-        let mut flow = R::splat(0.0);
-        for _ in 0..STEPS {
-            let (excess, fall) = self.excess(of, flow);
-            flow = (flow + excess / fall).positive();
-        }
-        flow
+        let one = R::splat(1.0);
+        let (excess, fall) = self.excess(of, of.pressed, of.crushed, one);
+        let flow = (excess / fall).positive();
+        let hardened = of.harden * flow;
+        let crushed = of.crushed + hardened;
+        let share = R::select(self.rise.peak.lt(crushed), Self::softened(hardened * of.per_scale), one);
+        let (excess, fall) = self.excess(of, (-of.fall).mul_add(flow, of.pressed), crushed, share);
+        (flow + excess / fall).positive()
     }
 }
 
@@ -398,46 +387,52 @@ impl<R: Real> Meso<R> {
         width: R,
         rates: &Rates<R>,
     ) -> PointResponse<R> {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let one = R::splat(1.0);
         let stress = self.elastic.of(&Rates::scaled::<RATED>(elastic_part(strain, history), rates.per));
         let invariants = Invariants::of(&stress);
         let tensile = rates.tension::<RATED>(self.tensile);
         let active = self.active(&invariants, tensile, [history[CRACKED], history[CRUSHED]]);
-        let mut nominal = Rates::scaled::<RATED>(stress, rates.unit);
         if !R::any(active) {
-            return PointResponse { stress: nominal, integrity: one };
+            return PointResponse { stress: Rates::scaled::<RATED>(stress, rates.unit), integrity: one };
         }
         let Invariants { mean, deviator, mises } = invariants;
         let scale = R::splat(2.0 / 3.0) * mises;
-        let trial = Stress { mean, mises, deviator, principal: invariants.shape().map(|y| scale * y) };
+        let trial = Stress { mean, mises, principal: invariants.shape().map(|y| scale * y) };
         let (per_scale, cracking) = (self.per_scale::<RATED>(width, rates), rates.cracking::<RATED>(width));
         let left = self.cohesion(history[CRUSHED], per_scale);
         let standing = self.standing(history[CRACKED], cracking);
         let bridged = self.bridged::<RATED>(history[CRACKED], cracking, rates);
         let strength = tensile * (left / (Self::stiffness(left) * standing)) * bridged;
-        let (cracked, _) = self.open(trial, strength);
+        let cracked = self.open(&trial, strength);
+        let cracked = Stress { mean: mean - cracked.lost, mises: cracked.mises, principal: cracked.principal };
         let flow = self.flow(&cracked, history[CRUSHED], [left, standing], per_scale);
         let length = self.back(&flow);
-        let share = length * self.three_shear / cracked.mises.max(R::splat(1e-8));
-        let (end, opened) = self.open(trial.less(&cracked, share.min(one), flow.mean_fall * length), strength);
+        let (share, fallen) = ((length * flow.share_fall).min(one), flow.mean_fall * length);
+        let principal = [0, 1, 2].map(|i| (-share).mul_add(cracked.principal[i], trial.principal[i]));
+        let end = self.open(&Stress { mean: mean - fallen, mises, principal }, strength);
+        let ended = moved(&deviator, &trial.principal, &end.principal);
 
-        history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
-        history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
-        let integrity =
-            Self::stiffness(self.cohesion(history[CRUSHED], per_scale)) * self.standing(history[CRACKED], cracking);
+        // A point at rest has the same bits as where all of its register are: all that it loses is 0, and its integrity 1.
+        history[CRACKED] = history[CRACKED] + end.strain;
+        let beyond = |crushed: R| (crushed - self.rise.peak).positive();
+        let before = beyond(history[CRUSHED]);
+        history[CRUSHED] = history[CRUSHED] + flow.harden * length;
+        let left = left * Self::softened((beyond(history[CRUSHED]) - before) * per_scale);
+        let integrity = Self::stiffness(left) * self.standing(history[CRACKED], cracking);
 
-        let volumetric = (mean - end.mean) * self.per_volume;
+        let fallen = fallen + end.lost;
+        let volumetric = fallen * self.per_volume;
         let kept = if RATED { integrity * rates.unit } else { integrity };
+        let mut nominal = stress;
         for i in 0..6 {
-            let own = end.deviator[i];
-            let lost = (deviator[i] - own) * self.per_shear;
-            let (flowed, whole) = if i < 3 { (lost + volumetric, own + end.mean) } else { (lost + lost, own) };
-            // A point at rest has the same bits as where all of its register are.
-            nominal[i] = R::select(active, kept * whole, nominal[i]);
-            let flowed = R::select(active, flowed, zero);
+            let lost = deviator[i] - ended[i];
+            let (whole, sheared) = (stress[i] - lost, lost * self.per_shear);
+            let (flowed, whole) =
+                if i < 3 { (sheared + volumetric, whole - fallen) } else { (sheared + sheared, whole) };
+            nominal[i] = kept * whole;
             history[i] = if RATED { flowed.mul_add(rates.unit, history[i]) } else { history[i] + flowed };
         }
-        PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
+        PointResponse { stress: nominal, integrity }
     }
 
     /// See [`Law::state`].
