@@ -13,15 +13,21 @@ use meso_collision::math::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Uniform<const N: usize> {
     first: Places,
-    others: [Places; N],
-    /// x, y, z of the others' gradients, in units of the lane.
-    gradients: [[Short; 3]; N],
+    others: [Node; N],
     /// A lane's unit of gradients, 1/mm.
     unit: Octet,
     /// mm3; 0 in lanes that are empty.
     pub volume: Octet,
     /// Width of a crack band, mm.
     pub width: Octet,
+}
+
+/// A node of eight elements: 64 bytes, so that loops over nodes have one address.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    at: Places,
+    /// x, y, z of the gradient, in units of the lane.
+    gradient: [Short; 3],
 }
 
 /// Units in the largest component of an element's gradients. It has many divisors, so that the simple ratios of lattices are
@@ -35,8 +41,7 @@ impl<const N: usize> Default for Uniform<N> {
     fn default() -> Self {
         Self {
             first: Places::default(),
-            others: [Places::default(); N],
-            gradients: [[Short::default(); 3]; N],
+            others: [Node::default(); N],
             unit: Octet::default(),
             volume: Octet::default(),
             width: Octet::default(),
@@ -51,10 +56,10 @@ impl<const N: usize> Uniform<N> {
         self.first.set(lane, nodes[0]);
         let largest = gradients.iter().map(Vec3::amax).fold(0.0, f64::max);
         let unit = (largest / UNITS) as f32;
-        for place in 0..N {
-            self.others[place].set(lane, *nodes.get(place + 1).unwrap_or(&nodes[0]));
+        for (place, node) in self.others.iter_mut().enumerate() {
+            node.at.set(lane, *nodes.get(place + 1).unwrap_or(&nodes[0]));
             let gradient = gradients.get(place).copied().unwrap_or_default() / f64::from(unit);
-            (0..3).for_each(|axis| self.gradients[place][axis].0[lane] = gradient[axis].round_ties_even() as i16);
+            (0..3).for_each(|axis| node.gradient[axis].0[lane] = gradient[axis].round_ties_even() as i16);
         }
         self.unit.0[lane] = unit;
         self.volume.0[lane] = volume as f32;
@@ -64,9 +69,12 @@ impl<const N: usize> Uniform<N> {
     /// The eight elements as words: nodes of the others, two to a word, then of the first; volumes; widths; units; x, y, z of
     /// the others' gradients, two to a word. Eight lanes each.
     pub fn words(&self, out: &mut Vec<u32>) {
-        self.others.iter().chain([&self.first]).for_each(|at| out.extend(pairs(at.nodes())));
+        self.others.iter().map(|node| &node.at).chain([&self.first]).for_each(|at| out.extend(pairs(at.nodes())));
         out.extend([&self.volume, &self.width, &self.unit].into_iter().flat_map(|eight| eight.0.map(f32::to_bits)));
-        self.gradients.iter().flatten().for_each(|eight| out.extend(pairs(eight.0.map(i16::cast_unsigned))));
+        self.others
+            .iter()
+            .flat_map(|node| &node.gradient)
+            .for_each(|eight| out.extend(pairs(eight.0.map(i16::cast_unsigned))));
     }
 
     /// Strains of the displacements `u`.
@@ -74,9 +82,9 @@ impl<const N: usize> Uniform<N> {
     pub fn strain<L: Lanes>(&self, u: &Vectors) -> Tensor<L> {
         let origin = L::gather(u, &self.first);
         let mut h = [[L::splat(0.0); 3]; 3];
-        for node in 0..N {
-            let moved = L::gather(u, &self.others[node]);
-            let g = self.gradients[node].each_ref().map(L::load_short);
+        for node in &self.others {
+            let moved = L::gather(u, &node.at);
+            let g = node.gradient.each_ref().map(L::load_short);
             for i in 0..3 {
                 let relative = moved[i] - origin[i];
                 for j in 0..3 {
@@ -94,8 +102,8 @@ impl<const N: usize> Uniform<N> {
         let weight = L::load(&self.volume) * L::load(&self.unit);
         let [xx, yy, zz, xy, yz, zx] = stress.map(|s| s * weight);
         let mut rest = [L::splat(0.0); 3];
-        for node in 0..N {
-            let [a, b, c] = self.gradients[node].each_ref().map(L::load_short);
+        for node in &self.others {
+            let [a, b, c] = node.gradient.each_ref().map(L::load_short);
             let force = [
                 xx.mul_add(a, xy.mul_add(b, zx * c)),
                 xy.mul_add(a, yy.mul_add(b, yz * c)),
@@ -104,7 +112,7 @@ impl<const N: usize> Uniform<N> {
             for i in 0..3 {
                 rest[i] = rest[i] - force[i];
             }
-            L::scatter(forces, &self.others[node], force);
+            L::scatter(forces, &node.at, force);
         }
         L::scatter(forces, &self.first, rest);
     }

@@ -134,17 +134,22 @@ impl Default for Scratch {
 impl Scratch {
     /// Takes in the displacements of `block`'s nodes, less those of the strain that all phases have without stress.
     #[inline(always)]
-    pub fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
+    pub fn take_in<L: Lanes>(&mut self, block: &Block, displacement: &[[f64; 3]], free: Option<&Free>) {
         let first = block.nodes[0] as usize;
         let origin = displacement[first];
-        for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
-            let node = node as usize;
-            let u = displacement[node];
-            let mut relative = [u[0] - origin[0], u[1] - origin[1], u[2] - origin[2]];
-            if let Some(Free { ground, places, .. }) = free {
-                (0..3).for_each(|k| relative[k] -= ground * (places[node][k] - places[first][k]));
+        // Loops, since a closure would be compiled without the instruction set.
+        if let Some(Free { ground, places, .. }) = free {
+            for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
+                let (u, place) = (&displacement[node as usize], &places[node as usize]);
+                for k in 0..3 {
+                    own[k] = (u[k] - origin[k] - ground * (place[k] - places[first][k])) as f32;
+                }
             }
-            *own = [relative[0] as f32, relative[1] as f32, relative[2] as f32, 0.0];
+        } else {
+            let from = [origin[0], origin[1], origin[2], 0.0];
+            for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
+                *own = L::relative(&displacement[node as usize], &from);
+            }
         }
         self.forces[..block.nodes.len()].fill([0.0; 4]);
     }
@@ -248,7 +253,7 @@ impl Task for Pass<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
         let Self { block, common, displacement, out, scratch } = self;
-        scratch.take_in(block, displacement, common.free.as_ref());
+        scratch.take_in::<L>(block, displacement, common.free.as_ref());
         let Scratch { u, forces } = scratch;
         let mut in_all = 0.0;
         for group in &mut block.groups {
@@ -420,12 +425,14 @@ impl<L: Lanes, const N: usize> LawTask<L> for UniformTask<'_, L, N> {
     #[inline(always)]
     fn run<W: Law<L>>(self, law: &W) -> f64 {
         let remembered = self.memory.len() / self.cells.len().max(1);
-        let mut spent = L::splat(0.0);
+        let (mut spent, mut rest) = (L::splat(0.0), self.memory);
         for (i, cells) in self.cells.iter().enumerate() {
-            let ahead = (i + AHEAD).min(self.cells.len() - 1);
-            prefetch(&self.cells[ahead..=ahead]);
-            prefetch(&self.memory[ahead * remembered..(ahead + 1) * remembered]);
-            let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
+            let memory;
+            (memory, rest) = rest.split_at_mut(remembered);
+            if let Some(ahead) = self.cells.get(i + AHEAD) {
+                prefetch(std::slice::from_ref(ahead));
+                prefetch(&rest[(AHEAD - 1) * remembered..][..remembered]);
+            }
             let strain = without(cells.strain(self.u), self.free);
             let answer = answer(law, &strain, memory, L::load(&cells.width));
             spent = answer.spent.mul_add(L::load(&cells.volume), spent);

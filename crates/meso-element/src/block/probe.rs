@@ -58,7 +58,7 @@ impl Task for Probe<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { block, common, displacement, scratch } = self;
-        scratch.take_in(block, displacement, common.free.as_ref());
+        scratch.take_in::<L>(block, displacement, common.free.as_ref());
         let mut points = Vec::new();
         for group in &block.groups {
             let matter = &common.matter[usize::from(group.matter)];

@@ -34,7 +34,8 @@ impl Octet {
 #[repr(C, align(16))]
 pub struct Short(pub [i16; LANES]);
 
-/// Vectors of a block's nodes; the fourth number is padding. As many as [`Places`] can name: no index needs a check.
+/// Vectors of a block's nodes; the fourth number is padding and may have any value. As many as [`Places`] can name: no index
+/// needs a check.
 pub type Vectors = [[f32; 4]; MOST_NODES];
 
 /// Most nodes of a block.
@@ -75,6 +76,8 @@ pub trait Lanes: Real + 'static {
     fn load_short(from: &Short) -> Self;
     /// To memory.
     fn store(self, to: &mut Octet);
+    /// A vector relative to the first three numbers of an `origin`, whose fourth one is zero.
+    fn relative(vector: &[f64; 3], origin: &[f64; 4]) -> [f32; 4];
     /// x, y and z of eight nodes.
     fn gather(nodes: &Vectors, at: &Places) -> [Self; 3];
     /// Adds x, y and z to eight nodes, one after the other.

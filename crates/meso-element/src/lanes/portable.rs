@@ -142,6 +142,10 @@ impl Lanes for Portable {
         to.0 = self.0;
     }
     #[inline(always)]
+    fn relative(vector: &[f64; 3], origin: &[f64; 4]) -> [f32; 4] {
+        [(vector[0] - origin[0]) as f32, (vector[1] - origin[1]) as f32, (vector[2] - origin[2]) as f32, 0.0]
+    }
+    #[inline(always)]
     fn gather(nodes: &Vectors, at: &Places) -> [Self; 3] {
         let at = at.nodes();
         std::array::from_fn(|axis| Self(at.map(|node| nodes[usize::from(node)][axis])))
@@ -150,7 +154,7 @@ impl Lanes for Portable {
     fn scatter(nodes: &mut Vectors, at: &Places, [x, y, z]: [Self; 3]) {
         for (lane, at) in at.nodes().into_iter().enumerate() {
             let node = &mut nodes[usize::from(at)];
-            let vector = [x.0[lane], y.0[lane], z.0[lane], 0.0];
+            let vector = [x.0[lane], y.0[lane], z.0[lane], z.0[lane]];
             *node = std::array::from_fn(|i| node[i] + vector[i]);
         }
     }

@@ -180,6 +180,17 @@ impl Lanes for Avx {
         unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
+    fn relative(vector: &[f64; 3], origin: &[f64; 4]) -> [f32; 4] {
+        // SAFETY: as above; the mask leaves out what lies beyond the vector.
+        unsafe {
+            let vector = _mm256_maskload_pd(vector.as_ptr(), _mm256_set_epi64x(0, -1, -1, -1));
+            let mut relative = [0.0; 4];
+            let difference = _mm256_sub_pd(vector, _mm256_loadu_pd(origin.as_ptr()));
+            _mm_storeu_ps(relative.as_mut_ptr(), _mm256_cvtpd_ps(difference));
+            relative
+        }
+    }
+    #[inline(always)]
     fn gather(nodes: &Vectors, at: &Places) -> [Self; 3] {
         // SAFETY: as above; every node is four numbers, and its place is an even number of pairs of them.
         unsafe {
@@ -198,17 +209,15 @@ impl Lanes for Avx {
     }
     #[inline(always)]
     fn scatter(nodes: &mut Vectors, at: &Places, [x, y, z]: [Self; 3]) {
-        // SAFETY: as for `gather`.
+        // SAFETY: as for `gather`. The padding gets z again: zeros would take two more instructions.
         unsafe {
             let pairs = nodes.as_mut_ptr().cast::<[f32; 2]>();
-            let zero = _mm256_setzero_ps();
             let (xy0, xy1) = (_mm256_unpacklo_ps(x.0, y.0), _mm256_unpackhi_ps(x.0, y.0));
-            let (z0, z1) = (_mm256_unpacklo_ps(z.0, zero), _mm256_unpackhi_ps(z.0, zero));
             let vectors = [
-                _mm256_shuffle_ps::<0x44>(xy0, z0),
-                _mm256_shuffle_ps::<0xEE>(xy0, z0),
-                _mm256_shuffle_ps::<0x44>(xy1, z1),
-                _mm256_shuffle_ps::<0xEE>(xy1, z1),
+                _mm256_shuffle_ps::<0x04>(xy0, z.0),
+                _mm256_shuffle_ps::<0x5E>(xy0, z.0),
+                _mm256_shuffle_ps::<0xA4>(xy1, z.0),
+                _mm256_shuffle_ps::<0xFE>(xy1, z.0),
             ];
             let add = |i: usize, vector: __m128| {
                 let node = pairs.add(at.0[i].into()).cast();
