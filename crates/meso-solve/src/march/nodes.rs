@@ -4,6 +4,7 @@ use crate::march::supports::Supports;
 use crate::march::supports::contact::{Motion, Touched};
 use meso_collision::math::{Aabb, Vec3};
 use meso_element::block::Block;
+use meso_element::lanes::{InstructionSet, Lanes, Task};
 use meso_trial::MOST_SUPPORTS;
 use rayon::prelude::*;
 use std::iter::Peekable;
@@ -154,16 +155,21 @@ impl Nodes {
         [m, u, v - dt / m * force[axis]]
     }
 
-    /// Moves all nodes by a step under the blocks' `forces`.
-    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], supports: &Supports, motion: &Motion) -> Sums {
+    /// Moves all nodes by a step under the blocks' `forces`, with the instructions of `set`.
+    pub(crate) fn advance(
+        &mut self,
+        set: InstructionSet,
+        forces: &[[f32; 4]],
+        supports: &Supports,
+        motion: &Motion,
+    ) -> Sums {
         let Self { displacement, velocity, mass, first, more } = self;
         let spans = displacement.par_chunks_mut(SPAN).zip(velocity.par_chunks_mut(SPAN)).enumerate();
         let spans = spans.map(|(number, (u, v))| {
             let start = number * SPAN;
             let (mass, first) = (&mass[start..], &first[start..]);
             let more = &more[more.partition_point(|&[node, _]| (node as usize) < start)..];
-            let span = Span { start, mass, first, more, forces, supports, motion };
-            span.advance(u, v)
+            set.run(Advance { span: Span { start, mass, first, more, forces, supports, motion }, u, v })
         });
         let sums: Vec<Sums> = spans.collect();
         sums.iter().fold(Sums::default(), Sums::with)
@@ -182,9 +188,26 @@ struct Span<'a> {
     motion: &'a Motion,
 }
 
+/// A step of a span: its displacements and velocities.
+struct Advance<'a> {
+    span: Span<'a>,
+    u: &'a mut [[f64; 3]],
+    v: &'a mut [[f64; 3]],
+}
+
+impl Task for Advance<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Sums {
+        self.span.advance(self.u, self.v)
+    }
+}
+
 impl Span<'_> {
     /// Flat loops over some nodes that stay in the first cache, which compilers turn into registers of several numbers; the few
-    /// nodes with supports go one by one.
+    /// nodes with supports go one by one. No closures, which would be compiled without the instruction set.
+    #[inline(always)]
     fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
         let end = self.start + u.len();
         let mut contacts = self.supports.among(self.start, end).iter().peekable();
@@ -198,9 +221,13 @@ impl Span<'_> {
                 [&mut force, &mut before, &mut push, &mut power].map(|some| &mut some[..u.len()]);
             self.resist(start, &mut more, force);
             before.copy_from_slice(v);
-            push.iter_mut().zip(mass).for_each(|(push, m)| *push = [dt / m; 3]);
+            for (push, m) in push.iter_mut().zip(mass) {
+                *push = [dt / m; 3];
+            }
             let pushed = force.as_flattened().iter().zip(push.as_flattened());
-            v.as_flattened_mut().iter_mut().zip(pushed).for_each(|(v, (force, push))| *v -= force * push);
+            for (v, (force, push)) in v.as_flattened_mut().iter_mut().zip(pushed) {
+                *v -= force * push;
+            }
             let first = self.start + start;
             let node_of = |node: u32| Some(node as usize - first).filter(|i| *i < mass.len());
             while let Some(i) = [contacts.peek().map(|own| own.node), loads.peek().map(|own| own.node)]
@@ -240,17 +267,22 @@ impl Span<'_> {
             }
             let speeds = before.as_flattened().iter().zip(v.as_flattened());
             let powers = power.as_flattened_mut().iter_mut().zip(force.as_flattened()).zip(speeds);
-            powers.for_each(|((power, force), (before, v))| *power = force * (before + v));
+            for ((power, force), (before, v)) in powers {
+                *power = force * (before + v);
+            }
             for ((power, v), m) in power.iter().zip(&*v).zip(mass) {
                 sums.internal += 0.5 * dt * power.iter().sum::<f64>();
                 sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
             }
-            u.as_flattened_mut().iter_mut().zip(v.as_flattened()).for_each(|(u, v)| *u += dt * v);
+            for (u, v) in u.as_flattened_mut().iter_mut().zip(v.as_flattened()) {
+                *u += dt * v;
+            }
         }
         sums
     }
 
     /// Forces with which the elements resist at the nodes from `start`, N.
+    #[inline(always)]
     fn resist(&self, start: usize, more: &mut Peekable<Iter<[u32; 2]>>, forces: &mut [[f64; 3]]) {
         for (force, &place) in forces.iter_mut().zip(&self.first[start..]) {
             *force = [0.0; 3];
@@ -264,7 +296,10 @@ impl Span<'_> {
 }
 
 /// Adds the share at a `place` of the blocks' `forces`.
+#[inline(always)]
 fn add(force: &mut [f64; 3], forces: &[[f32; 4]], place: u32) {
     let share = &forces[place as usize];
-    (0..3).for_each(|k| force[k] += f64::from(share[k]));
+    for k in 0..3 {
+        force[k] += f64::from(share[k]);
+    }
 }

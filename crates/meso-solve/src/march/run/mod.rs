@@ -411,7 +411,7 @@ impl<'a> Run<'a> {
         if !resisted {
             self.resist()?;
         }
-        let sums = self.nodes.advance(&self.forces, &self.supports, motion);
+        let sums = self.nodes.advance(self.set, &self.forces, &self.supports, motion);
         Ok((sums, self.spent.iter().sum()))
     }
 
