@@ -26,17 +26,21 @@ SIDE, SIZE = 24.0, 4.0
 
 
 class Test(NamedTuple):
-    """Strain at the end, negative where plates press, OOFEM's steps, fraction of grains, and A_s and H_p of the law."""
+    """Strain at the end, negative where plates press; fraction of grains; A_s and H_p of the law; OOFEM's steps, tolerance and
+    iterations."""
 
     strain: float
     steps: int
     fraction: float = 0.35
     ductility: float = 15.0
     hardening: float = 0.01
+    tolerance: float = 1e-4
+    iterations: int = 2000
 
 
 # With the paper's A_s and H_p single elements have no peak under compression; a brittle mortar with fewer grains has.
-TESTS = {"compression": Test(-0.0044, 440), "tension": Test(0.0024, 300), "crushing": Test(-0.0044, 440, 0.2, 1.0, 0.1)}
+# Beyond its peak OOFEM meets no tolerance of 1e-4, and that of 3e-3 not in each step, of which it warns.
+TESTS = {"compression": Test(-0.0044, 440), "tension": Test(0.0024, 300), "crushing": Test(-0.0044, 440, 0.2, 1.0, 0.1, 3e-3, 400)}
 SPEC = {"seed": 1, "specimen": {"kind": "cube", "side_mm": SIDE}, "placement": {"min_gap_mm": 1.0}}
 SPEC |= {"grading": {"d_min_mm": 6.0, "d_max_mm": 10.0}}
 MESH = {"method": "lattice", "element_size": SIZE, "itz": "smeared", "accept_phase_error": True}
@@ -107,20 +111,21 @@ def held(points, test):
 def deck(mesh, test):
     """Lines of OOFEM's input; every cell has its own material, since its band has its own width."""
     points, cells, phase = mesh["points"], mesh["cells"], mesh["phase"]
-    steps, way = TESTS[test].steps, TESTS[test].strain * SIDE
+    asked = TESTS[test]
+    steps, way = asked.steps, asked.strain * SIDE
     corners = points[cells]
     volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
     widths = BAND * np.cbrt(6.0 * math.sqrt(2.0) * volumes)
     count, ends = len(cells), held(points, test)
     lines = [
         "oofem.out", "concrete between plates without friction",
-        f"StaticStructural nsteps {steps} deltat 1.0 rtolf 1e-4 maxiter 2000 stiffmode 1 nmodules 0", "domain 3d",
+        f"StaticStructural nsteps {steps} deltat 1.0 rtolf {asked.tolerance:g} maxiter {asked.iterations} stiffmode 1 nmodules 0", "domain 3d",
         f"OutputManager tstep_all dofman_output {{{' '.join(map(str, ends[1]))}}}",
         f"ndofman {len(points)} nelem {count} ncrosssect {count} nmat {count} nbc 4 nltf 2 nic 0 nset {count + 4}",
         *(f"node {n} coords 3 {x!r} {y!r} {z!r}" for n, (x, y, z) in enumerate(points.tolist(), 1)),
         *(f"ltrspace {n} nodes 4 {' '.join(map(str, cell))}" for n, cell in enumerate((cells + 1).tolist(), 1)),
         *(f"SimpleCS {n} material {n} set {n}" for n in range(1, count + 1)),
-        *(material(n, *of, TESTS[test]) for n, of in enumerate(zip(phase.tolist(), widths.tolist(), strict=True), 1)),
+        *(material(n, *of, asked) for n, of in enumerate(zip(phase.tolist(), widths.tolist(), strict=True), 1)),
         f"BoundaryCondition 1 loadTimeFunction 1 dofs 1 3 values 1 0. set {count + 1}",
         f"BoundaryCondition 2 loadTimeFunction 2 dofs 1 3 values 1 {way} set {count + 2}",
         f"BoundaryCondition 3 loadTimeFunction 1 dofs 2 1 2 values 2 0. 0. set {count + 3}",
