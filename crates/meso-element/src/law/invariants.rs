@@ -89,8 +89,11 @@ pub(super) fn moved<R: Real>(deviator: &Tensor<R>, of: &[R; 3], to: &[R; 3]) -> 
     let [a, b, c, xy, yz, zx] = *deviator;
     // Rounding of stresses, MPa: where two principal values nearly agree, they keep their distance.
     let least = R::splat(if R::SINGLE { 1e-5 } else { 1e-13 });
-    let slope = |i: usize| ((to[i] - to[i + 1] + least) / (of[i] - of[i + 1] + least)).min(R::splat(1.0));
-    let (first, second) = (slope(0), slope(1));
+    let mut slopes = [R::splat(1.0); 2];
+    for (i, slope) in slopes.iter_mut().enumerate() {
+        *slope = ((to[i] - to[i + 1] + least) / (of[i] - of[i + 1] + least)).min(*slope);
+    }
+    let [first, second] = slopes;
     let weight = (first - second) / (of[0] - of[2]).max(least);
     let linear = weight.mul_add(of[2], first);
     let constant = (-first).mul_add(of[0], weight.mul_add(of[0] * of[1], to[0]));

@@ -289,16 +289,24 @@ impl<R: Real> Meso<R> {
         let (two, three) = (first + second, first + second + last);
         let [a, b, c] = self.shares;
         let m = (a * first).max(b * two).max(c * three).positive();
-        let after = [first, second, last].map(|s| (s - m).min(zero));
+        // Loops, since closures would be compiled without the instruction set.
+        let (mut after, mut principal) = ([first, second, last], trial.principal);
+        for s in &mut after {
+            *s = (*s - m).min(zero);
+        }
         let mean = (after[0] + after[1] + after[2]) * third;
-        let principal = after.map(|s| s - mean);
-        let [x, y, z] = principal;
+        for s in &mut after {
+            *s = *s - mean;
+        }
+        let [x, y, z] = after;
         let mises = (R::splat(1.5) * x.mul_add(x, y.mul_add(y, z * z))).sqrt();
-        let pick = |a: R, b: R| R::select(opens, a, b);
+        for (own, after) in principal.iter_mut().zip(after) {
+            *own = R::select(opens, after, *own);
+        }
         Opened {
-            lost: pick(above - mean, zero),
-            mises: pick(mises, trial.mises),
-            principal: [0, 1, 2].map(|i| pick(principal[i], trial.principal[i])),
+            lost: R::select(opens, above - mean, zero),
+            mises: R::select(opens, mises, trial.mises),
+            principal,
             strain: (first.max(m) - m) * self.per_shear,
         }
     }
@@ -408,16 +416,19 @@ impl<R: Real> Meso<R> {
         let flow = self.flow(&cracked, history[CRUSHED], [left, standing], per_scale);
         let length = self.back(&flow);
         let (share, fallen) = ((length * flow.share_fall).min(one), flow.mean_fall * length);
-        let principal = [0, 1, 2].map(|i| (-share).mul_add(cracked.principal[i], trial.principal[i]));
+        let mut principal = trial.principal;
+        for (own, cracked) in principal.iter_mut().zip(cracked.principal) {
+            *own = (-share).mul_add(cracked, *own);
+        }
         let end = self.open(&Stress { mean: mean - fallen, mises, principal }, strength);
         let ended = moved(&deviator, &trial.principal, &end.principal);
 
         // A point at rest has the same bits as where all of its register are: all that it loses is 0, and its integrity 1.
         history[CRACKED] = history[CRACKED] + end.strain;
-        let beyond = |crushed: R| (crushed - self.rise.peak).positive();
-        let before = beyond(history[CRUSHED]);
+        let before = (history[CRUSHED] - self.rise.peak).positive();
         history[CRUSHED] = history[CRUSHED] + flow.harden * length;
-        let left = left * Self::softened((beyond(history[CRUSHED]) - before) * per_scale);
+        let beyond = (history[CRUSHED] - self.rise.peak).positive();
+        let left = left * Self::softened((beyond - before) * per_scale);
         let integrity = Self::stiffness(left) * self.standing(history[CRACKED], cracking);
 
         let fallen = fallen + end.lost;
