@@ -820,7 +820,7 @@ class TestResult(Setup, CurveFigures, BeyondPeak, Lateral):
     kinetic_over_internal_to_half_peak: float
     """Largest kinetic over internal energy until the stress has fallen to half its peak; to the peak under a lateral tension."""
     energy_balance_error: float
-    """Largest difference of work and energies over the work."""
+    """Largest difference of work and energies over the work: what loose nodes lose when they meet a plate again, and rounding."""
     hourglass_over_internal: float
     """Largest hourglass over internal energy after the ramp."""
     energies: Energies
