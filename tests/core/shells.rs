@@ -25,7 +25,7 @@ pub(crate) fn recycled() -> &'static Model {
 }
 
 pub(crate) fn shelled(body: meso_core::geometry::Polyhedron, itz: f64, thicknesses: &[f64]) -> Aggregate {
-    let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm };
+    let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm, outward: false };
     let shells = thicknesses.iter().enumerate().map(shell).collect();
     Aggregate { id: 0, kind: Kind::Aggregate, own: None, class: 0, itz_thickness_mm: itz, shells, body }
 }
@@ -175,6 +175,97 @@ fn four_shells_have_the_voxels_and_cells_of_one_that_is_as_thick() {
     }
 }
 
+/// Grains of `kind` in a cube, with `shells`, and the same without.
+fn coated(kind: &str, side_mm: u32, shells: &str) -> [Model; 2] {
+    let text = format!(
+        "fraction = 0.25\nspecimen = {{ kind = 'cube', side_mm = {side_mm} }}\nshape.kind = '{kind}'\n\
+         grading = {{ d_min_mm = 4, d_max_mm = 16, classes_mm = [4, 8, 16] }}\nitz.thickness_mm = [0.1, 0.2]\n"
+    );
+    [packed(&format!("{text}{shells}")), packed(&text)]
+}
+
+const COATING: &str = "[[shape.shells]]\nname = 'skin'\nthickness_mm = [0.1, 0.3]\noutward = true\n\
+    [[shape.shells]]\nname = 'coat'\nsize_share = [0.01, 0.02]\noutward = true\n\
+    [[shape.shells]]\nname = 'rim'\nvolume_share = 0.2\n";
+
+/// Grains are kept in single precision, and those that were turned on a lattice of 2^-30 mm.
+const STONE_ROUNDING: f64 = 2e-7;
+
+#[test]
+fn stones_within_coatings_are_the_grains_without_and_meet_the_grading() {
+    for kind in ["polyhedron", "crushed", "sphere"] {
+        let [model, plain] = coated(kind, 80, COATING);
+        let in_order = |model: &Model| {
+            let mut stones: Vec<_> =
+                model.aggregates.iter().map(|grain| (grain.class, grain.graded().volume())).collect();
+            stones.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            stones
+        };
+        let (stones, bare) = (in_order(&model), in_order(&plain));
+        assert!(stones.len() > 100 && stones.len() == bare.len(), "{kind} {} {}", stones.len(), bare.len());
+        let off = stones.iter().zip(&bare).map(|(a, b)| (a.1 / b.1 - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < STONE_ROUNDING, "{kind} {off:e}");
+        for class in &model.report.classes {
+            assert!((class.fraction / class.target_fraction - 1.0).abs() < 0.01, "{kind} {class:?}");
+        }
+        for grain in &model.aggregates {
+            let layers: Vec<f64> = grain.layers().map(|(depth, _)| depth).collect();
+            let coating = grain.itz_thickness_mm + grain.shells[0].thickness_mm + grain.shells[1].thickness_mm;
+            assert_eq!(layers[2], coating);
+            let volumes = grain.layer_volumes(grain.itz_thickness_mm).unwrap();
+            assert!((volumes[2].1 / grain.graded().volume() - 0.2).abs() < 1e-6, "{kind} {volumes:?}");
+        }
+        let report = &model.report;
+        let bodies: f64 = model.aggregates.iter().map(|grain| grain.body.volume()).sum();
+        let whole = report.coated_fraction.unwrap();
+        assert!((whole * report.specimen.volume_mm3 / bodies - 1.0).abs() < 1e-12 && whole > 1.1 * report.fraction);
+        assert_eq!((plain.report.coated_fraction, check(&model).findings), (None, vec![]), "{kind}");
+        let mut bytes = Vec::new();
+        saved::write(&model, &mut bytes).unwrap();
+        assert_eq!(saved::read(&bytes).unwrap().aggregates, model.aggregates);
+        for bare in &plain.aggregates {
+            let again = bare.body.outward_offset(0.7).unwrap().inward_offset(0.7).unwrap().unwrap();
+            assert!((again.volume() / bare.body.volume() - 1.0).abs() < 1e-12, "{kind}");
+        }
+    }
+}
+
+#[test]
+fn layers_of_tetrahedra_and_voxels_have_the_coatings() {
+    let coat = "[[shape.shells]]\nname = 'coat'\nthickness_mm = [0.4, 0.6]\noutward = true\n";
+    let [model, _] = coated("polyhedron", 40, coat);
+    let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |grain| grain.itz_thickness_mm).unwrap();
+    let stones: f64 = model.aggregates.iter().map(|grain| grain.graded().volume()).sum();
+    assert!((exact.of(Phase::Aggregate) / stones - 1.0).abs() < 1e-9 && exact.of(Phase::Own(0)) > 0.2 * stones);
+    for (method, element_size_mm, itz, off) in
+        [(Method::VOXEL, 0.5, ItzForm::None, 0.02), (Method::FITTED, 2.0, ItzForm::Solid, 0.1)]
+    {
+        let options = MeshOptions { method, element_size_mm, itz, ..MeshOptions::default() };
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+        let exact = PhaseVolumes::exact_for(&mesh, &model.aggregates, &model.spec.specimen).unwrap();
+        let volumes = PhaseVolumes::of_mesh(&mesh);
+        for phase in [Phase::Own(0), Phase::Aggregate] {
+            assert!(
+                (volumes.of(phase) / exact.of(phase) - 1.0).abs() < off,
+                "{method:?} {phase:?} {volumes:?} {exact:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn take_and_place_fills_its_classes_with_stones_of_a_phase() {
+    let shells = format!(
+        "placement.strategy = 'take-and-place'\n[[phases]]\nname = 'slag'\nshare = 0.5\n{}",
+        COATING.replace("\n[[", "\nof = 'slag'\n[[")
+    );
+    let [model, plain] = coated("polyhedron", 80, &shells);
+    let slag = &model.report.own_phases[0];
+    assert!(model.report.fraction >= 0.99 * plain.report.fraction, "{:?}", model.report.stop_detail);
+    assert!((slag.fraction / slag.target_fraction - 1.0).abs() < 0.05, "{slag:?}");
+    assert_eq!(check(&model).findings, []);
+}
+
 /// Wet-screened concrete: the same seed without the top class.
 #[test]
 fn the_grains_of_a_class_do_not_depend_on_the_classes_above_it() {
@@ -236,6 +327,14 @@ fn shells_that_cannot_be_are_refused_by_name_before_any_grain_is_placed() {
         (
             "name = 'a'\nvolume_share = 0.6\n[[shape.shells]]\nname = 'b'\nvolume_share = 0.5",
             "add up to 1.1; below 1 a core is left",
+        ),
+        (
+            "name = 'a'\nthickness_mm = [1, 1]\n[[shape.shells]]\nname = 'b'\nthickness_mm = [1, 1]\noutward = true",
+            "shape.shells.outward of b follows a shell within the stone; outward ones come first",
+        ),
+        (
+            "name = 'a'\nvolume_share = 0.2\noutward = true",
+            "shape.shells.outward of a needs thickness_mm, size_share or thickness_over_size_mm, and convex polyhedra or spheres",
         ),
     ] {
         let error = Spec::from_toml(&format!("{PLAIN}[[shape.shells]]\n{entries}")).unwrap_err().to_string();

@@ -23,7 +23,7 @@ fn coated<'a>(specimen: &'a Specimen, thicknesses: &[f64]) -> Parts<'a> {
 }
 
 fn coated_body<'a>(specimen: &'a Specimen, body: Polyhedron, thicknesses: &[f64]) -> Parts<'a> {
-    let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm };
+    let shell = |(own, &thickness_mm): (usize, &f64)| Shell { own: own as u8, thickness_mm, outward: false };
     let body = aggregate(body, 0.0);
     let body = Aggregate { shells: thicknesses.iter().enumerate().map(shell).collect(), ..body };
     let names: PhaseNames = (0..thicknesses.len()).map(name).collect();

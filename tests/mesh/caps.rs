@@ -131,7 +131,8 @@ fn fitted_layers_reach_the_sides_and_have_the_volume_of_the_whole_balls_shell_in
 fn shells_below_a_layer_reach_the_sides_and_have_their_volumes() {
     let (middle, depths) = (MIDDLES[1], [0.3, 0.8, 1.2]);
     let mut model = model(middle, depths[0]);
-    model.aggregates[0].shells = [(0, 0.5), (1, 0.4)].map(|(own, thickness_mm)| Shell { own, thickness_mm }).into();
+    model.aggregates[0].shells =
+        [(0, 0.5), (1, 0.4)].map(|(own, thickness_mm)| Shell { own, thickness_mm, outward: false }).into();
     let mesh = meshed(&model, Method::FITTED, 1.0);
     let volumes = PhaseVolumes::of_mesh(&mesh);
     let within = depths.map(|depth| shell(middle, depth));

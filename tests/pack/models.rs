@@ -62,6 +62,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         seed: spec.seed,
         target_fraction: spec.fraction,
         fraction: 0.0,
+        coated_fraction: None,
         aggregates,
         discarded: 0,
         specimen: SpecimenReport::new(&spec.specimen),

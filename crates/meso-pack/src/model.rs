@@ -4,7 +4,7 @@ use crate::accept::{self, Fault};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
-use meso_concrete::aggregate::{Aggregate, Kind, Shape, TooThick, add_shells};
+use meso_concrete::aggregate::{Aggregate, Kind, Shape, TooThick, add_coatings, add_shells};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, mark_caps, parallel};
@@ -139,6 +139,10 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
     if !spec.shape.shells.is_empty() {
         add_shells(&mut grains, *seed, grading, |own| spec.shells_of(own))
             .map_err(|error| too_thick(&error, &spec.shape))?;
+    }
+    if spec.shape.shells.iter().any(|law| law.outward) {
+        add_coatings(&mut grains)
+            .map_err(|error| SpecError::value("shape.shells", format!("cannot be put around a grain: {error}")))?;
     }
     Ok((grains, !stopped.into_inner()))
 }

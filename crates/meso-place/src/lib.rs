@@ -234,7 +234,7 @@ impl GrainTally {
         let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
             let largest = &mut largest_mm3[usize::from(grain.class)];
-            *largest = grain.volume().max(*largest);
+            *largest = grain.graded_volume().max(*largest);
         }
         let aggregates = || grains.iter().zip(poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
         let placed = aggregates().filter(|(_, pose)| pose.is_some());

@@ -21,6 +21,10 @@ pub struct Report {
     pub target_fraction: f64,
     /// Reached volume fraction.
     pub fraction: f64,
+    /// Fraction of the aggregates with their outward shells and the ITZ around them, where the spec asks for some; all other
+    /// fractions are then of stones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coated_fraction: Option<f64>,
     /// Aggregates placed.
     pub aggregates: usize,
     /// Aggregates taken but not placed.
@@ -322,6 +326,7 @@ pub fn report(
         seed: target.seed,
         target_fraction: target.fraction,
         fraction,
+        coated_fraction: coated_fraction(target, aggregates),
         aggregates: aggregates.len(),
         discarded: tally.aggregates - aggregates.len(),
         specimen,
@@ -425,6 +430,7 @@ impl Report {
             seed: target.seed,
             target_fraction: target.fraction,
             fraction,
+            coated_fraction: coated_fraction(target, aggregates),
             aggregates: aggregates.len(),
             discarded: 0,
             specimen: SpecimenReport::new(target.specimen),
@@ -476,7 +482,7 @@ impl ClassReport {
         let mut classes: Vec<Self> = asked.collect();
         for (class, body) in bodies {
             let class = &mut classes[class];
-            class.fraction += body.body.volume() / volume_mm3;
+            class.fraction += body.graded().volume() / volume_mm3;
             class.aggregates += 1;
         }
         classes
@@ -533,7 +539,7 @@ impl OwnPhaseReport {
         let of = |(own, phase): (usize, &OwnPhase)| {
             let asked = classes.iter().map(|class| target.fraction * class.share * phase.share_of(class));
             let bodies = || aggregates.iter().filter(|body| body.own == Some(own as u8));
-            let volume = bodies().map(|body| body.body.volume()).fold(0.0, |sum, volume| sum + volume);
+            let volume = bodies().map(|body| body.graded().volume()).fold(0.0, |sum, volume| sum + volume);
             Self {
                 phase: phase.name.clone(),
                 target_fraction: asked.sum(),
@@ -544,6 +550,12 @@ impl OwnPhaseReport {
         };
         target.phases.iter().enumerate().map(of).collect()
     }
+}
+
+/// The fraction with outward shells, where there are some.
+fn coated_fraction(target: &PackingTarget, aggregates: &[Aggregate]) -> Option<f64> {
+    let bodies = || aggregates.iter().map(|body| body.body.volume()).sum::<f64>() / target.specimen.volume();
+    target.shape.shells.iter().any(|law| law.outward).then(bodies)
 }
 
 impl ShellReport {

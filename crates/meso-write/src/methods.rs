@@ -127,7 +127,8 @@ fn origin(report: &Report) -> Option<String> {
 }
 
 fn placed(report: &Report) -> String {
-    let Report { strategy, seed, fraction, .. } = report;
+    let Report { strategy, seed, .. } = report;
+    let fraction = report.coated_fraction.unwrap_or(report.fraction);
     let how = if report.labels.is_some() { String::new() } else { format!(" ({strategy}, seed {seed})") };
     let verb = if report.labels.is_some() { "found" } else { "placed" };
     let aggregates = thousands(report.aggregates);

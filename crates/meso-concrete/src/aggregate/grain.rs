@@ -1,7 +1,8 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
-use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullError, Polyhedron, Round, convex_hull};
+use super::shells::coating_mm;
+use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullError, OffsetError, Polyhedron, Round, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,8 @@ pub struct Shell {
     pub own: u8,
     /// Thickness, mm.
     pub thickness_mm: f64,
+    /// Whether it lies around the stone that the grading asks for.
+    pub outward: bool,
 }
 
 /// A grain has a shape and an orientation, but no position yet.
@@ -68,6 +71,8 @@ pub struct Grain {
     pub itz_thickness_mm: f64,
     /// Its further shells below the ITZ, from outside.
     pub shells: Vec<Shell>,
+    /// Volume of the stone within outward shells, mm3; `None` without these.
+    pub(super) stone_mm3: Option<f64>,
     /// True when the drawn thickness was too large for the grain and was limited.
     pub itz_limited: bool,
     /// True when the grain has dents, and parts thinner than two of its ITZ: nothing of these is inside the ITZ.
@@ -89,6 +94,11 @@ impl Grain {
     /// Volume of the grain, mm3.
     pub fn volume(&self) -> f64 {
         self.body.volume()
+    }
+
+    /// Volume that counts for the grading, mm3: the stone's within outward shells.
+    pub fn graded_volume(&self) -> f64 {
+        self.stone_mm3.unwrap_or_else(|| self.volume())
     }
 
     /// From the centre to the middle of that end of a fibre where the farthest vertex is, mm.
@@ -171,9 +181,30 @@ impl Grain {
     ) -> Result<Self, HullError> {
         let mut vertices = turned(vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
         vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
-        let body = convex_hull(&vertices)?;
+        Self::hull(kind, (class, index), &vertices)
+    }
+
+    fn hull(kind: Kind, ids: (u16, u32), vertices: &[Vec3]) -> Result<Self, HullError> {
+        let body = convex_hull(vertices)?;
         let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
-        Ok(Self::around_origin(kind, (class, index), body, inner_radius))
+        Ok(Self::around_origin(kind, ids, body, inner_radius))
+    }
+
+    /// The grain that has this one as its stone, within its outward shells and the ITZ around them.
+    ///
+    /// Rounded to single precision, its planes are off by the millionth part of a millimetre that the stone's corners are off, too.
+    pub(super) fn coated(&self) -> Result<Self, OffsetError> {
+        let (stone, thickness_mm) = (self.body.widened(), coating_mm(self.itz_thickness_mm, &self.shells));
+        if thickness_mm == 0.0 {
+            return Ok(self.clone());
+        }
+        let (ids, outer) = ((self.class, self.index), stone.outward_offset(thickness_mm)?);
+        let rounded = |vertex: &Vec3| narrowed(&snap(vertex));
+        let Self { body, outer_radius, inner_radius, .. } = match outer.form() {
+            BodyForm::Round(round) => Self::of_ends(ids, &round.ends().map(|end| rounded(&end))),
+            _ => Self::hull(self.kind, ids, &outer.vertices().iter().map(rounded).collect::<Vec<_>>())?,
+        };
+        Ok(Self { body, outer_radius, inner_radius, stone_mm3: Some(self.volume()), ..self.clone() })
     }
 
     /// The grain with dents that is `length` times as large as `unit`, in a random orientation, without ITZ.
@@ -193,9 +224,12 @@ impl Grain {
             None => stream.rotation().to_rotation_matrix().into_inner(),
         };
         // Opposite ends are rounded alike, so that the centre stays.
-        let ends = round.ends().map(|end| narrowed(&snap(&(turn * end))));
-        let inner_radius = Round::of_ends(&ends).semi_axes()[2];
-        Self::around_origin(Kind::Aggregate, ids, Polyhedron::of_ends(&ends), inner_radius)
+        Self::of_ends(ids, &round.ends().map(|end| narrowed(&snap(&(turn * end)))))
+    }
+
+    fn of_ends(ids: (u16, u32), ends: &[Vec3]) -> Self {
+        let inner_radius = Round::of_ends(ends).semi_axes()[2];
+        Self::around_origin(Kind::Aggregate, ids, Polyhedron::of_ends(ends), inner_radius)
     }
 
     fn around_origin(kind: Kind, (class, index): (u16, u32), body: Polyhedron, inner_radius: f64) -> Self {
@@ -208,6 +242,7 @@ impl Grain {
             template: 0,
             itz_thickness_mm: 0.0,
             shells: Vec::new(),
+            stone_mm3: None,
             itz_limited: false,
             itz_thin: false,
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),

@@ -22,9 +22,10 @@ pub use itz::Itz;
 pub use kinds::{OwnPhase, SHARE_ROUNDING};
 pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
-pub use shells::{ShellLaw, Thickness, TooThick, add_shells};
+pub use shells::{ShellLaw, Thickness, TooThick, add_coatings, add_shells};
 
 use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
+use std::borrow::Cow;
 
 /// One aggregate, or one void or fibre, at its position in the specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +47,13 @@ pub struct Aggregate {
 }
 
 impl Aggregate {
+    /// The body whose size and volume the grading asks for: the stone within outward shells, or else all of it.
+    pub fn graded(&self) -> Cow<'_, Polyhedron> {
+        let stone = |depth| self.body.inward_offset(depth).ok().flatten();
+        let depth = Some(shells::coating_mm(self.itz_thickness_mm, &self.shells)).filter(|depth| *depth > 0.0);
+        depth.and_then(stone).map_or(Cow::Borrowed(&self.body), Cow::Owned)
+    }
+
     /// The body inside the ITZ shell, or `None` where the shell takes it all.
     ///
     /// # Errors

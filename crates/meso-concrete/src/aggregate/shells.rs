@@ -1,4 +1,5 @@
-//! Shells of a grain: nested inward offsets below its ITZ, each of a phase of the specimen's own.
+//! Shells of a grain: nested inward offsets below its ITZ, each of a phase of the specimen's own. Outward ones, and the ITZ around
+//! them, make the grain larger, so that the stone within them is the one that was taken.
 //!
 //! The points deeper than a depth hold those deeper than a larger one, so that shells are nested by their thicknesses alone. A
 //! shell's thickness is drawn, or follows from its share of a convex grain's volume within the ITZ. That volume falls with the
@@ -8,6 +9,7 @@ use super::Grading;
 use super::grading::interpolate;
 use super::grain::{Grain, Kind, Shell};
 use super::random::{Draw, Stream};
+use super::take::in_order;
 use crate::parallel;
 use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
 use serde::{Deserialize, Serialize};
@@ -35,6 +37,10 @@ pub struct ShellLaw {
     /// Phase of `[[phases]]` whose grains have it; absent, all aggregates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
+    /// Whether it lies around the stone, as a coating does: the size and the volume that the grading asks for are then the stone's,
+    /// and the ITZ lies around the coating. Outward shells come first.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub outward: bool,
 }
 
 /// How a shell's thickness follows, by the one of the keys that is given.
@@ -114,6 +120,26 @@ pub fn add_shells<'a>(
     Ok(())
 }
 
+/// Grows the grains by their outward shells and the ITZ around them.
+///
+/// # Errors
+/// Grains that have no outward offset.
+pub fn add_coatings(grains: &mut Vec<Grain>) -> Result<(), OffsetError> {
+    *grains = parallel::try_map(grains.len(), |number| grains[number].coated())?;
+    in_order(grains);
+    Ok(())
+}
+
+/// Depth of the stone within outward `shells` and the ITZ around them, mm; 0 where there are none.
+pub(super) fn coating_mm(itz_thickness_mm: f64, shells: &[Shell]) -> f64 {
+    let coating = shells.iter().filter(|shell| shell.outward);
+    if coating.clone().next().is_none() {
+        0.0
+    } else {
+        coating.fold(itz_thickness_mm, |sum, shell| sum + shell.thickness_mm)
+    }
+}
+
 fn of_grain(
     grain: &Grain,
     size: impl Fn() -> f64,
@@ -125,7 +151,7 @@ fn of_grain(
     }
     let size = size();
     let (body, radius_mm) = (grain.body.widened(), f64::from(grain.inner_radius));
-    let mut depth = grain.itz_thickness_mm;
+    let mut depth = if laws.iter().any(|(_, law)| law.outward) { 0.0 } else { grain.itz_thickness_mm };
     let inside = body.inward_offset(depth).ok().flatten().map_or(0.0, |inside| inside.volume());
     let mut shells = Vec::with_capacity(laws.len());
     for (own, law) in laws {
@@ -133,12 +159,12 @@ fn of_grain(
         let by_volume = || law.volume_share.and_then(|share| below(&body, depth, share * inside).ok().flatten());
         // A volume that is not left is thicker than any grain.
         let thickness_mm = drawn.or_else(by_volume).unwrap_or(f64::INFINITY);
-        depth += thickness_mm;
-        shells.push(Shell { own: *own, thickness_mm });
+        depth += if law.outward { 0.0 } else { thickness_mm };
+        shells.push(Shell { own: *own, thickness_mm, outward: law.outward });
     }
     let limit = if grain.body.form() == BodyForm::Surface { LIMIT_WITH_DENTS } else { LIMIT };
-    let fits =
-        depth <= limit * radius_mm || laws.iter().all(|(_, law)| law.volume_share.is_some()) && depth.is_finite();
+    let by_volume = |(_, law): &(u8, &ShellLaw)| law.outward || law.volume_share.is_some();
+    let fits = depth <= limit * radius_mm || laws.iter().all(by_volume) && depth.is_finite();
     if fits { Ok(shells) } else { Err(TooThick { grains: 1, thickness_mm: depth, radius_mm }) }
 }
 

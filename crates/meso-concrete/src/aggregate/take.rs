@@ -48,14 +48,19 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
     mark_thin(&mut grains);
     take_inclusions(&mut grains, mixture, classes.len() as u16, volume * beyond)?;
     grains.shrink_to_fit();
+    in_order(&mut grains);
+    kinds::divide(&mut grains, mixture.phases, &classes);
+    Ok(grains)
+}
+
+/// Sorts the grains as [`take`] returns them.
+pub(super) fn in_order(grains: &mut [Grain]) {
     let last = |grain: &Grain| grain.kind != Kind::Fibre;
     // No two have the same number in the same class.
     grains.sort_unstable_by(|p, q| {
         let by_volume = q.volume().total_cmp(&p.volume());
         last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
     });
-    kinds::divide(&mut grains, mixture.phases, &classes);
-    Ok(grains)
 }
 
 /// Marks grains with dents whose parts are thinner than two of their ITZ. The copy of a surface with the thickest ITZ for its

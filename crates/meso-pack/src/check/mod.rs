@@ -344,12 +344,13 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
         Kind::Aggregate => *model.spec.grading.classes().get(usize::from(aggregate.class))?,
         _ => return inclusions::size(&model.spec.inclusions(), aggregate),
     };
+    let body = aggregate.graded();
     let size_mm = match model.spec.grading.size {
-        SizeDefinition::LongestAxis => match aggregate.body.form() {
+        SizeDefinition::LongestAxis => match body.form() {
             BodyForm::Round(round) => 2.0 * round.semi_axes()[0],
-            BodyForm::Hull | BodyForm::Surface => longest_distance(aggregate.body.vertices()),
+            BodyForm::Hull | BodyForm::Surface => longest_distance(body.vertices()),
         },
-        SizeDefinition::Sieve => aggregate.body.sieve_size(),
+        SizeDefinition::Sieve => body.sieve_size(),
     };
     let rounding = rounding(size_mm);
     let fits = size_mm >= class.d_min_mm - rounding && size_mm <= class.d_max_mm + rounding;

@@ -8,7 +8,7 @@ use crate::accept::{self, Fault};
 use crate::model::{Model, target};
 use meso_collision::geometry::{Polyhedron, Round};
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::{Aggregate, Kind, Shell};
+use meso_concrete::aggregate::{Aggregate, Kind, Shell, ShellLaw};
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{PhaseNames, mark_caps};
@@ -242,7 +242,9 @@ fn aggregate(
             laws.len()
         )));
     }
-    let shells = laws.iter().zip(shells_mm).map(|((own, _), thickness_mm)| Shell { own: *own, thickness_mm }).collect();
+    let shell =
+        |((own, law), thickness_mm): (&(u8, &ShellLaw), f64)| Shell { own: *own, thickness_mm, outward: law.outward };
+    let shells = laws.iter().zip(shells_mm).map(shell).collect();
     if let Some(face) = faces.iter().position(|face| dents && face.len() != 3) {
         return Err(wrong(format!("face {face} is no triangle, which all faces of an aggregate with dents are")));
     }

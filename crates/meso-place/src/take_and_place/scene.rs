@@ -112,7 +112,7 @@ impl<'a> Scene<'a> {
             self.numbers.push(number as u32);
             self.placed.push(Placed { centre, bounds: solid.body().bounds() });
         }
-        self.class_volume[usize::from(grain.class)] += grain.volume();
+        self.class_volume[usize::from(grain.class)] += grain.graded_volume();
     }
 
     /// The pose of every grain; the lookup is freed before the list is made.
@@ -131,7 +131,7 @@ impl<'a> Scene<'a> {
     /// True when the class of `grain` comes no nearer to its target with it.
     pub(super) fn class_is_full(&self, grain: &Grain) -> bool {
         let class = usize::from(grain.class);
-        self.class_volume[class] + grain.volume() / 2.0 >= self.task.class_targets[class]
+        self.class_volume[class] + grain.graded_volume() / 2.0 >= self.task.class_targets[class]
     }
 
     /// True when the candidate at `centre`, already prefiltered, is proved apart from everything placed and inside

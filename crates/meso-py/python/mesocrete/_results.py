@@ -214,6 +214,8 @@ class Report(TypedDict):
     """Asked volume fraction of the aggregates, 0 to 1."""
     fraction: float
     """Reached volume fraction."""
+    coated_fraction: NotRequired[float | None]
+    """Fraction of the aggregates with their outward shells and the ITZ around them, where the spec asks for some; all other fractions are then of stones."""
     aggregates: int
     """Aggregates placed."""
     discarded: int

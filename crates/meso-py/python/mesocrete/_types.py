@@ -255,6 +255,8 @@ class ShellLaw(TypedDict, total=False):
     """Name of its phase, as in `[[phases]]`."""
     of: str | None
     """Phase of `[[phases]]` whose grains have it; absent, all aggregates."""
+    outward: bool
+    """Whether it lies around the stone, as a coating does: the size and the volume that the grading asks for are then the stone's, and the ITZ lies around the coating. Outward shells come first."""
     size_share: _Numbers | None
     """Smallest and largest thickness over the size of its grain, as `grading.size` defines that; instead of a thickness."""
     thickness_mm: _Numbers | None

@@ -110,6 +110,14 @@ pub(super) fn check_shells(spec: &Spec) -> Checked {
             );
             return Err(SpecError::value("shape.shells.volume_share", message));
         }
+        if shell.outward && (!shape.has_exact_cores() || shell.volume_share.is_some()) {
+            let message = format!(
+                "of {} needs thickness_mm, size_share or thickness_over_size_mm, and convex polyhedra or spheres; without \
+                 it, sizes are those of grains with the shell",
+                shell.name
+            );
+            return Err(SpecError::value("shape.shells.outward", message));
+        }
         if let Some(of) = shell.of.as_ref().filter(|of| phases.iter().all(|phase| phase.name != **of)) {
             let message =
                 format!("of {} is {of:?}; it must be the name of an entry of [[phases]], or be left out", shell.name);
@@ -170,6 +178,12 @@ fn law(shell: &ShellLaw) -> Checked {
 /// at d = b / (1/2 - c).
 fn together(spec: &Spec, own: Option<u8>) -> Checked {
     let laws = spec.shells_of(own);
+    if let Some(pair) = laws.windows(2).find(|pair| !pair[0].1.outward && pair[1].1.outward) {
+        let message = format!("of {} follows a shell within the stone; outward ones come first", pair[1].1.name);
+        return Err(SpecError::value("shape.shells.outward", message));
+    }
+    let (coating, laws): (Vec<_>, Vec<_>) = laws.into_iter().partition(|(_, law)| law.outward);
+    let itz_mm = if coating.is_empty() { spec.itz.thickness_mm[1] } else { 0.0 };
     let shares: f64 = laws.iter().filter_map(|(_, law)| law.volume_share).sum();
     if exceeds(shares, 1.0 - SHARE_ROUNDING) {
         let message = format!("of all shells of a grain add up to {}; below 1 a core is left", number(short(shares)));
@@ -181,7 +195,7 @@ fn together(spec: &Spec, own: Option<u8>) -> Checked {
     let c: f64 = laws.iter().filter_map(|(_, law)| law.size_share).map(|[_, high]| high).sum();
     let all = |size: f64| {
         let shells: f64 = laws.iter().filter_map(|(_, law)| law.limits_mm(size)).map(|[_, high]| high).sum();
-        if shells > 0.0 { spec.itz.thickness_mm[1] + shells } else { 0.0 }
+        if shells > 0.0 { itz_mm + shells } else { 0.0 }
     };
     let mut sizes = vec![smallest, largest];
     sizes.extend(rows.filter(|size| smallest < *size && *size < largest));

@@ -34,6 +34,9 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         let (name, reached, bodies) = (&shell.phase, shell.fraction, thousands(shell.aggregates));
         writeln!(out, "<tr><td>shells of {name}<td><td>{reached:.5}<td><td>{bodies}")?;
     }
+    if let Some(reached) = report.coated_fraction {
+        writeln!(out, "<tr><td>stones with coatings and ITZ<td><td>{reached:.5}<td><td>{}", report.aggregates)?;
+    }
     writeln!(out, "</table>")?;
     writeln!(
         out,

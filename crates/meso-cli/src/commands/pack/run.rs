@@ -120,6 +120,7 @@ fn print(report: &Report, verbose: bool, is_default: bool) {
         let own = |p: &OwnPhaseReport| format!("{} {:.5} of {:.5} asked", p.phase, p.fraction, p.target_fraction);
         report.own_phases.iter().for_each(|p| stderr::line(own(p)));
         report.shells.iter().for_each(|p| stderr::line(format!("shells of {} {:.5}", p.phase, p.fraction)));
+        report.coated_fraction.iter().for_each(|all| stderr::line(format!("stones with coatings and ITZ {all:.5}")));
     }
     report.remarks().iter().for_each(stderr::line);
 }

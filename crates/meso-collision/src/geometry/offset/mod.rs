@@ -59,6 +59,22 @@ impl Polyhedron {
         if !thickness.is_finite() || thickness < 0.0 {
             return Err(OffsetError::Thickness { thickness });
         }
+        self.eroded_by(thickness)
+    }
+
+    /// The body whose [`inward_offset`](Self::inward_offset) by `thickness` mm this one is: its planes are moved outwards, which
+    /// mitres edges and corners and loses no face.
+    ///
+    /// # Errors
+    /// See [`OffsetError`].
+    pub fn outward_offset(&self, thickness: f64) -> Result<Self, OffsetError> {
+        if !thickness.is_finite() || thickness < 0.0 {
+            return Err(OffsetError::Thickness { thickness });
+        }
+        self.eroded_by(-thickness)?.ok_or_else(lost)
+    }
+
+    fn eroded_by(&self, thickness: f64) -> Result<Option<Self>, OffsetError> {
         if thickness == 0.0 {
             return Ok(Some(self.clone()));
         }

@@ -77,7 +77,7 @@ fn double_double_point([a, b, c]: [Vec3; 3], center: &Vec3, thickness: f64) -> (
     let height = dot(&normal, &arm) - squared.sqrt() * thickness;
     let (u, v, arm) = ((b - a).norm(), (c - a).norm(), (a - center).norm());
     // Each component of the normal errs by a few parts of |u| |v|, and with it height and norm.
-    let error = 32.0 * DD_EPSILON * u * v * (arm + thickness);
+    let error = 32.0 * DD_EPSILON * u * v * (arm + thickness.abs());
     let certain = (error < f64::EPSILON / 8.0 * height.value())
         & (32.0 * DD_EPSILON * u * v < f64::EPSILON / 8.0 * squared.sqrt().value());
     // Beyond these magnitudes the low parts could underflow.
@@ -104,6 +104,7 @@ pub(super) fn exact_point_in(axes: &[Vec3; 3], corners: &[Vec3; 3], center: &Vec
     let normal = integer::cross(&integer::minus(&b, &a), &integer::minus(&c, &a));
     let shift = integer::to_integer(thickness, unit);
     let shell = ((integer::dot(&normal, &normal) * &shift * &shift) << (2 * PRECISION)).sqrt();
+    let shell = if thickness < 0.0 { -shell } else { shell };
     let height = (integer::dot(&normal, &a) << PRECISION) - shell;
     if height.sign() != num_bigint::Sign::Plus || height.bits() <= 60 {
         return None;
