@@ -137,6 +137,17 @@ fn shells_of_equal_values_are_worth_one_thick_shell() {
     assert!((four / one - 1.0).abs() < 1e-3, "{four} {one}");
 }
 
+#[test]
+fn a_specimen_whose_shells_shrink_as_all_else_does_shrinks_so() {
+    let eigenstrain = Some(-2e-4);
+    let all = GivenModuli { eigenstrain, ..GivenModuli::default() };
+    let rim = GivenModuli { youngs_modulus_mpa: Some(8e3), poisson_ratio: Some(0.25), eigenstrain };
+    let moduli = PhaseModuli { mortar: all, aggregate: all, own: [(name(0), rim)].into(), ..PhaseModuli::default() };
+    let specimen = cube(SIDE, true);
+    let found = stiffness(coated(&specimen, &[2.0]), &moduli, &StiffnessOptions::new(2.0), &Silent).unwrap().0;
+    assert!((found.expansion[0] / -2e-4 - 1.0).abs() < 1e-6, "{:?}", found.expansion);
+}
+
 /// Properties in tetrahedra of some edge, with the error along x.
 fn in_tetrahedra(thicknesses: &[f64], core: f64, shells: &[f64], edge: f64) -> Result<[f64; 2], String> {
     let (specimen, options) = (cube(SIDE, true), EffectiveOptions::new(Property::Diffusivity, 1.0));

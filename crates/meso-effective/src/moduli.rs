@@ -44,7 +44,7 @@ pub(crate) fn accept_strains(table: &Table, bodies: &[Aggregate], names: &PhaseN
     let has = |phase: Phase| match phase {
         Phase::Mortar => true,
         Phase::Itz => bodies.iter().any(|body| body.itz_thickness_mm > 0.0),
-        _ => bodies.iter().any(|body| body.phase() == phase),
+        _ => bodies.iter().any(|body| body.layers().any(|(_, layer)| layer == phase)),
     };
     let there: Vec<&str> = names.all().filter(|phase| has(*phase)).map(|phase| names.name(phase)).collect();
     let of_mortar = table[Phase::Mortar.index()].eigenstrain;
