@@ -13,24 +13,16 @@ pub(crate) fn volume_fractions(bodies: &[Aggregate], specimen: &Specimen, names:
         // A sum of nothing is -0.
         (0.0 + bodies.map(|body| body.body.volume()).sum::<f64>()) / volume
     };
-    let core = |number: usize| {
-        let body = &bodies[number];
-        if body.kind != Kind::Aggregate {
-            return 0.0;
-        }
-        body.core_volume(body.itz_thickness_mm).unwrap_or_else(|_| body.body.volume())
-    };
     let layers = |number: usize| {
         let body = &bodies[number];
-        let whole = || vec![(body.phase(), core(number))];
-        if body.shells.is_empty() {
-            whole()
-        } else {
-            body.layer_volumes(body.itz_thickness_mm).unwrap_or_else(|_| whole())
-        }
+        let is_core = body.kind == Kind::Aggregate;
+        let core = || body.core_volume(body.itz_thickness_mm).unwrap_or_else(|_| body.body.volume());
+        let core = if is_core { core() } else { 0.0 };
+        let shelled = (!body.shells.is_empty()).then(|| body.layer_volumes(body.itz_thickness_mm).ok()).flatten();
+        (core, shelled.unwrap_or_else(|| vec![(body.phase(), core)]))
     };
-    let cores = parallel::map(bodies.len(), core);
-    let layers = if names.own().len() == 0 { Vec::new() } else { parallel::map(bodies.len(), layers).concat() };
+    let (cores, layers): (Vec<f64>, Vec<_>) = parallel::map(bodies.len(), layers).into_iter().unzip();
+    let layers = layers.concat();
     let inside = cores.iter().sum::<f64>() / volume;
     let [outer, void, fibre] = [Kind::Aggregate, Kind::Void, Kind::Fibre].map(of);
     let own = |phase: Phase| {

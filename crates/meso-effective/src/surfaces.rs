@@ -76,9 +76,6 @@ impl Surface {
     }
 
     fn of(body: &Aggregate, has_itz: bool, turn: &impl Fn(&Vec3) -> Vec3) -> Vec<Self> {
-        if body.shells.is_empty() {
-            return Self::of_two(body, has_itz, turn);
-        }
         let nested = body.nested();
         let mut all: Vec<Self> = nested.first().map_or_else(Vec::new, |outer| Self::of_two(outer, has_itz, turn));
         all.extend(nested.windows(2).map(|layers| Self {

@@ -598,44 +598,31 @@ impl EffectiveTask {
     /// Those that only the solution shows, such as equations that do not converge.
     pub fn solve(&self, of: Subject<'_>, watch: &dyn Watch) -> Result<(Found, Vec<PropertyField>), EffectiveError> {
         let Division { in_tetrahedra, size_mm: size, cracks, axes } = self.division;
+        let flux = |(found, fields)| (Found::Flux(Box::new(found)), fields);
+        let elastic = |(found, fields)| (Found::Stiffness(Box::new(found)), fields);
         match (self.work, of, &self.values) {
-            (Work::Flux(options), of, values) => {
-                let (found, fields) = match (of, values) {
-                    (Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
-                        effective_in_tetrahedra(model, phases, &options, size, watch)?
-                    }
-                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
-                        effective(model, phases, &options, watch)?
-                    }
-                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
-                        effective_of_labels(specimen, phases, &options, watch)?
-                    }
-                    (Subject::Frame(of), PhaseTables::Packing(phases)) => {
-                        effective_in_cracks(&of, phases, &cracks, &options, watch)?
-                    }
-                    _ => return Err(mismatch()),
-                };
-                Ok((Found::Flux(Box::new(found)), fields))
+            (Work::Flux(options), Subject::Packing(model), PhaseTables::Packing(phases)) => match in_tetrahedra {
+                true => effective_in_tetrahedra(model, phases, &options, size, watch).map(flux),
+                false => effective(model, phases, &options, watch).map(flux),
+            },
+            (Work::Flux(options), Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
+                effective_of_labels(specimen, phases, &options, watch).map(flux)
+            }
+            (Work::Flux(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
+                effective_in_cracks(&of, phases, &cracks, &options, watch).map(flux)
+            }
+            (Work::Stiffness(options), Subject::Packing(model), PhaseTables::Packing(phases)) => match in_tetrahedra {
+                true => stiffness_in_tetrahedra(model, &phases.stiffness, &options, size, watch).map(elastic),
+                false => stiffness(model, &phases.stiffness, &options, watch).map(elastic),
+            },
+            (Work::Stiffness(options), Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
+                stiffness_of_labels(specimen, phases, &options, watch).map(elastic)
             }
             (Work::Stiffness(options), Subject::Frame(of), PhaseTables::Packing(phases)) => {
                 let found = moduli_in_cracks(&of, &phases.stiffness, axes, options.tolerance, watch)?;
                 Ok((Found::Unloading(Box::new(found)), Vec::new()))
             }
-            (Work::Stiffness(options), of, values) => {
-                let (found, fields) = match (of, values) {
-                    (Subject::Packing(model), PhaseTables::Packing(phases)) if in_tetrahedra => {
-                        stiffness_in_tetrahedra(model, &phases.stiffness, &options, size, watch)?
-                    }
-                    (Subject::Packing(model), PhaseTables::Packing(phases)) => {
-                        stiffness(model, &phases.stiffness, &options, watch)?
-                    }
-                    (Subject::Labels(specimen), PhaseTables::Labels(phases)) => {
-                        stiffness_of_labels(specimen, phases, &options, watch)?
-                    }
-                    _ => return Err(mismatch()),
-                };
-                Ok((Found::Stiffness(Box::new(found)), fields))
-            }
+            _ => Err(mismatch()),
         }
     }
 }

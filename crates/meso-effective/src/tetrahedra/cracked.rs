@@ -123,6 +123,16 @@ impl Cracked<'_> {
         Ok(BYTES * (self.mesh.cell_count() * self.mesh.kind.tetrahedra().len()) as f64)
     }
 
+    /// Its tetrahedra, with the volume of the whole specimen.
+    ///
+    /// # Errors
+    /// Axes along which it has no flat ends.
+    pub(super) fn domain(&self, axes: [bool; 3]) -> Result<Domain, EffectiveError> {
+        let mut domain = Domain::new(in_tetrahedra(self.mesh));
+        domain.volume /= self.filled;
+        has_ends(&domain, axes).map(|()| domain)
+    }
+
     /// Volumes of the phases over the specimen's, with the share of every tetrahedron that its phase has. A test leaves voids out.
     pub(super) fn volumes(&self, domain: &Domain, share: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
         let parts = self.mesh.kind.tetrahedra().len();
@@ -150,9 +160,7 @@ pub fn effective_in_cracks(
     of.accept(phases, cracks, options)?;
     let (values, what) = (phases.values(options.what), options.what);
     let [crack, roughness] = cracks.settle(what, values.mortar)?;
-    let mut domain = Domain::new(in_tetrahedra(of.mesh));
-    domain.volume /= of.filled;
-    has_ends(&domain, options.axes)?;
+    let domain = of.domain(options.axes)?;
     let parts = of.mesh.kind.tetrahedra().len();
     let layers = parallel::map_short(of.mesh.cell_count(), |cell| Layers::of(&of.crack_strain[cell]));
     let of_part = |part: usize| layers[part / parts].as_ref();
@@ -206,7 +214,7 @@ pub fn effective_in_cracks(
 }
 
 /// A mesh of tetrahedra; boxes have six each.
-pub(super) fn in_tetrahedra(mesh: &Mesh) -> Mesh {
+fn in_tetrahedra(mesh: &Mesh) -> Mesh {
     let parts = mesh.kind.tetrahedra();
     let cells = mesh.cells().flat_map(|nodes| parts.iter().flat_map(move |part| part.map(|corner| nodes[corner])));
     let repeated = |of: &[u32]| of.iter().flat_map(|owner| parts.iter().map(move |_| *owner)).collect();
@@ -216,7 +224,7 @@ pub(super) fn in_tetrahedra(mesh: &Mesh) -> Mesh {
 }
 
 /// Refuses axes along which a mesh has no flat ends.
-pub(super) fn has_ends(domain: &Domain, axes: [bool; 3]) -> Result<(), EffectiveError> {
+fn has_ends(domain: &Domain, axes: [bool; 3]) -> Result<(), EffectiveError> {
     let around = Aabb::around(&domain.mesh.points);
     let is_flat = |side: usize| {
         let (axis, plane) = (side / 2, if side.is_multiple_of(2) { around.min } else { around.max });

@@ -172,10 +172,8 @@ impl<'a> Bodies<'a> {
     /// Phase of a cell of their mesh. A shell has the cells whose centre lies in it.
     pub(super) fn phase(&self, mesh: &Mesh, cell: usize) -> Phase {
         match mesh.phase[cell] {
-            meso_mesh::Phase::Mortar => Phase::Mortar,
-            meso_mesh::Phase::Itz => Phase::Itz,
-            // Cores have the phase of their owner: these are shells.
-            shell @ meso_mesh::Phase::Own(_) => shell,
+            // Cores have the phase of their owner: those of a phase of its own are shells.
+            own @ (Phase::Mortar | Phase::Itz | Phase::Own(_)) => own,
             _ => self.phases[mesh.owner[cell] as usize],
         }
     }

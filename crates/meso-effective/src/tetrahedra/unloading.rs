@@ -4,7 +4,7 @@
 //! its sides are free. Linear tetrahedra are too stiff: the energy that a quadratic bubble on each edge, alone, would take away is taken
 //! from the modulus, and is its error.
 
-use super::cracked::{Cracked, has_ends, in_tetrahedra};
+use super::cracked::Cracked;
 use super::domain::{Domain, Tetrahedron};
 use super::solid::Solid;
 use crate::effective::At;
@@ -79,9 +79,7 @@ pub fn moduli_in_cracks(
 ) -> Result<Unloading, EffectiveError> {
     of.accept_moduli(moduli, tolerance)?;
     let (names, table) = (&of.mesh.phases, moduli.table(&of.mesh.phases)?);
-    let mut domain = Domain::new(in_tetrahedra(of.mesh));
-    domain.volume /= of.filled;
-    has_ends(&domain, axes)?;
+    let domain = of.domain(axes)?;
     let stages = axes.iter().filter(|axis| **axis).count();
     let (mut fine, mut error, mut iterations, mut solver_error) = ([None; 3], [None; 3], Vec::new(), 0.0_f64);
     for axis in (0..3).filter(|axis| axes[*axis]) {
