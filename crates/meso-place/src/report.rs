@@ -302,9 +302,8 @@ pub fn report(
     (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
     seconds: Seconds,
 ) -> Report {
-    let specimen = SpecimenReport::new(target.specimen);
-    let classes = ClassReport::all(target.grading, target.fraction, aggregates, specimen.volume_mm3);
-    let phases = PhaseReport::all(&target.inclusions, inclusions, specimen.volume_mm3);
+    let bodies = Report::of_bodies(target, aggregates, inclusions);
+    let Report { specimen, classes, phases, .. } = &bodies;
     let largest: Vec<f64> = tally.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
     let (of_classes, of_phases) = largest.split_at(classes.len());
     // When the take was complete, a class without grains asked for less than half of its smallest grain.
@@ -320,34 +319,21 @@ pub fn report(
     let cut_short = (!tally.complete)
         .then(|| format!("stopped when {} aggregates were made, before all grains were", tally.aggregates));
     let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).chain(cut_short).collect();
-    let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
-        version: env!("CARGO_PKG_VERSION").into(),
-        seed: target.seed,
-        target_fraction: target.fraction,
-        fraction,
-        coated_fraction: coated_fraction(target, aggregates),
-        aggregates: aggregates.len(),
         discarded: tally.aggregates - aggregates.len(),
-        specimen,
         grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
-        own_phases: OwnPhaseReport::all(target, aggregates),
-        shells: ShellReport::all(target, aggregates),
         itz_limited: tally.itz_limited.clone(),
         itz_thin: tally.itz_thin.clone(),
-        reduced: ReducedGrain::all(target.shape),
-        labels: None,
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
         } else {
             outcome.dead_end
         }),
-        stop_detail: detail(target.fraction, &classes, &notes),
-        classes,
-        phases,
+        stop_detail: detail(target.fraction, classes, &notes),
         seconds,
         work: outcome.work,
+        ..bodies
     }
 }
 
