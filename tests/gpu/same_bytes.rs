@@ -224,8 +224,8 @@ fn strips_rollers_and_glued_halves_have_the_bytes_of_the_processor_on_a_device()
     for (body, steps, test) in [
         (&cube, 400.0, Test { kind: TestKind::Splitting, ..Test::default() }),
         (&cube, 400.0, Test { kind: TestKind::Shear, ..Test::default() }),
-        (&beam, 1000.0, Test { control, ..bending.clone() }),
-        (&beam, 1000.0, Test { turns: opened, ..bending }),
+        (&beam, 2000.0, Test { control, ..bending.clone() }),
+        (&beam, 2000.0, Test { turns: opened, ..bending }),
     ] {
         acts(&same(body, &body.within(steps, test), &device));
     }

@@ -1,7 +1,6 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
-use super::shells::coating_mm;
 use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullError, OffsetError, Polyhedron, Round, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
@@ -83,6 +82,26 @@ pub struct Grain {
     pub outer_radius: f32,
     /// Radius of the sphere about the centre that the body holds, mm, rounded down.
     pub inner_radius: f32,
+}
+
+/// Sorts the grains as they are taken.
+pub(super) fn in_order(grains: &mut [Grain]) {
+    let last = |grain: &Grain| grain.kind != Kind::Fibre;
+    // No two have the same number in the same class.
+    grains.sort_unstable_by(|p, q| {
+        let by_volume = q.volume().total_cmp(&p.volume());
+        last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
+    });
+}
+
+/// Depth of the stone within outward `shells` and the ITZ around them, mm; 0 where there are none.
+pub(super) fn coating_mm(itz_thickness_mm: f64, shells: &[Shell]) -> f64 {
+    let coating = shells.iter().filter(|shell| shell.outward);
+    if coating.clone().next().is_none() {
+        0.0
+    } else {
+        coating.fold(itz_thickness_mm, |sum, shell| sum + shell.thickness_mm)
+    }
 }
 
 impl Grain {

@@ -50,7 +50,7 @@ impl Aggregate {
     /// The body whose size and volume the grading asks for: the stone within outward shells, or else all of it.
     pub fn graded(&self) -> Cow<'_, Polyhedron> {
         let stone = |depth| self.body.inward_offset(depth).ok().flatten();
-        let depth = Some(shells::coating_mm(self.itz_thickness_mm, &self.shells)).filter(|depth| *depth > 0.0);
+        let depth = Some(grain::coating_mm(self.itz_thickness_mm, &self.shells)).filter(|depth| *depth > 0.0);
         depth.and_then(stone).map_or(Cow::Borrowed(&self.body), Cow::Owned)
     }
 

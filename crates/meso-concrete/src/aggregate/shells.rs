@@ -7,9 +7,8 @@
 
 use super::Grading;
 use super::grading::interpolate;
-use super::grain::{Grain, Kind, Shell};
+use super::grain::{Grain, Kind, Shell, in_order};
 use super::random::{Draw, Stream};
-use super::take::in_order;
 use crate::parallel;
 use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
 use serde::{Deserialize, Serialize};
@@ -128,16 +127,6 @@ pub fn add_coatings(grains: &mut Vec<Grain>) -> Result<(), OffsetError> {
     *grains = parallel::try_map(grains.len(), |number| grains[number].coated())?;
     in_order(grains);
     Ok(())
-}
-
-/// Depth of the stone within outward `shells` and the ITZ around them, mm; 0 where there are none.
-pub(super) fn coating_mm(itz_thickness_mm: f64, shells: &[Shell]) -> f64 {
-    let coating = shells.iter().filter(|shell| shell.outward);
-    if coating.clone().next().is_none() {
-        0.0
-    } else {
-        coating.fold(itz_thickness_mm, |sum, shell| sum + shell.thickness_mm)
-    }
 }
 
 fn of_grain(

@@ -1,6 +1,6 @@
 //! The *take*: enough grains of every class, each made from its own random stream (Sec. 2.1).
 
-use super::grain::{Grain, Kind};
+use super::grain::{Grain, Kind, in_order};
 use super::inclusions::{self, Inclusions};
 use super::random::{Draw, Stream};
 use super::{Grading, Itz, Outline, OwnPhase, Shape, SizeClass, SizeDefinition, kinds};
@@ -51,16 +51,6 @@ pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Resu
     in_order(&mut grains);
     kinds::divide(&mut grains, mixture.phases, &classes);
     Ok(grains)
-}
-
-/// Sorts the grains as [`take`] returns them.
-pub(super) fn in_order(grains: &mut [Grain]) {
-    let last = |grain: &Grain| grain.kind != Kind::Fibre;
-    // No two have the same number in the same class.
-    grains.sort_unstable_by(|p, q| {
-        let by_volume = q.volume().total_cmp(&p.volume());
-        last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
-    });
 }
 
 /// Marks grains with dents whose parts are thinner than two of their ITZ. The copy of a surface with the thickest ITZ for its

@@ -240,11 +240,11 @@ const TENSION_PACE: f64 = 160e-6;
 const LEAST_PACE: f64 = 8e-6;
 /// Time to 0.5 % of strain per diameter in splitting, s/mm: a disc splits at a strain of about 0.1 %.
 const SPLITTING_PACE: f64 = 120e-6;
-/// Periods of a beam to a flexural strain of 0.2 %: its peak is at a tenth of it. Peaks of beams 24 mm deep (notch of a quarter,
-/// of half, none, four points) differ by 0.2, 0.2, 0.3 and 1.0 % from those of half the duration, and by 0.1, 0.1, 0.1 and
-/// 0.3 % from those of four times it. Half of this differs by 1.6, 32, 0.1 and 0.1 % from a quarter
-/// (`benches/results/bending_duration.csv`).
-const BENDING_PERIODS: f64 = 32.0;
+/// Periods of a beam to a flexural strain of 0.2 %: its peak is at a tenth of it. Peaks of seven beams 24, 50 and 80 mm deep (no
+/// notch, one of a quarter, of half, off the middle, four points) differ by 0.7 % at most from those of half the duration, which
+/// differ by up to 1.9 % from a quarter's, and a beam with a notch of half its depth by 32 % from an eighth's
+/// (`benches/results/bending_duration.csv`, `beams.csv`).
+const BENDING_PERIODS: f64 = 64.0;
 /// Speed of sound in a beam of concrete with some mass added, mm/s.
 const SOUND: f64 = 2.5e6;
 /// Time in which loads grow before the path begins, per size, s/mm: 40 periods of the slowest wave.

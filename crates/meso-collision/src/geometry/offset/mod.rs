@@ -44,6 +44,14 @@ pub enum OffsetError {
     },
 }
 
+/// A thickness that a body can be moved by.
+fn accepted(thickness: f64) -> Result<f64, OffsetError> {
+    if !thickness.is_finite() || thickness < 0.0 {
+        return Err(OffsetError::Thickness { thickness });
+    }
+    Ok(thickness)
+}
+
 impl Polyhedron {
     /// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of the body, or `None` where it vanishes.
     ///
@@ -56,10 +64,7 @@ impl Polyhedron {
     /// # Errors
     /// See [`OffsetError`].
     pub fn inward_offset(&self, thickness: f64) -> Result<Option<Self>, OffsetError> {
-        if !thickness.is_finite() || thickness < 0.0 {
-            return Err(OffsetError::Thickness { thickness });
-        }
-        self.eroded_by(thickness)
+        self.eroded_by(accepted(thickness)?)
     }
 
     /// The body whose [`inward_offset`](Self::inward_offset) by `thickness` mm this one is: its planes are moved outwards, which
@@ -68,10 +73,7 @@ impl Polyhedron {
     /// # Errors
     /// See [`OffsetError`].
     pub fn outward_offset(&self, thickness: f64) -> Result<Self, OffsetError> {
-        if !thickness.is_finite() || thickness < 0.0 {
-            return Err(OffsetError::Thickness { thickness });
-        }
-        self.eroded_by(-thickness)?.ok_or_else(lost)
+        self.eroded_by(-accepted(thickness)?)?.ok_or_else(lost)
     }
 
     fn eroded_by(&self, thickness: f64) -> Result<Option<Self>, OffsetError> {
