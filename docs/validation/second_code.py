@@ -3,13 +3,13 @@
 the elastic part in CalculiX.
 
     pip install oofem==2.6.0.dev1            # beside the mesocrete wheel; ccx 2.20 on the path
-    python3 docs/validation/second_code.py OUT              both tests; OUT/TEST/mesh.npz, oofem.in and ccx.inp are the inputs
+    python3 docs/validation/second_code.py OUT              all tests; OUT/TEST/mesh.npz, oofem.in and ccx.inp are the inputs
     python3 docs/validation/second_code.py OUT --only tension
     python3 docs/validation/second_code.py OUT --judge      the figures of curves that are there, and their picture
 
-A cube of 24 mm, 35 % of grains of 6 to 10 mm, three phases, is crushed between plates without friction, or pulled by plates
-that are glued on. Both codes take strains of single elements, the same width of the crack band in each, and CDPM2 with the
-defaults of its paper. A smeared ITZ is as stiff as mortar.
+A cube of 24 mm, grains of 6 to 10 mm, three phases, is crushed between plates without friction, or pulled by plates that are
+glued on. Both codes take strains of single elements, the same width of the crack band in each, and CDPM2 with the defaults of
+its paper, or with less ductility. A smeared ITZ is as stiff as mortar.
 """
 
 import argparse
@@ -205,7 +205,7 @@ def slope(strain, stress, low, high):
 
 
 def picture(out, path, moduli):
-    """Draw both tests; CalculiX's straight lines reach to half of the largest stress."""
+    """Draw all tests; CalculiX's straight lines reach to half of the largest stress."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, len(TESTS), figsize=(11.0, 3.4), layout="constrained")

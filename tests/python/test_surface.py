@@ -19,7 +19,7 @@ MOST_NAMES = 30
 # label volumes, round bodies and the reduction of scans 12; grains from label volumes 14; heights over dents 2; bodies that a mesh takes 1;
 # bodies of a file and their polygons, and the skin of cut bodies 3; what reductions cost, files under wrong names and numbers of bodies 4;
 # a mortar's strength by its law, physical ranges, questions about labels and what an import lost 4; drilled cores 2; samples 1; supports in real time 3; sentences of a citation 2; fields of strengths 5, less pairs of many 1; forms of bodies 1.
-MOST_ITEMS = 340
+MOST_ITEMS = 339
 # Items of collision that its sibling crates share.
 MOST_HIDDEN = 65
 

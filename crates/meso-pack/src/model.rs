@@ -4,7 +4,7 @@ use crate::accept::{self, Fault};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
-use meso_concrete::aggregate::{Aggregate, Kind, Shape, TooThick, add_coatings, add_shells};
+use meso_concrete::aggregate::{Aggregate, Kind, Shape, TooThick, add_shells};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, mark_caps, parallel};
@@ -141,7 +141,7 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
             .map_err(|error| too_thick(&error, &spec.shape))?;
     }
     if spec.shape.shells.iter().any(|law| law.outward) {
-        add_coatings(&mut grains)
+        Grain::coat(&mut grains)
             .map_err(|error| SpecError::value("shape.shells", format!("cannot be put around a grain: {error}")))?;
     }
     Ok((grains, !stopped.into_inner()))

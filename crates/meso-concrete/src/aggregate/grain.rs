@@ -1,6 +1,7 @@
 //! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
 
 use super::random::Stream;
+use crate::parallel;
 use meso_collision::geometry::{BodyForm, CompactPolyhedron, HullError, OffsetError, Polyhedron, Round, convex_hull};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use meso_collision::simd::{Wide, widest};
@@ -96,12 +97,10 @@ pub(super) fn in_order(grains: &mut [Grain]) {
 
 /// Depth of the stone within outward `shells` and the ITZ around them, mm; 0 where there are none.
 pub(super) fn coating_mm(itz_thickness_mm: f64, shells: &[Shell]) -> f64 {
-    let coating = shells.iter().filter(|shell| shell.outward);
-    if coating.clone().next().is_none() {
-        0.0
-    } else {
-        coating.fold(itz_thickness_mm, |sum, shell| sum + shell.thickness_mm)
+    if !shells.iter().any(|shell| shell.outward) {
+        return 0.0;
     }
+    shells.iter().filter(|shell| shell.outward).fold(itz_thickness_mm, |sum, shell| sum + shell.thickness_mm)
 }
 
 impl Grain {
@@ -209,10 +208,20 @@ impl Grain {
         Ok(Self::around_origin(kind, ids, body, inner_radius))
     }
 
+    /// Grows the grains by their outward shells and the ITZ around them.
+    ///
+    /// # Errors
+    /// Grains that have no outward offset.
+    pub fn coat(grains: &mut Vec<Self>) -> Result<(), OffsetError> {
+        *grains = parallel::try_map(grains.len(), |number| grains[number].coated())?;
+        in_order(grains);
+        Ok(())
+    }
+
     /// The grain that has this one as its stone, within its outward shells and the ITZ around them.
     ///
     /// Rounded to single precision, its planes are off by the millionth part of a millimetre that the stone's corners are off, too.
-    pub(super) fn coated(&self) -> Result<Self, OffsetError> {
+    fn coated(&self) -> Result<Self, OffsetError> {
         let (stone, thickness_mm) = (self.body.widened(), coating_mm(self.itz_thickness_mm, &self.shells));
         if thickness_mm == 0.0 {
             return Ok(self.clone());

@@ -22,7 +22,7 @@ pub use itz::Itz;
 pub use kinds::{OwnPhase, SHARE_ROUNDING};
 pub use library::{Dents, Reduction, Template, TemplateError};
 pub use shape::{Outline, Shape, ShapeKind};
-pub use shells::{ShellLaw, Thickness, TooThick, add_coatings, add_shells};
+pub use shells::{ShellLaw, Thickness, TooThick, add_shells};
 
 use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
 use std::borrow::Cow;

@@ -7,7 +7,7 @@
 
 use super::Grading;
 use super::grading::interpolate;
-use super::grain::{Grain, Kind, Shell, in_order};
+use super::grain::{Grain, Kind, Shell};
 use super::random::{Draw, Stream};
 use crate::parallel;
 use meso_collision::geometry::{BodyForm, OffsetError, Polyhedron};
@@ -116,16 +116,6 @@ pub fn add_shells<'a>(
         return Err(TooThick { grains: too_thick().count(), ..*first });
     }
     grains.iter_mut().zip(found).for_each(|(grain, shells)| grain.shells = shells.unwrap_or_default());
-    Ok(())
-}
-
-/// Grows the grains by their outward shells and the ITZ around them.
-///
-/// # Errors
-/// Grains that have no outward offset.
-pub fn add_coatings(grains: &mut Vec<Grain>) -> Result<(), OffsetError> {
-    *grains = parallel::try_map(grains.len(), |number| grains[number].coated())?;
-    in_order(grains);
     Ok(())
 }
 

@@ -49,11 +49,24 @@ impl<R: Real> Invariants<R> {
     }
 }
 
+/// The product of a tensor with itself.
+#[inline(always)]
+fn square<R: Real>(tensor: &Tensor<R>) -> Tensor<R> {
+    let [a, b, c, xy, yz, zx] = *tensor;
+    [
+        a.mul_add(a, xy.mul_add(xy, zx * zx)),
+        b.mul_add(b, xy.mul_add(xy, yz * yz)),
+        c.mul_add(c, yz.mul_add(yz, zx * zx)),
+        a.mul_add(xy, xy.mul_add(b, zx * yz)),
+        xy.mul_add(zx, b.mul_add(yz, yz * c)),
+        a.mul_add(zx, xy.mul_add(yz, zx * c)),
+    ]
+}
+
 /// `crack` times the tensile and `crush` times the compressive part of the tensor with this mean, deviator and principal
 /// deviators: the lone principal stress of one sign is split off by the product of the tensor less the two others.
 #[inline(always)]
 pub(super) fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: R, crush: R) -> Tensor<R> {
-    let [a, b, c, xy, yz, zx] = *deviator;
     let zero = R::splat(0.0);
     let two_pulled = zero.lt(mean + of[1]);
     let pick = |two: R, one: R| R::select(two_pulled, two, one);
@@ -65,14 +78,7 @@ pub(super) fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: 
     // Where the lone one meets its neighbour, its value is 0, too.
     let weight = (other - base) * value / gap.max(R::splat(1e-12));
     let constant = (of[1] * far).mul_add(weight, base * mean);
-    let square = [
-        a.mul_add(a, xy.mul_add(xy, zx * zx)),
-        b.mul_add(b, xy.mul_add(xy, yz * yz)),
-        c.mul_add(c, yz.mul_add(yz, zx * zx)),
-        a.mul_add(xy, xy.mul_add(b, zx * yz)),
-        xy.mul_add(zx, b.mul_add(yz, yz * c)),
-        a.mul_add(zx, xy.mul_add(yz, zx * c)),
-    ];
+    let square = square(deviator);
     let linear = lone.mul_add(weight, base);
     let mut sum = *deviator;
     for i in 0..6 {
@@ -86,7 +92,6 @@ pub(super) fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: 
 /// nowhere steeper: the quadratic polynomial of the deviator through all three, by Newton's form.
 #[inline(always)]
 pub(super) fn moved<R: Real>(deviator: &Tensor<R>, of: &[R; 3], to: &[R; 3]) -> Tensor<R> {
-    let [a, b, c, xy, yz, zx] = *deviator;
     // Rounding of stresses, MPa: where two principal values nearly agree, they keep their distance.
     let least = R::splat(if R::SINGLE { 1e-5 } else { 1e-13 });
     let mut slopes = [R::splat(1.0); 2];
@@ -97,14 +102,7 @@ pub(super) fn moved<R: Real>(deviator: &Tensor<R>, of: &[R; 3], to: &[R; 3]) -> 
     let weight = (first - second) / (of[0] - of[2]).max(least);
     let linear = weight.mul_add(of[2], first);
     let constant = (-first).mul_add(of[0], weight.mul_add(of[0] * of[1], to[0]));
-    let square = [
-        a.mul_add(a, xy.mul_add(xy, zx * zx)),
-        b.mul_add(b, xy.mul_add(xy, yz * yz)),
-        c.mul_add(c, yz.mul_add(yz, zx * zx)),
-        a.mul_add(xy, xy.mul_add(b, zx * yz)),
-        xy.mul_add(zx, b.mul_add(yz, yz * c)),
-        a.mul_add(zx, xy.mul_add(yz, zx * c)),
-    ];
+    let square = square(deviator);
     let mut sum = *deviator;
     for i in 0..6 {
         let rest = if i < 3 { linear.mul_add(deviator[i], constant) } else { linear * deviator[i] };

@@ -159,7 +159,10 @@ const CURVE_POINTS: usize = 60;
 
 /// The volume that passes square openings of a size, over the volume asked for.
 fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
-    let sieved = |aggregate: &Aggregate| (aggregate.graded().sieve_size(), aggregate.graded().volume());
+    let sieved = |aggregate: &Aggregate| {
+        let body = aggregate.graded();
+        (body.sieve_size(), body.volume())
+    };
     let mut grains: Vec<(f64, f64)> = parallel::map_each(&model.aggregates, sieved);
     grains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let asked = model.report.target_fraction * model.report.specimen.volume_mm3;
