@@ -248,6 +248,8 @@ struct Reduction {
     moved: Vec<u32>,
     /// Vertices, marked with the number of a collapse that is tried.
     marks: Vec<u32>,
+    /// Triangles that the last collapse kept.
+    list: Vec<u32>,
     tried: u32,
     passes: u32,
 }
@@ -270,6 +272,7 @@ impl Reduction {
             around: Vec::new(),
             moved: vec![0; count],
             marks: vec![0; count],
+            list: Vec::new(),
             tried: 0,
             passes: 0,
         };
@@ -427,24 +430,31 @@ impl Reduction {
             return false;
         }
         let (position, _) = self.target(a, b);
+        let mut list = std::mem::take(&mut self.list);
         let has = |t: u32, vertex: u32| self.triangles[t as usize].contains(&vertex);
         let kept_at = |own: u32, other: u32| self.at(own).filter(move |t| !has(*t, other));
         let kept = || kept_at(a, b).map(|t| (t, a)).chain(kept_at(b, a).map(|t| (t, b)));
-        if !kept().all(|(t, moved)| self.stays_upright(t, moved, &position)) {
+        let is_upright = kept().all(|(t, moved)| self.stays_upright(t, moved, &position));
+        list.clear();
+        list.extend(kept().map(|(t, _)| t));
+        self.list = list;
+        if !is_upright {
             return false;
         }
         let start = self.around.len();
-        let list: Vec<u32> = kept().map(|(t, _)| t).collect();
-        let gone: Vec<u32> = self.at(a).filter(|t| has(*t, b)).collect();
-        gone.into_iter().for_each(|t| self.triangles[t as usize] = [GONE; 3]);
-        for &t in &list {
+        let [from, to] = self.places[a as usize].map(|at| at as usize);
+        for &t in &self.around[from..to] {
+            let corners = &mut self.triangles[t as usize];
+            *corners = if corners.contains(&b) { [GONE; 3] } else { *corners };
+        }
+        for &t in &self.list {
             let corners = &mut self.triangles[t as usize];
             corners.iter_mut().filter(|corner| **corner == b).for_each(|corner| *corner = a);
             let at = corners.iter().position(|corner| *corner == a).unwrap_or_default();
             self.errors[t as usize][at] = f32::NAN;
             self.errors[t as usize][(at + 2) % 3] = f32::NAN;
         }
-        self.around.extend(list);
+        self.around.extend_from_slice(&self.list);
         self.places[a as usize] = [start as u32, self.around.len() as u32];
         self.places[b as usize] = [0; 2];
         self.points[a as usize] = position;

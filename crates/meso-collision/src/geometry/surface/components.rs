@@ -5,6 +5,7 @@
 
 use crate::geometry::TriangleMesh;
 use crate::math::Vec3;
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 /// A triangle at an edge: the lower and the upper end, its number, and whether it runs from the lower to the upper one.
@@ -17,19 +18,21 @@ impl TriangleMesh {
     pub fn components(&self) -> Vec<Self> {
         let split = self.split();
         let component_of = split.component_of();
-        let mut numbers = BTreeMap::new();
+        let mut numbers = vec![usize::MAX; split.vertices.len()];
         let mut components: Vec<Self> = Vec::new();
         let mut own = vec![0; split.vertices.len()];
         for (vertex, root) in component_of.iter().enumerate() {
-            let number = *numbers.entry(*root).or_insert(components.len());
-            if number == components.len() {
+            let number = &mut numbers[*root as usize];
+            if *number == usize::MAX {
+                *number = components.len();
                 components.push(Self { vertices: Vec::new(), triangles: Vec::new() });
             }
+            let number = *number;
             own[vertex] = components[number].vertices.len() as u32;
             components[number].vertices.push(split.vertices[vertex]);
         }
         for triangle in &split.triangles {
-            let number = numbers[&component_of[triangle[0] as usize]];
+            let number = numbers[component_of[triangle[0] as usize] as usize];
             components[number].triangles.push(triangle.map(|vertex| own[vertex as usize]));
         }
         components
@@ -68,10 +71,10 @@ impl TriangleMesh {
         let sides_of = |(t, &[a, b, c]): (u32, &[u32; 3])| [side(t, a, b), side(t, b, c), side(t, c, a)];
         let mut sides: Vec<Side> = (0..).zip(&self.triangles).flat_map(sides_of).collect();
         sides.sort_unstable();
-        let is_inside_out = self.volume() < 0.0;
+        let is_inside_out = LazyCell::new(|| self.volume() < 0.0);
         let mut pairs = Vec::with_capacity(sides.len() / 2);
         for around in sides.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)) {
-            let wedges = if around.len() > 2 { self.wedges(around, is_inside_out) } else { None };
+            let wedges = if around.len() > 2 { self.wedges(around, *is_inside_out) } else { None };
             match wedges {
                 Some(wedges) => pairs.extend(wedges),
                 None => pairs.extend(around.windows(2).map(|pair| (pair[0].2, pair[1].2))),

@@ -175,7 +175,7 @@ impl Lattice {
             .map(|axis| ((part.to[axis] as f64 / spacing[axis] + pad(axis)).ceil() as usize).min(self.counts[axis]));
         let counts = [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let own = self.blurred(parts, from, counts, |voxel| voxel == number);
-        let others = self.blurred(parts, from, counts, |voxel| voxel > 0 && voxel != number);
+        let others = self.blurred(parts, from, counts, |voxel| (voxel > 0) & (voxel != number));
         let lead = own.iter().zip(&others).map(|(own, others)| self.depths.of((1.0 + own - others) / 2.0)).collect();
         let own = own.iter().map(|own| self.depths.of(*own)).collect();
         let walls = [0, 1, 2].map(|axis| [from[axis] == 0, to[axis] == self.counts[axis]]);
@@ -195,20 +195,24 @@ impl Lattice {
         let rows = ys[1] - ys[0];
         let mut along_x = vec![0.0; nx * rows * (zs[1] - zs[0])];
         let mut row = vec![0.0; 0];
+        let [first, last] = self.span(0, from[0], nx);
+        let nodes = &self.weights[0][from[0]..from[0] + nx];
+        let ends = [0, nx - 1].map(|node| nodes[node].0);
+        let seen = ends[0]..ends[1] + nodes[nx - 1].1.len() as isize;
+        let seen: Vec<usize> = seen.map(|voxel| mirrored(voxel, self.voxels[0]) - first).collect();
         for (line, out) in along_x.chunks_exact_mut(nx).enumerate() {
             let (y, z) = (ys[0] + line % rows, zs[0] + line / rows);
-            let [first, last] = self.span(0, from[0], nx);
             let start = (z * self.voxels[1] + y) * self.voxels[0];
             let voxels = &parts.of[start + first..start + last];
-            if !voxels.iter().any(|&voxel| is_in(voxel)) {
+            // Without an early end, so that registers take several voxels, and rows to come are loaded meanwhile.
+            if !voxels.iter().fold(false, |found, &voxel| found | is_in(voxel)) {
                 continue;
             }
             row.clear();
-            row.extend(voxels.iter().map(|&voxel| f32::from(u8::from(is_in(voxel)))));
-            for (node, out) in out.iter_mut().enumerate() {
-                let (start, weights) = &self.weights[0][from[0] + node];
-                let at = |k: usize| row[mirrored(start + k as isize, self.voxels[0]) - first];
-                *out = weights.iter().enumerate().map(|(k, weight)| weight * at(k)).sum();
+            row.extend(seen.iter().map(|&at| f32::from(u8::from(is_in(voxels[at])))));
+            for (out, (start, weights)) in out.iter_mut().zip(nodes) {
+                let row = &row[(start - ends[0]) as usize..];
+                *out = weights.iter().zip(row).map(|(weight, value)| weight * value).sum();
             }
         }
         let mut along_y = vec![0.0; nx * ny * (zs[1] - zs[0])];

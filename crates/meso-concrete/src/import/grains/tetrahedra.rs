@@ -40,10 +40,19 @@ impl Nodes {
             ends: BTreeMap::new(),
             mesh: TriangleMesh { vertices: Vec::new(), triangles: Vec::new() },
         };
+        let inside: Vec<u8> = self.values.iter().map(|value| u8::from(*value > 0.0)).collect();
         for (y, z) in (0..nz - 1).flat_map(|z| (0..ny - 1).map(move |y| (y, z))) {
             let row = (z * ny + y) * nx;
-            for x in 0..nx - 1 {
-                marching.cell(row + x);
+            let rows = [0, nx, nx * ny, nx * ny + nx].map(|step| &inside[row + step..][..nx]);
+            // Of the four nodes at each place along the row, how many are within.
+            let [a, b, c, d] = rows;
+            let counts = a.iter().zip(b).zip(c.iter().zip(d)).map(|((a, b), (c, d))| a + b + c + d);
+            let mut last = 0;
+            for (x, count) in counts.enumerate() {
+                if x > 0 && !matches!((last, count), (0, 0) | (4, 4)) {
+                    marching.cell(row + x - 1);
+                }
+                last = count;
             }
         }
         marching.mesh
@@ -67,12 +76,6 @@ impl Marching<'_> {
     }
 
     fn cell(&mut self, first: usize) {
-        let [x, y, z] = self.steps;
-        let own = self.is_inside(first);
-        let others = [x, y, z, x + y, y + z, x + z, x + y + z];
-        if others.iter().all(|step| self.is_inside(first + step) == own) {
-            return;
-        }
         for (way, is_odd) in WAYS {
             self.tetrahedron(first, way, is_odd);
         }
@@ -97,13 +100,13 @@ impl Marching<'_> {
 
     /// The vertex between two nodes, the first of which comes first.
     fn crossing(&mut self, from: usize, to: usize, axes: usize) -> u32 {
-        let ends = [from, to].map(|node| self.place(node));
-        if let Some(outer) = ends.iter().position(|end| end.is_none()) {
-            return self.end([to, from][outer]);
-        }
         let known = self.crossings[from][axes - 1];
         if known != NONE {
             return known;
+        }
+        let ends = [from, to].map(|node| self.place(node));
+        if let Some(outer) = ends.iter().position(|end| end.is_none()) {
+            return self.end([to, from][outer]);
         }
         let [p, q] = [from, to].map(|node| self.nodes.values[node]);
         let share = f64::from((p / (p - q)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE));
