@@ -1,5 +1,6 @@
 //! A mesh with its deck: the analysis, and what a deck cannot have.
 
+use crate::footing::Footing;
 use crate::solve::suits_phases;
 use crate::{AskError, Given, Machine, MeshAsk, deck_refusal};
 use meso_concrete::OutOfRange;
@@ -9,7 +10,6 @@ use meso_core::formats::MeshFormat;
 use meso_core::mesh::{ItzForm, Joined, Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Tools};
 use meso_core::trial::{Sample, TrialError};
 use meso_core::{Model, Spec};
-use meso_solve::footing::Footing;
 
 /// A mesh and its deck that are asked for.
 #[derive(Clone, Debug, Default)]

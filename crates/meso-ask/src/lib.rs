@@ -15,6 +15,7 @@ mod error;
 pub mod files;
 mod fit;
 pub mod flags;
+pub mod footing;
 mod given;
 mod giver;
 mod labels;

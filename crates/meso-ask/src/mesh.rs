@@ -1,11 +1,11 @@
 //! A mesh: its options for one use, what its specimen cannot have, and the mesh itself.
 
+use crate::footing::{self, Footing};
 use crate::{AskError, Given, Giver, Machine};
 use meso_core::aggregate::Itz;
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Room, Tools};
 use meso_core::{Model, Spec, Watch};
-use meso_solve::footing::{self, Footing};
 use std::sync::OnceLock;
 
 /// A mesh that is asked for.

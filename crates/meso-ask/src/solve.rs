@@ -1,12 +1,12 @@
 //! A test of a mesh, before there is one.
 
+use crate::footing::Footing;
 use crate::{AskError, FRAMES, Given, Giver, Machine, MeshAsk, flags::names};
 use meso_core::aggregate::Itz as Shells;
 use meso_core::materials::Materials;
 use meso_core::mesh::{CellKind, ItzForm, Mesh, MethodName, Order, Phase, Purpose};
 use meso_core::trial::TrialError;
 use meso_core::{Model, Spec, Watch};
-use meso_solve::footing::Footing;
 use meso_solve::results::sample_of;
 use meso_solve::{Geometry, LawName, Run, Smoothing, SolveError, Test};
 

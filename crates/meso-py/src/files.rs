@@ -3,6 +3,7 @@
 use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_ask::Giver;
+use meso_ask::footing::Footing;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
 use meso_core::import::volume::{self, Volume, Wanted};
@@ -11,7 +12,6 @@ use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
 use meso_files::free;
 use meso_files::whole::{self, Keeper, Unit, beginning};
-use meso_solve::footing::Footing;
 use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;

@@ -9,7 +9,6 @@ mod assemble;
 #[cfg(test)]
 mod dice;
 mod error;
-pub mod footing;
 mod march;
 pub mod results;
 

@@ -9,8 +9,8 @@ mod trial;
 
 pub use trial::{element_size, options};
 
-use meso_mesh::{Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Room, Tools, build};
-use meso_pack::{Model, Spec};
+use meso_core::mesh::{Mesh, MeshError, MeshOptions, MethodName, PhaseOff, Purpose, Room, Tools, build};
+use meso_core::{Model, Spec};
 use trial::Trial;
 
 /// Largest elements of the documented first test, mm. It goes on with its phase error, and its results carry the flag.

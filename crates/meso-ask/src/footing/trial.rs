@@ -4,11 +4,11 @@
 //! those of a large specimen, so a size is advised where they are half of what is accepted.
 
 use super::{Footing, leave_room};
-use meso_concrete::specimen::{Periodic, Specimen};
-use meso_concrete::watch::Watch;
-use meso_mesh::{ElementSize, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Tools, build};
-use meso_pack::packing::StopReason;
-use meso_pack::{Model, Spec, pack};
+use meso_core::Watch;
+use meso_core::mesh::{ElementSize, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, Purpose, Tools, build};
+use meso_core::packing::StopReason;
+use meso_core::specimen::{Periodic, Specimen};
+use meso_core::{Model, Spec, pack};
 
 /// Edge of the cube over the largest aggregate.
 const EDGE: f64 = 2.5;

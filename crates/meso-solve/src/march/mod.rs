@@ -2,6 +2,7 @@
 
 mod beyond_peak;
 mod curve;
+mod drive;
 mod frame;
 mod gauges;
 mod lateral;

@@ -3,14 +3,12 @@
 use crate::march::frame::Frame;
 use crate::march::observer::Observer;
 use crate::march::response::{Ended, Response};
-use crate::march::run::Run;
+use crate::march::run::{RUNAWAY, Run};
 use meso_collision::math::Vec3;
 use meso_concrete::watch::{Stage, Watch};
 use meso_mesh::Phase;
 use meso_trial::{Expansion, Test};
 
-/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
-pub(super) const RUNAWAY: f64 = 4.0;
 /// Time between rows over that in which a wave crosses the specimen, above which rows miss what happens in it.
 const COARSE: f64 = 0.1;
 

@@ -188,7 +188,7 @@ impl Run<'_> {
     }
 
     /// Takes one step, or on a device those of a plain test that lead to the next event.
-    pub(super) fn proceed(&mut self) -> Result<(), String> {
+    pub(crate) fn proceed(&mut self) -> Result<(), String> {
         let (mut scalars, most) = (self.scalars(), self.until_event());
         match &mut self.device {
             Some(remote) if !self.test.has_extra() => {
@@ -233,7 +233,7 @@ impl Run<'_> {
     }
 
     /// Brings back the energies of the groups, for a row.
-    pub(super) fn bring_back_energies(&mut self) -> Result<(), String> {
+    pub(crate) fn bring_back_energies(&mut self) -> Result<(), String> {
         let Some(Remote { device, .. }) = &mut self.device else { return Ok(()) };
         let mut groups: Vec<&mut Group> = self.blocks.iter_mut().flat_map(|block| &mut block.groups).collect();
         let mut energies = vec![0.0; groups.len()];
@@ -243,7 +243,7 @@ impl Run<'_> {
     }
 
     /// Brings back all fields, for a frame, a checkpoint or the end.
-    pub(super) fn bring_back(&mut self) -> Result<(), String> {
+    pub(crate) fn bring_back(&mut self) -> Result<(), String> {
         self.bring_back_energies()?;
         let Some(Remote { device, .. }) = &mut self.device else { return Ok(()) };
         device.nodes(&mut self.nodes.displacement, &mut self.nodes.velocity)?;
@@ -300,7 +300,7 @@ impl Upload<'_> {
             stride: outline.stride,
             ramp: [run.path.speed, run.path.ramp_s],
             servo: (run.test.control() == Control::Servo).then(|| Servo::rule(outline.steps as f64)),
-            sound: [run.plate_energy(), super::drive::RUNAWAY],
+            sound: [run.plate_energy(), super::RUNAWAY],
         }
     }
 

@@ -6,7 +6,6 @@
 
 mod checkpoint;
 pub mod device;
-mod drive;
 
 pub use checkpoint::checkpoint_note;
 
@@ -38,6 +37,8 @@ use meso_trial::{MOST_SUPPORTS, OF_PLATES, OF_SUPPORTS, TurnOf};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
+/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
+pub(super) const RUNAWAY: f64 = 4.0;
 /// Strength of interfaces in an elastic test, MPa.
 const UNBREAKABLE: f64 = 1e6;
 
