@@ -410,7 +410,7 @@ fn a_notched_beam_spends_its_fracture_energy_over_its_ligament() {
     assert!(response.result.kinetic_over_internal_to_half_peak < 0.01, "{:?}", response.result);
 }
 
-/// In elements of 2 and 3 mm it has 0.98 and 0.97: docs/tests.md, Bending.
+/// In elements of 2 and 3 mm it has 0.98 and 0.97: docs/measured/test-results.md, Bending.
 #[test]
 #[ignore = "slow tier: a minute of processor time"]
 fn a_beam_as_deep_as_those_of_standards_spends_its_fracture_energy_in_boxes() {
@@ -425,7 +425,7 @@ fn a_beam_as_deep_as_those_of_standards_spends_its_fracture_energy_in_boxes() {
     assert!(result.kinetic_over_internal_to_half_peak < 0.01 && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
-/// Work of the rollers over ligament and G_f is 1.04, 1.07 and 0.97 in a lattice of 2, 3 and 4 mm: docs/tests.md, Bending.
+/// Work of the rollers over ligament and G_f is 1.04, 1.07 and 0.97 in a lattice of 2, 3 and 4 mm: docs/measured/test-results.md, Bending.
 #[test]
 #[ignore = "slow tier: minutes of processor time"]
 fn beams_of_a_lattice_spend_one_fracture_energy_in_elements_of_any_size() {
