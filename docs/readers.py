@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes docs/readers.md: what other programs see in the files of mesocrete. Every row is a run.
+"""Writes docs/measured/readers.md: what other programs see in the files of mesocrete. Every row is a run.
 
     python3 docs/readers.py [--only NAME] [--folder FOLDER]
 
@@ -130,7 +130,7 @@ def main() -> None:
     for row, (done, text) in found:
         print(f"{'ok    ' if done else 'FAILED'} {row.program} {row.file}: {text}", flush=True)
     if arguments.only is None:
-        (DOCS / "readers.md").write_text(page(files, [(row, text) for row, (done, text) in found if done]), encoding="utf-8")
+        (DOCS / "measured" / "readers.md").write_text(page(files, [(row, text) for row, (done, text) in found if done]), encoding="utf-8")
     sys.exit(any(not done for _, (done, _) in found))
 
 
