@@ -266,6 +266,71 @@ fn take_and_place_fills_its_classes_with_stones_of_a_phase() {
     assert_eq!(check(&model).findings, []);
 }
 
+/// Polyhedra of 5 to 20 mm, a fraction of 0.45 and coatings of this thickness, which make bodies of 1.2 to 3 times the stones.
+fn thickly_coated(thickness_mm: f64, more: &str) -> Spec {
+    let text = format!(
+        "fraction = 0.45\nspecimen = {{ kind = 'cube', side_mm = 60 }}\nitz.thickness_mm = [0, 0]\n{more}\n\
+         [[shape.shells]]\nname = 'coat'\nthickness_mm = [{thickness_mm}, {thickness_mm}]\noutward = true\n"
+    );
+    Spec::from_toml(&text).unwrap()
+}
+
+#[test]
+fn a_fraction_is_judged_with_its_coatings() {
+    for (kind, thickness_mm) in [("sphere", 0.3), ("rounded", 0.3), ("crushed", 0.2)] {
+        let mut spec = thickly_coated(thickness_mm, &format!("shape.kind = '{kind}'"));
+        spec.fraction = 0.25;
+        let (foreseen, placed) = (spec.crowding(), pack(&spec, &Silent).unwrap().report.coated_fraction.unwrap());
+        // Mitred edges of polyhedra take more than the ball's growth.
+        let most = if kind == "sphere" { 0.01 } else { 0.1 };
+        assert!((-0.01..most).contains(&(placed / foreseen - 1.0)) && foreseen > 0.28, "{kind} {placed} {foreseen}");
+    }
+    let refused = |spec: &Spec| pack(spec, &Silent).map(|model| model.report.fraction).unwrap_err();
+    let error = refused(&thickly_coated(2.0, ""));
+    assert!(
+        error.key == "fraction" && error.message.contains("is 0.45, which leaves no room for the coatings"),
+        "{error}"
+    );
+    assert!(error.message.contains("take thinner outward shape.shells or a lower fraction"), "{error}");
+    let error = refused(&thickly_coated(0.5, "placement.min_gap_mm = 2.5"));
+    assert!(
+        error.key == "placement.min_gap_mm" && error.message.contains("lower the gap, the coatings or the"),
+        "{error}"
+    );
+    let doubt = |spec: &Spec| spec.doubts().into_iter().next();
+    let dense = doubt(&thickly_coated(0.75, "")).unwrap();
+    assert!(
+        dense.contains("0.45 with its coatings is as dense as 0.") && dense.contains("thinner outward shape."),
+        "{dense}"
+    );
+    assert_eq!(doubt(&thickly_coated(0.1, "")), None);
+    // Of a phase that is a tenth of the stones.
+    let tenth = thickly_coated(2.0, "").to_json().unwrap().replace("\"outward\"", "\"of\":\"slag\",\"outward\"");
+    let mut tenth: serde_json::Value = serde_json::from_str(&tenth).unwrap();
+    tenth["phases"] = serde_json::json!([{ "name": "slag", "share": 0.1 }]);
+    assert!((0.45..0.7).contains(&Spec::from_value(&tenth).unwrap().crowding()));
+}
+
+#[test]
+fn a_specimen_is_as_wide_as_the_coated_grains() {
+    let in_box = |sides: &str, thickness_mm: f64| {
+        let text = format!(
+            "fraction = 0.2\nspecimen = {{ kind = 'box', size_mm = [60, 60, 21]{sides} }}\nitz.thickness_mm = [0, 0]\n\
+             [[shape.shells]]\nname = 'coat'\nthickness_mm = [{thickness_mm}, 3]\noutward = true\n"
+        );
+        Spec::from_toml(&text).map_err(|error| error.to_string())
+    };
+    assert!(in_box("", 0.4).is_ok() && in_box(", periodic = ['z']", 0.4).is_ok());
+    let error = in_box("", 0.6).unwrap_err();
+    assert!(
+        error.contains("grading.d_max_mm is 20, with coatings 21.2 but the specimen has only 21 mm of room"),
+        "{error}"
+    );
+    assert!(error.contains("thinner coatings"), "{error}");
+    let error = in_box(", periodic = ['z']", 0.6).unwrap_err();
+    assert!(error.contains("makes aggregates up to 21.2 long, and the specimen is periodic after 21"), "{error}");
+}
+
 /// Wet-screened concrete: the same seed without the top class.
 #[test]
 fn the_grains_of_a_class_do_not_depend_on_the_classes_above_it() {

@@ -140,7 +140,7 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
         add_shells(&mut grains, *seed, grading, |own| spec.shells_of(own))
             .map_err(|error| too_thick(&error, &spec.shape))?;
     }
-    if spec.shape.shells.iter().any(|law| law.outward) {
+    if spec.shape.has_coatings() {
         Grain::coat(&mut grains)
             .map_err(|error| SpecError::value("shape.shells", format!("cannot be put around a grain: {error}")))?;
     }

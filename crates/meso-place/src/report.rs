@@ -541,7 +541,7 @@ impl OwnPhaseReport {
 /// The fraction with outward shells, where there are some.
 fn coated_fraction(target: &PackingTarget, aggregates: &[Aggregate]) -> Option<f64> {
     let bodies = || aggregates.iter().map(|body| body.body.volume()).sum::<f64>() / target.specimen.volume();
-    target.shape.shells.iter().any(|law| law.outward).then(bodies)
+    target.shape.has_coatings().then(bodies)
 }
 
 impl ShellReport {

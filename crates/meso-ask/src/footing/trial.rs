@@ -10,7 +10,7 @@ use meso_core::packing::StopReason;
 use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Spec, pack};
 
-/// Edge of the cube over the largest aggregate.
+/// Edge of the cube over the largest body.
 const EDGE: f64 = 2.5;
 /// Phase error that a size is advised for, as a share: half the accepted one.
 const KEPT: f64 = PhaseOff::ACCEPTED / 2.0;
@@ -77,7 +77,7 @@ pub fn options(
 impl Trial<'_> {
     /// Edge of the cube, mm.
     pub(super) fn cube_mm(&self) -> f64 {
-        EDGE * self.spec.grading.d_max_mm
+        EDGE * self.spec.largest_body_mm()
     }
 
     /// The spec of the small cube; a specimen that is no larger stays.

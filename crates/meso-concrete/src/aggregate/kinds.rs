@@ -24,6 +24,13 @@ impl OwnPhase {
         let has = |[low, high]: [f64; 2]| low <= class.d_min_mm && class.d_max_mm <= high;
         if self.sizes_mm.is_none_or(has) { self.share } else { 0.0 }
     }
+
+    /// Shares of the aggregates in `class` that have each of the `phases`; the last is the phase `aggregate`, which has the rest.
+    pub fn shares(phases: &[Self], class: &SizeClass) -> Vec<f64> {
+        let own: Vec<f64> = phases.iter().map(|phase| phase.share_of(class)).collect();
+        let rest = 1.0 - own.iter().sum::<f64>();
+        own.into_iter().chain([if rest > SHARE_ROUNDING { rest } else { 0.0 }]).collect()
+    }
 }
 
 /// Gives each aggregate the phase whose volume lags farthest behind its share, class by class from the coarsest. The grains of a
@@ -33,15 +40,9 @@ pub(super) fn divide(grains: &mut [Grain], phases: &[OwnPhase], classes: &[SizeC
     if phases.is_empty() {
         return;
     }
-    // The last is the phase `aggregate`, which has the rest.
-    let shares = |class: &SizeClass| -> Vec<f64> {
-        let own: Vec<f64> = phases.iter().map(|phase| phase.share_of(class)).collect();
-        let rest = 1.0 - own.iter().sum::<f64>();
-        own.into_iter().chain([if rest > SHARE_ROUNDING { rest } else { 0.0 }]).collect()
-    };
     let mut lag = vec![0.0; phases.len() + 1];
     for (number, class) in classes.iter().enumerate().rev() {
-        let (shares, number) = (shares(class), number as u16);
+        let (shares, number) = (OwnPhase::shares(phases, class), number as u16);
         for grain in grains.iter_mut().filter(|grain| grain.kind == Kind::Aggregate && grain.class == number) {
             let volume = grain.volume();
             lag.iter_mut().zip(&shares).for_each(|(lag, share)| *lag += share * volume);

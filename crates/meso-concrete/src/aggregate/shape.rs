@@ -124,6 +124,11 @@ impl Shape {
         self.grains.iter().any(|grain| grain.dents().is_some())
     }
 
+    /// True where a shell lies around the stones that the grading asks for.
+    pub fn has_coatings(&self) -> bool {
+        self.shells.iter().any(|law| law.outward)
+    }
+
     /// True where volumes below a depth are exact in all grains, which they are not with dents and in ellipsoids.
     pub fn has_exact_cores(&self) -> bool {
         self.kind != ShapeKind::Ellipsoid && !self.has_dents()

@@ -1,5 +1,6 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
+mod coatings;
 mod crowding;
 mod grading;
 mod inclusions;
@@ -364,16 +365,22 @@ fn largest_fits(spec: &Spec) -> Checked {
         let message = format!("is {gap} but the specimen is only {} wide; the gap must be smaller", at_most(narrowest));
         return Err(SpecError::value("placement.min_gap_mm", message));
     }
-    if spec.grading.d_max_mm > inner {
+    let largest = spec.largest_body_mm();
+    if largest > inner {
+        let [with, thinner] = if spec.shape.has_coatings() {
+            [format!(", with coatings {}", at_most(largest)), ", thinner coatings".to_owned()]
+        } else {
+            Default::default()
+        };
         let message = format!(
-            "is {} but the specimen has only {} mm of room; take smaller aggregates or a larger specimen{}",
+            "is {}{with} but the specimen has only {} mm of room; take smaller aggregates{thinner} or a larger specimen{}",
             number(spec.grading.d_max_mm),
             at_most(inner),
             unit_hint(&spec.specimen, container.aabb().size().max())
         );
         return Err(SpecError::value("grading.d_max_mm", message));
     }
-    spec.meets_own_image(spec.grading.d_max_mm).map_or(Ok(()), Err)
+    spec.meets_own_image(largest).map_or(Ok(()), Err)
 }
 
 /// Specimens of files that are longer than this, mm, are hardly in metres, or in inches.
