@@ -4,7 +4,7 @@ use crate::accept::{self, Fault};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Mixture, take};
-use meso_concrete::aggregate::{Aggregate, Kind, Shape, TooThick, add_shells};
+use meso_concrete::aggregate::{Aggregate, Kind, TooThick, add_shells};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, mark_caps, parallel};
@@ -137,8 +137,7 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
     let taken = take(&mixture, spec.fraction, spec.specimen.volume(), surplus);
     let mut grains = taken.map_err(|error| flat_shape(&error))?;
     if !spec.shape.shells.is_empty() {
-        add_shells(&mut grains, *seed, grading, |own| spec.shells_of(own))
-            .map_err(|error| too_thick(&error, &spec.shape))?;
+        add_shells(&mut grains, *seed, grading, |own| spec.shells_of(own)).map_err(|error| too_thick(&error))?;
     }
     if spec.shape.has_coatings() {
         Grain::coat(&mut grains)
@@ -147,14 +146,13 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
     Ok((grains, !stopped.into_inner()))
 }
 
-fn too_thick(error: &TooThick, shape: &Shape) -> SpecError {
+fn too_thick(error: &TooThick) -> SpecError {
     let TooThick { grains, thickness_mm, radius_mm } = error;
     let found =
         if thickness_mm.is_finite() { format!("{thickness_mm:.3} mm thick") } else { "all of its volume".to_owned() };
-    let or_share = if shape.has_exact_cores() { " volume_share," } else { "" };
     let message = format!(
         "leave no core in {grains} grains: ITZ and shells of the largest of them are {found}, and its centre is \
-         {radius_mm:.3} mm from its nearest face; take thinner shells,{or_share} rounder grains, or a phase of larger sizes_mm"
+         {radius_mm:.3} mm from its nearest face; take thinner shells, volume_share, rounder grains, or a phase of larger sizes_mm"
     );
     SpecError::value("shape.shells", message)
 }

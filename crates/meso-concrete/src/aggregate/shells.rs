@@ -2,8 +2,9 @@
 //! them, make the grain larger, so that the stone within them is the one that was taken.
 //!
 //! The points deeper than a depth hold those deeper than a larger one, so that shells are nested by their thicknesses alone. A
-//! shell's thickness is drawn, or follows from its share of a convex grain's volume within the ITZ. That volume falls with the
-//! depth, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought.
+//! shell's thickness is drawn, or follows from its share of the grain's volume within the ITZ. A convex grain's volume falls with
+//! the depth, and ever more slowly: Newton's method from a smaller depth never passes the one that is sought. Of others it is
+//! sampled, and bracketed.
 
 use super::Grading;
 use super::grading::interpolate;
@@ -131,18 +132,26 @@ fn of_grain(
     let size = size();
     let (body, radius_mm) = (grain.body.widened(), f64::from(grain.inner_radius));
     let mut depth = if laws.iter().any(|(_, law)| law.outward) { 0.0 } else { grain.itz_thickness_mm };
-    let inside = body.inward_offset(depth).ok().flatten().map_or(0.0, |inside| inside.volume());
+    let is_sampled = !body.has_inner_body();
+    let inside = if is_sampled {
+        body.eroded_volume(depth)
+    } else {
+        body.inward_offset(depth).ok().flatten().map_or(0.0, |inside| inside.volume())
+    };
+    let within = |depth, volume| {
+        if is_sampled { below_sampled(&body, depth, volume) } else { below(&body, depth, volume).ok().flatten() }
+    };
     let mut shells = Vec::with_capacity(laws.len());
     for (own, law) in laws {
         let drawn = law.limits_mm(size).map(|[low, high]| stream.uniform(low, high));
-        let by_volume = || law.volume_share.and_then(|share| below(&body, depth, share * inside).ok().flatten());
+        let by_volume = || law.volume_share.and_then(|share| within(depth, share * inside));
         // A volume that is not left is thicker than any grain.
         let thickness_mm = drawn.or_else(by_volume).unwrap_or(f64::INFINITY);
         depth += if law.outward { 0.0 } else { thickness_mm };
         shells.push(Shell { own: *own, thickness_mm, outward: law.outward });
     }
     let limit = if grain.body.form() == BodyForm::Surface { LIMIT_WITH_DENTS } else { LIMIT };
-    let by_volume = |(_, law): &(u8, &ShellLaw)| law.outward || law.volume_share.is_some();
+    let by_volume = |(_, law): &(u8, &ShellLaw)| law.outward || law.volume_share.is_some() && !is_sampled;
     let fits = depth <= limit * radius_mm || laws.iter().all(by_volume) && depth.is_finite();
     if fits { Ok(shells) } else { Err(TooThick { grains: 1, thickness_mm: depth, radius_mm }) }
 }
@@ -168,4 +177,29 @@ fn below(body: &Polyhedron, depth: f64, volume: f64) -> Result<Option<f64>, Offs
         }
     }
     Ok(Some(thickness))
+}
+
+/// Error of the radius within a shell whose volume is sampled, over that within the one around it: a tenth of the volume's.
+const SAMPLED: f64 = 1e-4;
+
+/// Thickness of the shell below `depth` that has `volume` mm3, as these are sampled; `None` where less is left.
+///
+/// The cube root of the volume within is nearly linear in the depth, as a ball's is: false position with Illinois' halving
+/// of the end that stays takes some four volumes.
+fn below_sampled(body: &Polyhedron, depth: f64, volume: f64) -> Option<f64> {
+    let outer = body.eroded_volume(depth);
+    let (radius, left) = (libm::cbrt(outer), libm::cbrt(outer - volume));
+    let mut ends = [(0.0, radius - left), (body.aabb().size().max(), -left)];
+    for _ in 0..STEPS {
+        let [(thin, over), (thick, under)] = ends;
+        let thickness = (thick * over - thin * under) / (over - under);
+        let more = libm::cbrt(body.eroded_volume(depth + thickness)) - left;
+        if more.abs() <= SAMPLED * radius {
+            return Some(thickness);
+        }
+        let end = usize::from(more < 0.0);
+        ends[end] = (thickness, more);
+        ends[1 - end].1 /= 2.0;
+    }
+    None
 }

@@ -102,14 +102,6 @@ pub(super) fn check_shells(spec: &Spec) -> Checked {
     for shell in &shape.shells {
         name("shape.shells.name", &shell.name)?;
         law(shell)?;
-        if !shape.has_exact_cores() && shell.volume_share.is_some() {
-            let message = format!(
-                "of {} needs exact volumes, which convex polyhedra and spheres have; give thickness_mm, size_share or \
-                 thickness_over_size_mm",
-                shell.name
-            );
-            return Err(SpecError::value("shape.shells.volume_share", message));
-        }
         if shell.outward && (!shape.has_exact_cores() || shell.volume_share.is_some()) {
             let message = format!(
                 "of {} needs thickness_mm, size_share or thickness_over_size_mm, and convex polyhedra or spheres; without \
