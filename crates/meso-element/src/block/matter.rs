@@ -131,11 +131,9 @@ const CARRIED: [f64; 2] = [1e-12, 1e12];
 
 /// Refuses values that single precision cannot carry. Values at or below 0 have their own ranges.
 fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
-    let Materials { aggregate, itz, mortar, fibre, own, .. } = materials;
-    let common = [("aggregate", aggregate), ("itz", itz), ("mortar", mortar), ("fibre", fibre)];
-    let own = own.iter().map(|(name, own)| (name.as_str(), &own.elastic));
-    let stiffness =
-        |(name, values): (&str, &Elastic)| (format!("{name}.youngs_modulus_mpa"), values.youngs_modulus_mpa);
+    let stiffness = |(name, values, _): (&str, Elastic, Option<f64>)| {
+        (format!("{name}.youngs_modulus_mpa"), values.youngs_modulus_mpa)
+    };
     let given = materials.mortar_strength.of(law);
     let strengths = [
         ("compressive_mpa", given.compressive_mpa),
@@ -145,7 +143,7 @@ fn carried(materials: &Materials, law: LawName) -> Result<(), OutOfRange> {
     ];
     let strengths = strengths.map(|(key, value)| (format!("mortar_strength.{key}"), value));
     let [least, most] = CARRIED;
-    for (key, value) in common.into_iter().chain(own).map(stiffness).chain(strengths) {
+    for (key, value) in materials.by_name().map(stiffness).chain(strengths) {
         let met = !(value > 0.0 && value.is_finite()) || (least..=most).contains(&value);
         MATERIALS.require(key, value, met, "the solver computes in single precision and takes 1e-12 to 1e12")?;
     }
@@ -167,7 +165,7 @@ pub trait LawTask<R: Real> {
 impl Matter {
     /// Material of one of the `phases`; those with a strength follow the law `name`.
     pub fn new(materials: &Materials, phase: Phase, phases: &PhaseNames, name: LawName) -> Self {
-        Self::with(materials, *materials.elastic(phase, phases), materials.strength(phase, phases, name), name)
+        Self::with(materials, materials.elastic(phase, phases), materials.strength(phase, phases, name), name)
     }
 
     /// Materials of stone that breaks, in the order of [`Stone::strengths`].

@@ -293,13 +293,13 @@ impl Materials {
     }
 
     /// The elastic values of one of the `phases`.
-    pub fn elastic(&self, phase: Phase, phases: &PhaseNames) -> &Elastic {
+    pub fn elastic(&self, phase: Phase, phases: &PhaseNames) -> Elastic {
         match phase {
-            Phase::Mortar => &self.mortar,
-            Phase::Itz => &self.itz,
+            Phase::Mortar => self.mortar,
+            Phase::Itz => self.itz,
             // No cell is a void.
-            Phase::Aggregate | Phase::Void => &self.aggregate,
-            Phase::Fibre => &self.fibre,
+            Phase::Aggregate | Phase::Void => self.aggregate,
+            Phase::Fibre => self.fibre,
             Phase::Own(_) => self.own(phase, phases),
         }
     }

@@ -5,60 +5,42 @@ use meso_concrete::{OutOfRange, Phase, PhaseNames, own_tables};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// Material of a phase of the specimen's own.
+/// Values of a phase of the packing's own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Flat", into = "Flat")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct OwnMaterial {
-    /// Stiffness and density.
-    pub elastic: Elastic,
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Density, tonne/mm3.
+    pub density_t_per_mm3: f64,
     /// Strengths and energies over those of the mortar; absent, the phase stays elastic.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub strength_ratio: Option<f64>,
 }
 
-/// [`OwnMaterial`] as files have it.
-#[derive(Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Flat {
-    /// Young's modulus, MPa.
-    youngs_modulus_mpa: f64,
-    /// Poisson's ratio.
-    poisson_ratio: f64,
-    /// Density, tonne/mm3.
-    density_t_per_mm3: f64,
-    /// Strengths and energies over those of the mortar; absent, the phase stays elastic.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    strength_ratio: Option<f64>,
+impl OwnMaterial {
+    /// Its stiffness and density.
+    pub fn elastic(&self) -> Elastic {
+        let &Self { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3, .. } = self;
+        Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 }
+    }
 }
 
 impl From<Elastic> for OwnMaterial {
     /// A phase that stays elastic.
-    fn from(elastic: Elastic) -> Self {
-        Self { elastic, strength_ratio: None }
-    }
-}
-
-impl From<Flat> for OwnMaterial {
-    fn from(flat: Flat) -> Self {
-        let Flat { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3, strength_ratio } = flat;
-        Self { elastic: Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 }, strength_ratio }
-    }
-}
-
-impl From<OwnMaterial> for Flat {
-    fn from(OwnMaterial { elastic, strength_ratio }: OwnMaterial) -> Self {
-        let Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 } = elastic;
-        Self { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3, strength_ratio }
+    fn from(Elastic { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3 }: Elastic) -> Self {
+        Self { youngs_modulus_mpa, poisson_ratio, density_t_per_mm3, strength_ratio: None }
     }
 }
 
 /// The schema of a phase's values.
 #[cfg(feature = "schema")]
 pub(super) fn schema() -> schemars::Schema {
-    let mut schema = schemars::schema_for!(Flat);
+    let mut schema = schemars::schema_for!(OwnMaterial);
     schema.remove("$schema");
-    schema.insert("title".to_owned(), "OwnMaterial".into());
-    schema.insert("description".to_owned(), "Values of a phase of the packing's own.".into());
     schema
 }
 
@@ -81,8 +63,20 @@ impl Materials {
     }
 
     /// The elastic values of a phase of the specimen's own; those of aggregates where it has none, for figures that need none.
-    pub(super) fn own(&self, phase: Phase, phases: &PhaseNames) -> &Elastic {
-        self.own.get(phases.name(phase)).map_or(&self.aggregate, |own| &own.elastic)
+    pub(super) fn own(&self, phase: Phase, phases: &PhaseNames) -> Elastic {
+        self.own.get(phases.name(phase)).map_or(self.aggregate, OwnMaterial::elastic)
+    }
+
+    /// The elastic values of all phases by their names, with the share of the mortar's strengths that each has; `None` of those
+    /// that stay elastic.
+    pub fn by_name(&self) -> impl Iterator<Item = (&str, Elastic, Option<f64>)> {
+        let common = [
+            ("aggregate", self.aggregate, None),
+            ("itz", self.itz, Some(self.itz_strength_ratio)),
+            ("mortar", self.mortar, Some(1.0)),
+            ("fibre", self.fibre, None),
+        ];
+        common.into_iter().chain(self.own.iter().map(|(name, own)| (name.as_str(), own.elastic(), own.strength_ratio)))
     }
 }
 

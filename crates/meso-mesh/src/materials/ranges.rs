@@ -40,10 +40,7 @@ impl Materials {
     /// # Errors
     /// Names the first value outside its range.
     pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
-        let common =
-            [("aggregate", &self.aggregate), ("itz", &self.itz), ("mortar", &self.mortar), ("fibre", &self.fibre)];
-        let own = self.own.iter().map(|(name, own)| (name.as_str(), &own.elastic));
-        common.into_iter().chain(own).try_for_each(|(name, values)| elastic(name, values))
+        self.by_name().try_for_each(|(name, values, _)| elastic(name, &values))
     }
 
     /// Checks the strengths and energies of the mortar, and the shares of them that the ITZ and phases of one's own have.

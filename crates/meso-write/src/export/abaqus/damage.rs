@@ -123,7 +123,7 @@ mod tests {
         let materials = Materials::default();
         for phase in [Phase::Mortar, Phase::Itz] {
             let (elastic, strength) = (
-                materials.elastic(phase, PhaseNames::COMMON),
+                &materials.elastic(phase, PhaseNames::COMMON),
                 materials.strength(phase, PhaseNames::COMMON, LAW).unwrap(),
             );
             for (rows, length) in [(compression(elastic, &strength, 2.0), 1.0), (tension(&strength, 0.35), 1.0)] {

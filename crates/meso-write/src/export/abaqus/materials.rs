@@ -17,7 +17,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     let materials = &options.materials.in_mesh(mesh);
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
-        elastic(lines, &mesh.phases.set_name(phase), materials.elastic(phase, &mesh.phases))?;
+        elastic(lines, &mesh.phases.set_name(phase), &materials.elastic(phase, &mesh.phases))?;
         if let Some(strains) = options.loads.as_ref().and_then(|loads| loads.strains) {
             lines.line("*EXPANSION, ZERO=0.0")?;
             lines.line(format!(
@@ -28,7 +28,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
         if let (true, Some(strength)) = (options.damages(), materials.strength(phase, &mesh.phases, LAW)) {
             plasticity(
                 lines,
-                materials.elastic(phase, &mesh.phases),
+                &materials.elastic(phase, &mesh.phases),
                 &strength,
                 (&materials.plasticity, crack_band(mesh)),
             )?;

@@ -63,7 +63,7 @@ pub(super) fn write(
         match materials.strength(phase, &mesh.phases, LAW).filter(|_| options.has_curves()) {
             _ if !is_solid(phase) => cohesive(cards, &materials, options.has_curves())?,
             Some(strength) => strong(cards, phase, &materials, &strength, mesh, options)?,
-            None => elastic(cards, part(phase), materials.elastic(phase, &mesh.phases))?,
+            None => elastic(cards, part(phase), &materials.elastic(phase, &mesh.phases))?,
         }
     }
     if options.reduced_integration && mesh.kind == CellKind::Hexahedron {
@@ -107,7 +107,7 @@ fn strong(
     mesh: &Mesh,
     options: &DeckOptions,
 ) -> io::Result<()> {
-    let values = materials.elastic(phase, &mesh.phases);
+    let values = &materials.elastic(phase, &mesh.phases);
     match options.lsdyna_law {
         LsdynaLaw::Cdpm => {
             let band = Band::of(mesh);
