@@ -63,6 +63,28 @@ fn materials_that_cannot_be_are_named() {
         (|m| m.itz.density_t_per_mm3 = 2.4, "2.4 g/cm3 are 2.4e-9 tonne/mm3"),
         (|m| m.aggregate.youngs_modulus_mpa = 60.0, "it must be 300 to 2000000 MPa: 60 GPa are 60000 MPa"),
         (|m| m.mortar.youngs_modulus_mpa = 2e10, "2e10 Pa are 20000 MPa"),
+        (
+            |m| m.mortar.youngs_modulus_mpa = 20.0,
+            "20 GPa are 20000 MPa; soil as soft as this has a strength of 2 MPa at most, and this phase 33",
+        ),
+        (
+            |m| {
+                m.mortar.youngs_modulus_mpa = 50.0;
+                m.itz.youngs_modulus_mpa = 50.0;
+                m.mortar_strength.compressive_mpa = Some(f64::NAN);
+            },
+            "materials.itz.youngs_modulus_mpa is 50; it must be 300 to 2000000 MPa",
+        ),
+        // All of a mortar's values in GPa: the tensile strength is no soil's, either.
+        (
+            |m| {
+                (m.mortar.youngs_modulus_mpa, m.itz.youngs_modulus_mpa) = (20.0, 16.0);
+                m.mortar_strength.compressive_mpa = Some(0.033);
+                m.mortar_strength.tensile_mpa = 0.0034;
+            },
+            "0.0034 GPa are 3.4 MPa",
+        ),
+        (|m| m.mortar_strength.compressive_mpa = Some(0.033), "it must be 0.1 to 1000 MPa: 0.033 GPa are 33 MPa"),
         (|m| m.mortar_strength.compressive_mpa = Some(4e7), "4e7 Pa are 40 MPa"),
         (|m| m.mortar_strength.tensile_mpa = 490.0, "490 psi are 3.37843 MPa"),
         (|m| m.mortar_strength.fracture_energy_n_per_mm = Some(100.0), "100 N/m are 0.1 N/mm"),

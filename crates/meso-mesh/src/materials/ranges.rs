@@ -21,8 +21,13 @@ pub const MODULUS: PhysicalRange =
     PhysicalRange { least: 300.0, most: 2e6, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Largest modulus of rubber and foam, MPa: GPa of mortar, stone and steel lie above.
 const SOFTEST: f64 = 10.0;
+/// Largest compressive strength of a phase softer than [`MODULUS`], over its modulus: soils have 0.001 to 0.05, and mortar of
+/// 30 MPa with its modulus in GPa has 1.
+const SOFT_STRENGTH: f64 = 0.1;
 const COMPRESSIVE: PhysicalRange =
     PhysicalRange { least: 0.1, most: 1000.0, unit: "MPa", others: PhysicalRange::STRESSES };
+/// Of soil. With values in GPa throughout, a mortar's tensile strength lies below its range.
+const SOFT_COMPRESSIVE: PhysicalRange = PhysicalRange { least: 0.02, ..COMPRESSIVE };
 const TENSILE: PhysicalRange = PhysicalRange { least: 0.01, most: 100.0, unit: "MPa", others: PhysicalRange::STRESSES };
 /// Mortar with many fibres reaches 15 N/mm; N/m of plain mortar lie above.
 const FRACTURE: PhysicalRange = PhysicalRange { least: 1e-4, most: 15.0, unit: "N/mm", others: ENERGIES };
@@ -40,7 +45,10 @@ impl Materials {
     /// # Errors
     /// Names the first value outside its range.
     pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
-        self.by_name().try_for_each(|(name, values, _)| elastic(name, &values))
+        // A law's own strength, where none is given, is that of concrete.
+        let strength = self.mortar_strength.of(LawName::Meso).compressive_mpa;
+        let mut all = self.by_name();
+        all.try_for_each(|(name, values, ratio)| elastic(name, &values, ratio.map(|ratio| ratio * strength)))
     }
 
     /// Checks the strengths and energies of the mortar, and the shares of them that the ITZ and phases of one's own have.
@@ -49,8 +57,9 @@ impl Materials {
     /// Names the first value outside its range.
     pub fn validate_strength(&self, law: LawName) -> Result<(), OutOfRange> {
         let given = self.mortar_strength.of(law);
+        let compressive = if MODULUS.has(self.mortar.youngs_modulus_mpa) { COMPRESSIVE } else { SOFT_COMPRESSIVE };
         for (key, value, range) in [
-            ("compressive_mpa", given.compressive_mpa, COMPRESSIVE),
+            ("compressive_mpa", given.compressive_mpa, compressive),
             ("peak_strain", given.peak_strain, PEAK_STRAIN),
             ("tensile_mpa", given.tensile_mpa, TENSILE),
             ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, FRACTURE),
@@ -169,11 +178,23 @@ fn accept(range: PhysicalRange, key: String, value: f64) -> Result<(), OutOfRang
     MATERIALS.require(key, value, range.has(value), range.refusal(value))
 }
 
-fn elastic(phase: &str, values: &Elastic) -> Result<(), OutOfRange> {
+/// Checks the elastic values of a phase with a compressive strength, MPa, or without one. Moduli of soil in MPa are those of stone
+/// in GPa, so that the strength decides which is meant.
+fn elastic(phase: &str, values: &Elastic, strength: Option<f64>) -> Result<(), OutOfRange> {
     let (modulus, ratio) = (values.youngs_modulus_mpa, values.poisson_ratio);
-    let is_soft = modulus > 0.0 && modulus <= SOFTEST;
-    if !is_soft {
-        accept(MODULUS, format!("{phase}.youngs_modulus_mpa"), modulus)?;
+    let is_rubber = modulus > 0.0 && modulus <= SOFTEST;
+    let is_between = modulus > SOFTEST && modulus < MODULUS.least;
+    let is_soft = is_between && strength.is_some_and(|strength| (0.0..=SOFT_STRENGTH * modulus).contains(&strength));
+    if !is_rubber && !is_soft {
+        let key = format!("{phase}.youngs_modulus_mpa");
+        MATERIALS.positive(&key, modulus)?;
+        let or_soil = strength.filter(|_| is_between).map_or(String::new(), |strength| {
+            format!(
+                "; soil as soft as this has a strength of {} MPa at most, and this phase {strength}",
+                SOFT_STRENGTH * modulus
+            )
+        });
+        MATERIALS.require(key, modulus, MODULUS.has(modulus), MODULUS.refusal(modulus) + &or_soil)?;
     }
     accept(DENSITY, format!("{phase}.density_t_per_mm3"), values.density_t_per_mm3)?;
     let accepted = "it must lie between -1 and 0.5, where a material is stable";
