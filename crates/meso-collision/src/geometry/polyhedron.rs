@@ -269,6 +269,11 @@ impl Polyhedron {
         self.volume
     }
 
+    /// Sphericity after Wadell (J. Geol. 40, 1932): the area of the ball of equal volume over the body's own, at most 1.
+    pub fn sphericity(&self) -> f64 {
+        libm::cbrt(std::f64::consts::PI) * libm::cbrt(6.0 * self.volume()).powi(2) / self.area()
+    }
+
     /// Centre of volume, mm.
     pub fn centroid(&self) -> Vec3 {
         if let Some(round) = self.round() {

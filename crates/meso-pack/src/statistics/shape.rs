@@ -83,10 +83,8 @@ impl Shapes {
 
 fn measure(aggregate: &Aggregate) -> Measured {
     let body = &aggregate.body;
-    let six_volumes = libm::cbrt(6.0 * body.volume());
-    let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
     let convexity = body.volume() / body.hull().expect("an aggregate has a volume").volume();
-    Measured { extents: extents(body), wadell, convexity, sieve: body.sieve_size() }
+    Measured { extents: extents(body), wadell: body.sphericity(), convexity, sieve: body.sieve_size() }
 }
 
 /// Moments of inertia that differ by this share of the largest are equal: vertices are rounded to single precision.

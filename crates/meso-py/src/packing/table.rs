@@ -9,7 +9,6 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Measures of a body.
@@ -18,18 +17,16 @@ struct Row {
     sieve_size: f64,
     volume: f64,
     area: f64,
+    sphericity: f64,
     centroid: Vec3,
 }
 
 impl Row {
     fn of(aggregate: &Aggregate) -> Self {
         let (body, mass) = (&aggregate.body, aggregate.body.mass_properties());
-        let size = longest_distance(body.vertices());
-        Self { size, sieve_size: body.sieve_size(), volume: mass.volume, area: body.area(), centroid: mass.centroid }
-    }
-
-    fn sphericity(&self) -> f64 {
-        PI.cbrt() * (6.0 * self.volume).cbrt().powi(2) / self.area
+        let (size, sieve_size) = (longest_distance(body.vertices()), body.sieve_size());
+        let (area, sphericity) = (body.area(), body.sphericity());
+        Self { size, sieve_size, volume: mass.volume, area, sphericity, centroid: mass.centroid }
     }
 }
 
@@ -54,7 +51,7 @@ pub(crate) fn of<'py>(py: Python<'py>, model: &Arc<Model>) -> PyResult<Bound<'py
         table.set_item("sieve_size_mm", reals(&|row| row.sieve_size))?;
         table.set_item("volume_mm3", reals(&|row| row.volume))?;
         table.set_item("area_mm2", reals(&|row| row.area))?;
-        table.set_item("sphericity", reals(&Row::sphericity))?;
+        table.set_item("sphericity", reals(&|row| row.sphericity))?;
         table.set_item("centroid_x_mm", reals(&|row| row.centroid.x))?;
         table.set_item("centroid_y_mm", reals(&|row| row.centroid.y))?;
         table.set_item("centroid_z_mm", reals(&|row| row.centroid.z))?;
