@@ -83,6 +83,15 @@ def folders() -> Counter[str]:
     return Counter(str(path.parent.relative_to(ROOT)) for path in sources())
 
 
+def names_used_twice() -> list[str]:
+    """List the names that types of two files have."""
+    homes = defaultdict(set)
+    for path in sources():
+        for match in re.finditer(r"^(?:pub(?:\([^)]*\))? )?(?:struct|enum|trait|union) (\w+)", tested(path), re.MULTILINE):
+            homes[match[1]].add(str(path.relative_to(ROOT)))
+    return [f"{name} {sorted(places)}" for name, places in sorted(homes.items()) if len(places) > 1]
+
+
 def names_with_two_meanings() -> list[str]:
     """List the public type names that two places of the libraries define."""
     homes = defaultdict(set)
@@ -158,6 +167,7 @@ def figures() -> list[Figure]:
         Figure("types of {key, value, accepted}", len(out_of_range()), 1, out_of_range()),
         Figure("crates that detect instructions", len(detections), 1, sorted(detections)),
         Figure("public type names with two meanings", len(two), 0, two),
+        Figure("type names used twice, private ones, too", len(twice := names_used_twice()), 90, twice),
         Figure("doc(hidden) in libraries", len(hidden()), 5, hidden()),
         Figure("doors to mesh::build", len(doors), 1, doors),
         Figure("files that name narrow_gaps", len(narrow), 4, narrow),

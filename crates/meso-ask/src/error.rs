@@ -1,4 +1,4 @@
-//! Why a request is refused, or cannot be done.
+//! Refusals of a request, and faults of its work.
 
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, ErrorKind};

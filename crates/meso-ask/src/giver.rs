@@ -1,4 +1,4 @@
-//! Who gave the values of a request, and so how its options are spelled.
+//! The front that gave a request's values, which decides the spelling of its options.
 
 use crate::flags::of_schema;
 use meso_concrete::OutOfRange;

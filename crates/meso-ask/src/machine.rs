@@ -1,4 +1,4 @@
-//! What a front lends to the work of a request: free memory, the program that some meshes need, and its ear.
+//! The means that a front lends to the work of a request: free memory, the program that some meshes need, and its ear.
 
 use crate::AskError;
 use meso_core::mesh::Tools;

@@ -1,4 +1,4 @@
-//! How a command ends badly: one line on stderr and an exit code.
+//! The end of a command that failed: one line on stderr and an exit code.
 
 use crate::stderr;
 use meso_ask::AskError;

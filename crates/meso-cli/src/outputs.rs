@@ -1,4 +1,4 @@
-//! Where a command's outputs go. Files appear whole or not at all, all of a command as one unit.
+//! Outputs of a command. Files appear whole or not at all, all of a command as one unit.
 //!
 //! Signals wait until all have their names. Existing files are kept unless the user gives `--force`; standard output and
 //! devices are streamed.

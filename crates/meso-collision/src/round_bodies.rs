@@ -1,4 +1,4 @@
-//! Are two bodies apart, at least one of which is a ball or an ellipsoid?
+//! Separation of two bodies, at least one of which is a ball or an ellipsoid.
 //!
 //! A direction n separates A from B by n . (b - a) - h_A(n) - h_B(-n), with the support functions h of the bodies about
 //! their centres a and b; for an ellipsoid x = a + A u that is h(n) = |A^T n|. So every direction proves a lower bound of

@@ -1,4 +1,4 @@
-//! Who watches long work: how far it is in named stages, and whether it should stop.
+//! Progress of long work in named stages, and its stop by the user.
 //!
 //! Packing, meshing and a test get one [`Watch`] each. Work that keeps a result asks [`Watch::stops`]; see [`stop`](crate::stop)
 //! for work without a result worth keeping.

@@ -1,4 +1,4 @@
-//! From a packing to its tensor: three grids, the solution along each axis, error and bounds.
+//! The tensor of a packing: three grids, the solution along each axis, error and bounds.
 
 use crate::boundary::Boundary;
 use crate::bounds::{self, PropertyBounds};

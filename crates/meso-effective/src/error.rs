@@ -1,4 +1,4 @@
-//! Why effective properties are refused.
+//! Refusals of effective properties.
 
 use meso_collision::geometry::BodyForm;
 use meso_concrete::aggregate::Aggregate;

@@ -87,7 +87,7 @@ impl Gmsh {
     }
 
     /// Runs `command` in the folder of `running` until it ends, or `stop` says so.
-    fn outcome(&self, command: &mut Command, running: &Running, stop: &dyn Fn() -> bool) -> Result<Outcome, MeshError> {
+    fn outcome(&self, command: &mut Command, running: &Running, stop: &dyn Fn() -> bool) -> Result<GmshEnd, MeshError> {
         let in_folder = |error| files(running.folder(), error);
         // Not through pipes: nobody would empty them in the meantime.
         let mut saying = running.in_folder(|folder| open_anew(&folder.join("said.txt"))).map_err(in_folder)?;
@@ -98,7 +98,7 @@ impl Gmsh {
         let status = wait(running, stop)?;
         let mut said = Vec::new();
         saying.seek(SeekFrom::Start(0)).and_then(|_| saying.read_to_end(&mut said)).map_err(in_folder)?;
-        Ok(Outcome { status, said: String::from_utf8_lossy(&said).trim().to_owned() })
+        Ok(GmshEnd { status, said: String::from_utf8_lossy(&said).trim().to_owned() })
     }
 
     fn missing(&self, error: &io::Error) -> MeshError {
@@ -148,7 +148,7 @@ impl VolumeMesher for Gmsh {
 }
 
 /// How gmsh ended.
-struct Outcome {
+struct GmshEnd {
     status: ExitStatus,
     said: String,
 }

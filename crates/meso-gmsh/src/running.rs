@@ -6,11 +6,11 @@ use std::process::{Child, Command, ExitStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tempfile::TempDir;
 
-static ALL: Mutex<Vec<Arc<Run>>> = Mutex::new(Vec::new());
+static ALL: Mutex<Vec<Arc<GmshRun>>> = Mutex::new(Vec::new());
 
 /// A run's folder, and its process once there is one. Whoever starts the process or makes a file in the folder holds
 /// the lock of `child`: [`end_all`] finds nothing half done, and nothing new comes after it.
-struct Run {
+struct GmshRun {
     folder: TempDir,
     child: Mutex<Option<Child>>,
 }
@@ -30,19 +30,19 @@ pub fn end_all() {
 }
 
 /// While this lives, [`end_all`] knows of the run; its folder goes with it.
-pub(crate) struct Running(Option<Arc<Run>>);
+pub(crate) struct Running(Option<Arc<GmshRun>>);
 
 impl Running {
     /// A new run in a folder of its own.
     pub(crate) fn in_new_folder() -> io::Result<Self> {
         let mut all = lock(&ALL);
         let folder = tempfile::Builder::new().prefix("mesocrete-").tempdir()?;
-        let run = Arc::new(Run { folder, child: Mutex::new(None) });
+        let run = Arc::new(GmshRun { folder, child: Mutex::new(None) });
         all.push(Arc::clone(&run));
         Ok(Self(Some(run)))
     }
 
-    fn run(&self) -> &Run {
+    fn run(&self) -> &GmshRun {
         self.0.as_ref().expect("it is taken by `drop` alone")
     }
 

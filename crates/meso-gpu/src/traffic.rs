@@ -19,14 +19,14 @@ pub struct Traffic {
 /// Counts the bytes of a run for groups of `threads`.
 pub(crate) fn count(upload: &Upload, threads: usize) -> Result<Traffic, String> {
     let moved = Arc::new(Mutex::new(Traffic::default()));
-    let host = Sizes { sizes: Vec::new(), moved: Arc::clone(&moved) };
+    let host = BufferSizes { sizes: Vec::new(), moved: Arc::clone(&moved) };
     let held = Engine::on(Box::new(host), upload, threads)?.bytes;
     let moved = *moved.lock().unwrap_or_else(PoisonError::into_inner);
     Ok(Traffic { held, ..moved })
 }
 
 /// A host without a device: sizes of the buffers, and bytes that the kernels move.
-struct Sizes {
+struct BufferSizes {
     sizes: Vec<usize>,
     moved: Arc<Mutex<Traffic>>,
 }
@@ -39,7 +39,7 @@ const DISSIPATED: usize = 13;
 /// Places of displacements and velocities among the nodes' arguments.
 const MOTION: [usize; 2] = [7, 8];
 
-impl Sizes {
+impl BufferSizes {
     /// Bytes that a kernel moves beyond those of its buffers.
     fn beyond(name: &str, sizes: &[usize]) -> isize {
         let size = |argument: usize| sizes[argument] as isize;
@@ -52,7 +52,7 @@ impl Sizes {
     }
 }
 
-impl Host for Sizes {
+impl Host for BufferSizes {
     fn compile(&mut self, _: &str) -> Result<(), String> {
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! From a packing to its mesh, whatever the method.
+//! The mesh of a packing, by any method.
 //!
 //! Mortar outside a specimen that does not fill its bounding box is clipped, cell by cell (`clip`); the surface that is left is
 //! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
@@ -170,7 +170,7 @@ fn with_layer(mut mesh: TetMesh, mut notes: Notes, images: &BodyImages, parts: &
         }
         let exact = PhaseVolumes::exact(&parts.bodies, parts.specimen, |aggregate| options.shell_mm(aggregate)).ok();
         notes.cores_mm3 = exact.map(|exact| exact.aggregate);
-        let (size, mut finished) = (options.element_size_mm, layer::Finished::default());
+        let (size, mut finished) = (options.element_size_mm, layer::FinishedLayer::default());
         let shells = parts.bodies.iter().map(|body| body.shells.len()).max().unwrap_or(0);
         for number in 0..=shells {
             // Inner sides of layers have nodes along most edges alone.

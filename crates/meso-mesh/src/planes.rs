@@ -31,7 +31,7 @@ impl EightPlanes {
 
 /// [`Plane::height_over`] of some planes.
 pub(crate) fn height_over(eights: &[EightPlanes], x: &Vec3) -> f64 {
-    widest(Height(eights, x))
+    widest(PlaneHeight(eights, x))
 }
 
 /// The part of the segment from `inside` along `direction` that lies within the body of some planes, 0 to 1.
@@ -41,7 +41,7 @@ pub(crate) fn exit(eights: &[EightPlanes], inside: &Vec3, direction: &Vec3) -> f
 
 /// Calls `visit` with the numbers of the planes, `count` in all, that lie within `slack` mm of `x`.
 pub(crate) fn touched(eights: &[EightPlanes], count: usize, x: &Vec3, slack: f64, visit: impl FnMut(usize)) {
-    each_bit(eights, count, |eights| widest(Touched { eights, x, slack }), visit);
+    each_bit(eights, count, |eights| widest(TouchedPlanes { eights, x, slack }), visit);
 }
 
 /// Eights whose lanes are the bits of a word.
@@ -71,9 +71,9 @@ pub(crate) fn bits(is_set: impl Fn(usize) -> bool) -> u64 {
     bits
 }
 
-struct Height<'a>(&'a [EightPlanes], &'a Vec3);
+struct PlaneHeight<'a>(&'a [EightPlanes], &'a Vec3);
 
-impl Wide for Height<'_> {
+impl Wide for PlaneHeight<'_> {
     type Output = f64;
 
     #[inline(always)]
@@ -114,13 +114,13 @@ impl Wide for Exit<'_> {
     }
 }
 
-struct Touched<'a> {
+struct TouchedPlanes<'a> {
     eights: &'a [EightPlanes],
     x: &'a Vec3,
     slack: f64,
 }
 
-impl Wide for Touched<'_> {
+impl Wide for TouchedPlanes<'_> {
     type Output = u64;
 
     #[inline(always)]

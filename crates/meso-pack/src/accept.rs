@@ -1,4 +1,4 @@
-//! What the values of a model keep, whether it was read, packed or imported. A reader refuses the others, so that they are never
+//! Ranges of a model's values, whether it was read, packed or imported. A reader refuses the others, so that they are never
 //! written: a model that breaks this is refused before any product is made of it.
 
 use meso_collision::math::Vec3;

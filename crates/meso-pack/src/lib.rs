@@ -1,4 +1,4 @@
-//! From a [`Spec`] to a packed [`Model`], and the questions asked of one: is it sound, how is it distributed.
+//! Packing: a [`Model`] of a [`Spec`], its proof and its statistics.
 //!
 //! The way through: [`spec`] holds every option, [`pack`] takes grains and places them, [`saved`] keeps the model,
 //! [`check`](mod@check) proves it and [`statistics`](mod@statistics) measures it.

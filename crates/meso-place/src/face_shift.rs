@@ -20,7 +20,7 @@ pub fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen, gap: f
     if gap == 0.0 || period.is_none() || bodies.is_empty() {
         return;
     }
-    let position = |axis| period.along(axis).map_or(0.0, |length| Marks::of(bodies, axis, length).best(gap));
+    let position = |axis| period.along(axis).map_or(0.0, |length| GrazingPlaces::of(bodies, axis, length).best(gap));
     let positions = [0, 1, 2].map(position);
     let shift = -snap(&Vec3::from(positions));
     if shift != Vec3::zeros() {
@@ -36,14 +36,14 @@ fn wrapped(body: &Aggregate, shift: &Vec3, period: &Period) -> Vec3 {
 }
 
 /// Positions along an axis, within one period, at which a face would graze something; ascending.
-struct Marks {
+struct GrazingPlaces {
     length: f64,
     /// Outermost points.
     ends: Vec<f64>,
     corners: Vec<f64>,
 }
 
-impl Marks {
+impl GrazingPlaces {
     fn of(bodies: &[&mut Aggregate], axis: usize, length: f64) -> Self {
         let sorted = |positions: &mut dyn Iterator<Item = f64>| {
             let mut positions: Vec<f64> = positions.map(|x| x - (x / length).floor() * length).collect();

@@ -1,4 +1,4 @@
-//! Why a test cannot be run.
+//! Refusals of a test.
 
 use meso_concrete::OutOfRange;
 pub(crate) use meso_trial::TEST;

@@ -1,4 +1,4 @@
-//! Grain libraries from surface and JSON files, put into the spec as if their vertices had been written there.
+//! ReadGrain libraries from surface and JSON files, put into the spec as if their vertices had been written there.
 
 use super::files::Files;
 use super::limits::TIME_LIMIT;
@@ -85,7 +85,7 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<Limit
         return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(key, message) });
     };
     let form = if is_harmonic { Form::Harmonics { degree: degree?, triangles: triangles? } } else { Form::Surfaces };
-    let mut reader = Reader { files: &mut *reading.files, takes_hull, form, tolerance };
+    let mut reader = GrainReader { files: &mut *reading.files, takes_hull, form, tolerance };
     let late = |Late| limit.late(&format!("{key} {name:?} was read"), GRAINS);
     let grains = stop::until(limit.waiting(reading.watch), || reader.grains(&name)).map_err(late)?;
     let named = |reason| SpecError { line, ..SpecError::value(key, format!("is {name:?}: {reason}")) };
@@ -262,7 +262,7 @@ struct Place<'a> {
 }
 
 /// Reads grains, convex ones and those with dents.
-struct Reader<'a> {
+struct GrainReader<'a> {
     files: &'a mut dyn Files,
     /// Whether bodies that are not convex count as their hulls.
     takes_hull: bool,
@@ -271,7 +271,7 @@ struct Reader<'a> {
     tolerance: Option<f64>,
 }
 
-impl Reader<'_> {
+impl GrainReader<'_> {
     /// Every grain in the file, or in the files of the folder in the order of their names.
     fn grains(&mut self, name: &str) -> Result<Vec<Inlined>, String> {
         if self.form.is_grain_file(name) {
@@ -474,10 +474,10 @@ impl Reader<'_> {
     fn json_grains(&mut self, file: &str, bytes: &[u8]) -> Result<Vec<Inlined>, String> {
         let grains = listed(bytes).map_err(|error| misnamed(file, bytes, &self.form.endings(), &error))?;
         let alone = grains.len() == 1;
-        let named = |(i, grain): (usize, Grain)| {
+        let named = |(i, grain): (usize, ReadGrain)| {
             let (name, vertices, faces, round) = match grain {
-                Grain::Vertices(vertices) => (None, vertices, None, false),
-                Grain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
+                ReadGrain::Vertices(vertices) => (None, vertices, None, false),
+                ReadGrain::Named { name, vertices, faces, round } => (name, vertices, faces, round),
             };
             let name = name.unwrap_or_else(|| format!("grain {i}"));
             let within = if alone { String::new() } else { format!("{name}: ") };
@@ -589,15 +589,15 @@ fn thick_enough(stone: &Template) -> Result<(), String> {
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Listed {
-    Bare(Vec<Grain>),
-    Grains { grains: Vec<Grain> },
-    Model { aggregates: Vec<Grain> },
+    Bare(Vec<ReadGrain>),
+    Grains { grains: Vec<ReadGrain> },
+    Model { aggregates: Vec<ReadGrain> },
 }
 
 /// A grain is the hull of its vertices where nothing is said of faces.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Grain {
+enum ReadGrain {
     Vertices(Vec<[f64; 3]>),
     Named {
         name: Option<String>,
@@ -609,7 +609,7 @@ enum Grain {
     },
 }
 
-fn listed(bytes: &[u8]) -> Result<Vec<Grain>, String> {
+fn listed(bytes: &[u8]) -> Result<Vec<ReadGrain>, String> {
     // Some programs begin a text with its byte order.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = serde_json::Deserializer::from_slice(bytes);

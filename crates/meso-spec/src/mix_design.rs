@@ -37,7 +37,7 @@ fn water_density() -> f64 {
 }
 
 #[derive(Deserialize)]
-struct Table {
+struct MixTable {
     mix: MixDesign,
 }
 
@@ -50,7 +50,7 @@ pub(super) fn take(tree: &mut Node) -> Result<Option<MixDesign>, SpecError> {
         return Err(SpecError { line, ..error });
     }
     let alone = Node { value: Value::Table(vec![entry]), line };
-    let mix = read::<Table>(&alone)?.mix;
+    let mix = read::<MixTable>(&alone)?.mix;
     mix.validate().map_err(|error| error.at(&alone))?;
     Ok(Some(mix))
 }

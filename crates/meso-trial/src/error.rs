@@ -1,4 +1,4 @@
-//! Why a test is refused.
+//! Refusals of a test.
 
 use meso_concrete::{OutOfRange, Ranges};
 

@@ -1,4 +1,4 @@
-//! What a test may stand on: one rule for packings, decks, tests, studies and Python.
+//! A mesh that a test may stand on: one rule for packings, decks, tests, studies and Python.
 //!
 //! 1. [`leave_room`] gives a packing the gaps that the elements of its mesh resolve.
 //! 2. [`Footing::mesh`] meshes it, and refuses a phase that is far off its exact volume: before meshing where a small cube

@@ -36,7 +36,7 @@ impl TriangleMesh {
     /// See [`NotReduced`].
     pub fn reduced(&self, distance: f64) -> Result<Self, NotReduced> {
         let given = self.facets();
-        let stages = Reduction::new(self, &Aabb::everywhere()).stages(&LIMITS.map(|limit| limit * distance));
+        let stages = Collapsing::new(self, &Aabb::everywhere()).stages(&LIMITS.map(|limit| limit * distance));
         let is_accepted = |reduced: &Self| {
             let found = reduced.facets();
             Proof::of(&given, &found, distance)
@@ -55,7 +55,7 @@ impl TriangleMesh {
     /// The surface with all edges collapsed whose root mean square quadric error is at most `limit` mm: a few times faster
     /// than [`reduced`](Self::reduced), and nothing is proved. Vertices in a side of `walls` stay in it.
     pub fn simplified(&self, limit: f64, walls: &Aabb) -> Self {
-        Reduction::new(self, walls).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
+        Collapsing::new(self, walls).stages(&[limit]).pop().unwrap_or_else(|| self.clone())
     }
 }
 
@@ -231,7 +231,7 @@ const FEW: usize = 2000;
 const TRIANGLES_A_COLLAPSE: usize = 2000;
 
 /// A surface while its edges are collapsed, in flat arrays. Coordinates are about the middle of its box, for precision.
-struct Reduction {
+struct Collapsing {
     origin: Vec3,
     walls: Aabb,
     /// The sides of `walls` that each vertex has to stay in: a bit for each, lower and upper along x, y and z.
@@ -254,7 +254,7 @@ struct Reduction {
     passes: u32,
 }
 
-impl Reduction {
+impl Collapsing {
     fn new(mesh: &TriangleMesh, walls: &Aabb) -> Self {
         let aabb = Aabb::around(&mesh.vertices);
         let origin = (aabb.min + aabb.max) / 2.0;

@@ -1,4 +1,4 @@
-//! Does a surface of triangles cross itself? The exact test of every triangle against its neighbours in space.
+//! Self-crossing of a surface of triangles: the exact test of every triangle against its neighbours in space.
 
 use super::closed::{is_beside, seen};
 use crate::geometry::{TriangleMesh, Triangles};

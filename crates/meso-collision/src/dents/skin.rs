@@ -51,16 +51,16 @@ impl Polyhedron {
     }
 
     /// The planes of its caps; `None` where it has none.
-    pub(super) fn cuts(&self) -> Option<Cuts> {
-        (self.caps() != 0).then(|| Cuts(self.cut_space()))
+    pub(super) fn cuts(&self) -> Option<SkinCuts> {
+        (self.caps() != 0).then(|| SkinCuts(self.cut_space()))
     }
 }
 
 /// The planes of caps, as a box that is unbounded where there are none.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cuts(Aabb);
+pub(super) struct SkinCuts(Aabb);
 
-impl Cuts {
+impl SkinCuts {
     /// Whether `x` lies in the plane of this cap.
     fn have(&self, bit: usize, x: &Vec3) -> bool {
         x[bit / 2] == self.0.end(bit)
@@ -150,7 +150,7 @@ struct Open {
     /// Its own triangles, then those beyond the rims.
     skin: Triangles,
     own: u32,
-    cuts: Cuts,
+    cuts: SkinCuts,
 }
 
 impl Skin {

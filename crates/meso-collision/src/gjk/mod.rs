@@ -1,4 +1,4 @@
-//! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
+//! Intersection and distance of two convex bodies: proved answers, on any input.
 //!
 //! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any
 //! finite numbers, in any unit. Every answer is certified. A search in floating point ([`Algorithm`]) proposes it; a

@@ -125,7 +125,7 @@ fn on_any<V: Vectorized>(work: V) -> V::Output {
     work.run(portable::Portable::new())
 }
 
-/// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one
+/// PlainLoops loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one
 /// that must be inlined, and other functions are compiled for narrow registers.
 pub trait Wide {
     /// The result.
@@ -137,15 +137,15 @@ pub trait Wide {
 /// Runs `work`, compiled for the widest registers there are.
 #[inline]
 pub fn widest<W: Wide>(work: W) -> W::Output {
-    struct Plain<W>(W);
-    impl<W: Wide> Vectorized for Plain<W> {
+    struct PlainLoops<W>(W);
+    impl<W: Wide> Vectorized for PlainLoops<W> {
         type Output = W::Output;
         #[inline(always)]
         fn run<S: Simd>(self, _: S) -> W::Output {
             self.0.run()
         }
     }
-    dispatch(Plain(work))
+    dispatch(PlainLoops(work))
 }
 
 /// The token of an instruction set.
@@ -198,14 +198,14 @@ pub(crate) trait Lanes:
     /// Proof that the machine has the instructions.
     type Token: Copy;
     /// The numbers in memory.
-    type Array: Copy + AsRef<[Self::T]>;
+    type Lane4: Copy + AsRef<[Self::T]>;
     /// Some of its lanes.
     type Mask: Mask;
     /// Number of lanes, at most [`MOST_LANES`].
     const LANES: usize;
 
     /// To memory.
-    fn to_array(self) -> Self::Array;
+    fn to_array(self) -> Self::Lane4;
     /// One number in all lanes.
     fn all(token: Self::Token, value: Self::T) -> Self;
     /// The number that `lane` tells of each lane, straight into the register: a load of numbers that were just stored

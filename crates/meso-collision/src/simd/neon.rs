@@ -107,7 +107,7 @@ macro_rules! lanes {
             type T = $t;
             type Token = Neon;
             type Mask = $mask;
-            type Array = [$t; $lanes];
+            type Lane4 = [$t; $lanes];
             const LANES: usize = $lanes;
 
             #[inline(always)]

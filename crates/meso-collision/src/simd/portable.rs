@@ -18,19 +18,19 @@ impl Portable {
 }
 
 impl Simd for Portable {
-    type F32 = Array<f32>;
-    type F64 = Array<f64>;
+    type F32 = Lane4<f32>;
+    type F64 = Lane4<f64>;
 }
 
 const LANES: usize = 4;
 
 /// Four numbers.
 #[derive(Clone, Copy)]
-pub(crate) struct Array<T>([T; LANES]);
+pub(crate) struct Lane4<T>([T; LANES]);
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl<T: Copy + $trait<Output = T>> $trait for Array<T> {
+        impl<T: Copy + $trait<Output = T>> $trait for Lane4<T> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -46,11 +46,11 @@ operator!(Div, div);
 
 macro_rules! lanes {
     ($t:ty, $bits:ty) => {
-        impl Lanes for Array<$t> {
+        impl Lanes for Lane4<$t> {
             type T = $t;
             type Token = Portable;
             type Mask = Bits;
-            type Array = [$t; LANES];
+            type Lane4 = [$t; LANES];
             const LANES: usize = LANES;
 
             #[inline(always)]

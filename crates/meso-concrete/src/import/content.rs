@@ -4,28 +4,28 @@ use super::words::{is, lines_of_words, number};
 use super::{ending, list, off};
 
 /// A format that people bring, whether it is read or not.
-struct Format {
+struct FileFormat {
     /// With its article.
     name: &'static str,
     /// Endings of such files' names; the usual one first.
     endings: &'static [&'static str],
 }
 
-const PLY: Format = Format { name: "a PLY", endings: &["ply"] };
-const OFF: Format = Format { name: "an OFF", endings: &["off"] };
-const STL: Format = Format { name: "an STL", endings: &["stl"] };
-const OBJ: Format = Format { name: "an OBJ", endings: &["obj"] };
-const JSON: Format = Format { name: "a JSON", endings: &["json"] };
-const COEFFICIENTS: Format = Format { name: "a harmonics", endings: &["dat", "anm", "txt"] };
-const TIFF: Format = Format { name: "a TIFF", endings: &["tif", "tiff"] };
-const NUMPY: Format = Format { name: "a NumPy", endings: &["npy"] };
-const VTK_IMAGE: Format = Format { name: "a VTK image", endings: &["vti"] };
-const GZIP: Format = Format { name: "a gzip", endings: &["gz"] };
-const ZIP: Format = Format { name: "a ZIP", endings: &["zip", "3mf", "npz"] };
-const GLTF: Format = Format { name: "a glTF", endings: &["glb"] };
+const PLY: FileFormat = FileFormat { name: "a PLY", endings: &["ply"] };
+const OFF: FileFormat = FileFormat { name: "an OFF", endings: &["off"] };
+const STL: FileFormat = FileFormat { name: "an STL", endings: &["stl"] };
+const OBJ: FileFormat = FileFormat { name: "an OBJ", endings: &["obj"] };
+const JSON: FileFormat = FileFormat { name: "a JSON", endings: &["json"] };
+const COEFFICIENTS: FileFormat = FileFormat { name: "a harmonics", endings: &["dat", "anm", "txt"] };
+const TIFF: FileFormat = FileFormat { name: "a TIFF", endings: &["tif", "tiff"] };
+const NUMPY: FileFormat = FileFormat { name: "a NumPy", endings: &["npy"] };
+const VTK_IMAGE: FileFormat = FileFormat { name: "a VTK image", endings: &["vti"] };
+const GZIP: FileFormat = FileFormat { name: "a gzip", endings: &["gz"] };
+const ZIP: FileFormat = FileFormat { name: "a ZIP", endings: &["zip", "3mf", "npz"] };
+const GLTF: FileFormat = FileFormat { name: "a glTF", endings: &["glb"] };
 
 /// First bytes that are a format's own.
-const MAGIC: [(&[u8], Format); 12] = [
+const MAGIC: [(&[u8], FileFormat); 12] = [
     (b"ply\n", PLY),
     (b"ply\r", PLY),
     (b"\x93NUMPY", NUMPY),
@@ -44,7 +44,7 @@ const MAGIC: [(&[u8], Format); 12] = [
 /// Explains a file that is not what its name says: its format, and the fix. `read_here` are the endings that its reader takes.
 /// `None` for a file of the format that its name says, or of an unknown one.
 pub fn misnamed(name: &str, bytes: &[u8], read_here: &[&str]) -> Option<String> {
-    let Format { name: format, endings } = format_of(bytes)?;
+    let FileFormat { name: format, endings } = format_of(bytes)?;
     let said = ending(name).unwrap_or_default();
     if endings.contains(&said.as_str()) {
         return None;
@@ -57,7 +57,7 @@ pub fn misnamed(name: &str, bytes: &[u8], read_here: &[&str]) -> Option<String> 
     Some(format!("it begins as {format} file does{fix}"))
 }
 
-fn format_of(bytes: &[u8]) -> Option<Format> {
+fn format_of(bytes: &[u8]) -> Option<FileFormat> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     // Records of 50 bytes follow their number; texts have none that fits.
     let triangles = bytes.get(80..84).map(|count| count.iter().rev().fold(0, |n, byte| n << 8 | usize::from(*byte)));
@@ -72,7 +72,7 @@ fn format_of(bytes: &[u8]) -> Option<Format> {
 /// Bytes of a text that are looked at.
 const HEAD: usize = 4096;
 
-fn format_of_text(text: &[u8]) -> Option<Format> {
+fn format_of_text(text: &[u8]) -> Option<FileFormat> {
     let head = &text[..text.len().min(HEAD)];
     let holds = |part: &[u8]| head.windows(part.len()).any(|window| window == part);
     if head.starts_with(b"<") {

@@ -16,16 +16,16 @@ enum Kind {
 }
 
 /// A property: a number, or a list whose length comes first.
-struct Property {
+struct PlyProperty {
     name: Vec<u8>,
     length: Option<Kind>,
     kind: Kind,
 }
 
-struct Element {
+struct PlyElement {
     name: Vec<u8>,
     count: u64,
-    properties: Vec<Property>,
+    properties: Vec<PlyProperty>,
 }
 
 /// Values behind the header.
@@ -67,9 +67,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
 }
 
 /// The elements that the header describes, and the values behind it.
-fn header(text: &[u8]) -> Result<(Vec<Element>, Values<'_>), ImportError> {
+fn header(text: &[u8]) -> Result<(Vec<PlyElement>, Values<'_>), ImportError> {
     let wrong = |wanted: String| ImportError::Begin { format: "a PLY", wanted };
-    let (mut elements, mut format): (Vec<Element>, Option<&[u8]>) = (Vec::new(), None);
+    let (mut elements, mut format): (Vec<PlyElement>, Option<&[u8]>) = (Vec::new(), None);
     for (number, line) in lines(text) {
         let words: Vec<&[u8]> = words(line).collect();
         let unclear = || {
@@ -84,7 +84,7 @@ fn header(text: &[u8]) -> Result<(Vec<Element>, Values<'_>), ImportError> {
             [b"format", form, ..] => format = Some(*form),
             [b"element", name, count] => {
                 let count = super::words::number(count).ok_or_else(unclear)?;
-                elements.push(Element { name: name.to_vec(), count, properties: Vec::new() });
+                elements.push(PlyElement { name: name.to_vec(), count, properties: Vec::new() });
             }
             [b"property", ..] => {
                 let element = elements.last_mut().ok_or_else(unclear)?;
@@ -121,12 +121,12 @@ fn values<'a>(rest: &'a [u8], format: Option<&[u8]>) -> Option<Values<'a>> {
     }
 }
 
-fn property(words: &[&[u8]]) -> Option<Property> {
+fn property(words: &[&[u8]]) -> Option<PlyProperty> {
     match words {
         [_, b"list", length, kind, name] => {
-            Some(Property { name: name.to_vec(), length: Some(kind_of(length)?), kind: kind_of(kind)? })
+            Some(PlyProperty { name: name.to_vec(), length: Some(kind_of(length)?), kind: kind_of(kind)? })
         }
-        [_, kind, name] => Some(Property { name: name.to_vec(), length: None, kind: kind_of(kind)? }),
+        [_, kind, name] => Some(PlyProperty { name: name.to_vec(), length: None, kind: kind_of(kind)? }),
         _ => None,
     }
 }
@@ -168,7 +168,7 @@ impl Values<'_> {
     }
 
     /// The numbers of a property.
-    fn of(&mut self, property: &Property, mut each: impl FnMut(f64)) -> Option<()> {
+    fn of(&mut self, property: &PlyProperty, mut each: impl FnMut(f64)) -> Option<()> {
         let length = property.length.map_or(Some(1.0), |kind| self.next(kind))?;
         // A length that is negative counts as 0. Each number takes a byte, so that a length too large ends the file.
         for _ in 0..length as u64 {
@@ -178,7 +178,7 @@ impl Values<'_> {
     }
 }
 
-fn vertex(element: &Element, values: &mut Values<'_>) -> Option<Vec3> {
+fn vertex(element: &PlyElement, values: &mut Values<'_>) -> Option<Vec3> {
     let mut position = Vec3::from_element(f64::NAN);
     for property in &element.properties {
         let axis = ["x", "y", "z"].iter().position(|name| is(&property.name, name));
@@ -196,7 +196,7 @@ fn triangles(corners: &[i64]) -> impl Iterator<Item = Vec<i64>> {
 }
 
 /// The corners of a face; rows of other elements are read past.
-fn row(element: &Element, values: &mut Values<'_>) -> Option<Vec<i64>> {
+fn row(element: &PlyElement, values: &mut Values<'_>) -> Option<Vec<i64>> {
     let mut corners = Vec::new();
     for property in &element.properties {
         let is_corners = is(&property.name, "vertex_indices") || is(&property.name, "vertex_index");

@@ -106,7 +106,7 @@ struct Left<'a> {
     is_there: Vec<bool>,
     /// A corner in the triangle of this one, which is no ear as long as that one and its neighbours are there.
     within: Vec<Cell<Option<usize>>>,
-    squares: Squares,
+    squares: CornerSquares,
 }
 
 impl<'a> Left<'a> {
@@ -117,7 +117,7 @@ impl<'a> Left<'a> {
             before: (0..count).map(|corner| (corner + count - 1) % count).collect(),
             is_there: vec![true; count],
             within: vec![Cell::new(None); count],
-            squares: Squares::new(seen),
+            squares: CornerSquares::new(seen),
             seen,
         }
     }
@@ -156,18 +156,18 @@ impl<'a> Left<'a> {
 }
 
 /// Corners by the square that they lie in.
-struct Squares {
+struct CornerSquares {
     min: Coord<f64>,
-    /// Squares per unit along x and y.
+    /// CornerSquares per unit along x and y.
     per_unit: [f64; 2],
-    /// Squares along an edge.
+    /// CornerSquares along an edge.
     side: usize,
     /// The corners of square s are `corners[starts[s]..starts[s + 1]]`.
     starts: Vec<usize>,
     corners: Vec<usize>,
 }
 
-impl Squares {
+impl CornerSquares {
     fn new(seen: &[Coord<f64>]) -> Self {
         let side = seen.len().isqrt().max(1);
         let range = |of: fn(&Coord<f64>) -> f64| {

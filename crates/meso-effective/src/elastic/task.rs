@@ -1,4 +1,4 @@
-//! From a packing to its stiffness: three grids, six mean strains, error, bounds and expansion.
+//! The stiffness of a packing: three grids, six mean strains, error, bounds and expansion.
 
 use super::equations::Elastic;
 use super::rows::LayerSums;

@@ -155,11 +155,11 @@ struct Cell {
 }
 
 /// Voxels around a body.
-struct Around {
+struct VoxelsAround {
     ranges: [Range<usize>; 3],
 }
 
-impl Around {
+impl VoxelsAround {
     fn new(grid: &Grid, surface: &Surface) -> Self {
         let aabb = surface.body.aabb();
         let range = |axis: usize| {
@@ -188,7 +188,7 @@ impl Around {
 }
 
 fn cells(grid: &Grid, surface: &Surface) -> Vec<Cell> {
-    let around = Around::new(grid, surface);
+    let around = VoxelsAround::new(grid, surface);
     let mut section = Section::default();
     let mut shares = vec![0.0; around.len()];
     let mut normals = vec![[0.0; 3]; around.len()];

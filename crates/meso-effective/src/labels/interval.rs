@@ -93,11 +93,11 @@ impl<'a> Trilinear<'a> {
     }
 
     /// Adds up what rows of voxels have for their corners, and a sum over all voxels.
-    fn at_nodes<const N: usize>(&self, rows: &impl Rows<N>) -> (f64, [Vec<f64>; N]) {
+    fn at_nodes<const N: usize>(&self, rows: &impl CornerRows<N>) -> (f64, [Vec<f64>; N]) {
         let [nx, ny, nz] = self.grid.counts;
         let layer = self.layer();
         let slab = |slab: usize| {
-            widest(Slab::<_, N> { rows, layers: slab * SLAB..nz.min((slab + 1) * SLAB), counts: [nx, ny] })
+            widest(CornerSlab::<_, N> { rows, layers: slab * SLAB..nz.min((slab + 1) * SLAB), counts: [nx, ny] })
         };
         let slabs = parallel::map(nz.div_ceil(SLAB), slab);
         let total = slabs.iter().map(|(total, _)| total).sum();
@@ -191,7 +191,7 @@ impl<'a> Trilinear<'a> {
 }
 
 /// What rows of voxels add to the sums at their corners.
-trait Rows<const N: usize>: Sync {
+trait CornerRows<const N: usize>: Sync {
     /// Prepared for a row.
     type Row;
     fn row(&self, j: usize, k: usize) -> Self::Row;
@@ -200,13 +200,13 @@ trait Rows<const N: usize>: Sync {
 }
 
 /// Layers of voxels whose sums at nodes are added up.
-struct Slab<'a, R, const N: usize> {
+struct CornerSlab<'a, R, const N: usize> {
     rows: &'a R,
     layers: Range<usize>,
     counts: [usize; 2],
 }
 
-impl<R: Rows<N>, const N: usize> Wide for Slab<'_, R, N> {
+impl<R: CornerRows<N>, const N: usize> Wide for CornerSlab<'_, R, N> {
     type Output = (f64, [Vec<f64>; N]);
     #[inline(always)]
     fn run(self) -> Self::Output {
@@ -254,7 +254,7 @@ struct Derivatives<'a> {
     given: f64,
 }
 
-impl<'a> Rows<1> for Derivatives<'a> {
+impl<'a> CornerRows<1> for Derivatives<'a> {
     type Row = ([&'a [f64]; 4], &'a [f64]);
 
     #[inline(always)]
@@ -293,7 +293,7 @@ struct FromLinks<'a> {
     to_excess: [f64; 3],
 }
 
-impl<'a> Rows<2> for FromLinks<'a> {
+impl<'a> CornerRows<2> for FromLinks<'a> {
     /// Fluxes through the faces below and above along each axis, potentials, and values.
     type Row = ([[Vec<f64>; 2]; 3], &'a [f64], &'a [f64]);
 

@@ -156,7 +156,7 @@ fn normals(grid: &Grid, layers: &[Layer], numbers: &[usize], k: usize) -> Vec<Op
 }
 
 /// An interface with its planes, but those at the ends of the grid, where bodies go on in the next period.
-struct Interface<'a> {
+struct PlaneInterface<'a> {
     layer: &'a Layer,
     planes: Vec<Plane>,
 }
@@ -166,7 +166,7 @@ struct Interfaces<'a> {
     grid: &'a Grid,
     k: usize,
     reach: f64,
-    all: Vec<Interface<'a>>,
+    all: Vec<PlaneInterface<'a>>,
 }
 
 impl<'a> Interfaces<'a> {
@@ -177,13 +177,13 @@ impl<'a> Interfaces<'a> {
             |layer: &&Layer| layer.contrast != 1.0 && z > layer.aabb.min.z - reach && z < layer.aabb.max.z + reach;
         let new = |layer: &'a Layer| {
             let planes = layer.planes.iter().filter(|plane| !is_at_end(plane, grid)).copied().collect();
-            Interface { layer, planes }
+            PlaneInterface { layer, planes }
         };
         Self { grid, k, reach, all: layers.iter().filter(is_near).map(new).collect() }
     }
 
     /// Calls `of` with every interface, each voxel's centre near it, and the voxel's place among `numbers`.
-    fn visit(&self, numbers: &[usize], mut of: impl FnMut(&Interface, &Vec3, usize)) {
+    fn visit(&self, numbers: &[usize], mut of: impl FnMut(&PlaneInterface, &Vec3, usize)) {
         let [nx, ny, _] = self.grid.counts;
         let Grid { origin, spacing, .. } = self.grid;
         let range = |layer: &Layer, axis: usize| {
@@ -215,7 +215,7 @@ fn is_at_end(plane: &Plane, grid: &Grid) -> bool {
 }
 
 impl Near {
-    fn approach(&mut self, interface: &Interface, at: &Vec3) {
+    fn approach(&mut self, interface: &PlaneInterface, at: &Vec3) {
         let heights = interface.planes.iter().map(|plane| (plane.height(at), plane.normal));
         if let Some((height, normal)) = heights.max_by(|one, other| one.0.total_cmp(&other.0))
             && height.abs() < self.distance
@@ -224,7 +224,7 @@ impl Near {
         }
     }
 
-    fn compare(&mut self, interface: &Interface, at: &Vec3, reach: f64) {
+    fn compare(&mut self, interface: &PlaneInterface, at: &Vec3, reach: f64) {
         let Layer { dents, contrast, .. } = interface.layer;
         if dents.is_none() && Plane::height_over(&interface.planes, at) > reach {
             return;

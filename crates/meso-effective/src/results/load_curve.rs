@@ -9,7 +9,7 @@ use std::io::{self, Write};
 pub const CURVE: &str = "effective.csv";
 
 /// A quantity with its values and errors along x, y, z.
-struct Quantity {
+struct LoadQuantity {
     name: &'static str,
     unit: &'static str,
     values: [Option<f64>; 3],
@@ -19,7 +19,7 @@ struct Quantity {
 /// All quantities of a frame.
 struct Row {
     at: At,
-    quantities: Vec<Quantity>,
+    quantities: Vec<LoadQuantity>,
 }
 
 /// Name of the moduli.
@@ -34,16 +34,16 @@ fn at(found: &Found) -> At {
     }
 }
 
-fn quantity(found: &Found) -> Option<Quantity> {
+fn quantity(found: &Found) -> Option<LoadQuantity> {
     match found {
         Found::Flux(of) => {
             let diagonal = |tensor: &[[Option<f64>; 3]; 3]| [0, 1, 2].map(|axis| tensor[axis][axis]);
             let (name, values, errors) = (of.what.name(), diagonal(&of.tensor), diagonal(&of.error));
-            Some(Quantity { name, unit: of.what.unit(), values, errors })
+            Some(LoadQuantity { name, unit: of.what.unit(), values, errors })
         }
         Found::Unloading(of) => {
             let (values, errors) = (of.youngs_modulus_mpa, of.error);
-            Some(Quantity { name: MODULUS, unit: ", MPa", values, errors })
+            Some(LoadQuantity { name: MODULUS, unit: ", MPa", values, errors })
         }
         Found::Stiffness(_) => None,
     }
@@ -86,7 +86,7 @@ pub fn write_curve(found: &[(Found, f64)], out: &mut dyn Write) -> io::Result<()
 }
 
 /// The quantities of a row, with the axes that were asked for.
-fn asked(row: &Row) -> impl Iterator<Item = (&Quantity, usize)> {
+fn asked(row: &Row) -> impl Iterator<Item = (&LoadQuantity, usize)> {
     row.quantities.iter().flat_map(|of| (0..3).filter(|axis| of.values[*axis].is_some()).map(move |axis| (of, axis)))
 }
 

@@ -16,10 +16,10 @@ const LAST: usize = 16;
 
 /// The levels under the links that are solved for.
 pub(crate) struct Multigrid<N> {
-    levels: Vec<Level<N>>,
+    levels: Vec<GridLevel<N>>,
 }
 
-struct Level<N> {
+struct GridLevel<N> {
     /// Links of the level below; none of the last one.
     coarse: Option<N>,
     /// One over the scales.
@@ -39,9 +39,9 @@ struct Steps {
 
 impl<N: Network> Multigrid<N> {
     pub(crate) fn new(links: &N) -> Self {
-        let mut levels = vec![Level::new(links, 0)];
+        let mut levels = vec![GridLevel::new(links, 0)];
         while let Some(last) = levels.last().and_then(|level| level.coarse.as_ref()) {
-            let level = Level::new(last, last.len());
+            let level = GridLevel::new(last, last.len());
             levels.push(level);
         }
         Self { levels }
@@ -54,7 +54,7 @@ impl<N: Network> Multigrid<N> {
     }
 }
 
-impl<N: Network> Level<N> {
+impl<N: Network> GridLevel<N> {
     fn new(links: &N, stepped: usize) -> Self {
         let zeros = |len: usize| vec![0.0; len];
         let steps = Steps { rhs: zeros(stepped), first: zeros(stepped), product: zeros(stepped) };
@@ -78,7 +78,7 @@ impl<N: Network> Level<N> {
 }
 
 /// A cycle on the first of `levels`, from zero.
-fn cycle<N: Network>(links: &N, rhs: &[f32], levels: &mut [Level<N>]) {
+fn cycle<N: Network>(links: &N, rhs: &[f32], levels: &mut [GridLevel<N>]) {
     let Some((level, lower)) = levels.split_first_mut() else { return };
     level.first_sweep(rhs, WEIGHTS[0], links.layer_len());
     let Some(coarse) = level.coarse.take() else {
@@ -97,7 +97,7 @@ fn cycle<N: Network>(links: &N, rhs: &[f32], levels: &mut [Level<N>]) {
 
 /// Two steps of conjugate gradients on the first of `levels`, each with a cycle (Notay, Electron. Trans. Numer. Anal. 37,
 /// 2010, 123, algorithm 3.2). The steps scale what the constant groups get wrong.
-fn twice<N: Network>(links: &N, levels: &mut [Level<N>]) {
+fn twice<N: Network>(links: &N, levels: &mut [GridLevel<N>]) {
     let len = links.layer_len();
     let Steps { mut rhs, mut first, mut product } = std::mem::take(&mut levels[0].steps);
     cycle(links, &rhs, levels);
@@ -106,7 +106,7 @@ fn twice<N: Network>(links: &N, levels: &mut [Level<N>]) {
     let step = if rho > 0.0 { dot(&first, &rhs, len) / rho } else { 0.0 };
     add(&mut rhs, -step, &product, len);
     cycle(links, &rhs, levels);
-    let Level { x, next, .. } = &mut levels[0];
+    let GridLevel { x, next, .. } = &mut levels[0];
     let [gamma, alpha] = dots([&product, &rhs], x, len);
     let own = links.apply(x, next);
     let rest = own - if rho > 0.0 { gamma * gamma / rho } else { 0.0 };

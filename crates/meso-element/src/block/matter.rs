@@ -32,21 +32,21 @@ struct Prepared(OnceLock<Box<dyn Any + Send + Sync>>);
 impl Prepared {
     /// The law that `prepare` gives; on lanes other than the first ones it is prepared anew. Compiled once a law: `prepare` is
     /// another closure in each task.
-    fn law<W: Any + Send + Sync>(&self, prepare: &dyn Fn() -> W) -> Ready<'_, W> {
+    fn law<W: Any + Send + Sync>(&self, prepare: &dyn Fn() -> W) -> PreparedLaw<'_, W> {
         match self.0.get_or_init(|| Box::new(prepare())).downcast_ref() {
-            Some(law) => Ready::Kept(law),
-            None => Ready::New(Box::new(prepare())),
+            Some(law) => PreparedLaw::Kept(law),
+            None => PreparedLaw::New(Box::new(prepare())),
         }
     }
 }
 
 /// A law that is kept, or a new one; behind one address, to which kernels add those of its values.
-enum Ready<'a, W> {
+enum PreparedLaw<'a, W> {
     Kept(&'a W),
     New(Box<W>),
 }
 
-impl<W> Ready<'_, W> {
+impl<W> PreparedLaw<'_, W> {
     #[inline(always)]
     fn get(&self) -> &W {
         match self {

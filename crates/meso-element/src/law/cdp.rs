@@ -135,7 +135,7 @@ impl<R: Real> Cdp<R> {
 
 /// Quantities of a step of plasticity.
 #[derive(Clone, Copy)]
-struct Trial<R> {
+struct PlasticTrial<R> {
     invariants: Invariants<R>,
     /// Hardening of compression per step of flow.
     harden: R,
@@ -151,7 +151,7 @@ struct Trial<R> {
 impl<R: Real> Cdp<R> {
     /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
     #[inline(always)]
-    fn excess(&self, trial: &Trial<R>, flow: R) -> (R, R) {
+    fn excess(&self, trial: &PlasticTrial<R>, flow: R) -> (R, R) {
         let zero = R::splat(0.0);
         let (strength, hardening) = self.rise.at(trial.harden.mul_add(flow, trial.crushed));
         let mises = (-trial.mises_fall).mul_add(flow, trial.invariants.mises);
@@ -183,7 +183,7 @@ impl<R: Real> Cdp<R> {
 
     /// The trial stress's directions.
     #[inline(always)]
-    fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], tension: R, crushed: R) -> Trial<R> {
+    fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], tension: R, crushed: R) -> PlasticTrial<R> {
         let q = invariants.mises;
         let two_thirds = R::splat(2.0 / 3.0);
         // dG/dq = q / sqrt(q^2 + a^2)
@@ -191,7 +191,7 @@ impl<R: Real> Cdp<R> {
         let along = q * per_potential;
         let least = along.mul_add(shape[2], self.dilation);
         let mises_fall = self.three_shear * along;
-        Trial {
+        PlasticTrial {
             harden: (R::splat(1.0) - tension) * (-least).positive(),
             mises_fall,
             largest_fall: two_thirds.mul_add(mises_fall * shape[0], self.mean_fall),
@@ -212,7 +212,7 @@ impl<R: Real> Cdp<R> {
 
     /// Share of the Mises stress that the return leaves, and the mean stress after it.
     #[inline(always)]
-    fn back(&self, trial: &Trial<R>, active: R::Mask) -> (R, R) {
+    fn back(&self, trial: &PlasticTrial<R>, active: R::Mask) -> (R, R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let mut flow = zero;
         for _ in 0..STEPS {

@@ -222,7 +222,7 @@ fn exp_near_zero<R: Real>(x: R) -> R {
 
 /// A stress on the way back, by s, u and the hardening variable.
 #[derive(Clone, Copy)]
-struct Place<R> {
+struct ReturnPoint<R> {
     s: R,
     u: R,
     kappa: R,
@@ -292,7 +292,7 @@ impl<R: Real> Cdpm2<R> {
     }
 
     #[inline(always)]
-    fn surface(&self, at: &Place<R>, frame: &Frame<R>) -> Surface<R> {
+    fn surface(&self, at: &ReturnPoint<R>, frame: &Frame<R>) -> Surface<R> {
         let (one, two) = (R::splat(1.0), R::splat(2.0));
         let [first, second, first_slope, second_slope] = self.hardening(at.kappa);
         let a = at.s + at.u;
@@ -337,7 +337,7 @@ impl<R: Real> Cdpm2<R> {
 
     /// The place on the surface that the trial returns to; the trial itself where it is not outside.
     #[inline(always)]
-    fn back(&self, trial: Place<R>, frame: &Frame<R>, outside: R::Mask) -> Place<R> {
+    fn back(&self, trial: ReturnPoint<R>, frame: &Frame<R>, outside: R::Mask) -> ReturnPoint<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let mut at = trial;
         for _ in 0..STEPS {
@@ -355,7 +355,7 @@ impl<R: Real> Cdpm2<R> {
             at.kappa = rate.mul_add(step, at.kappa).max(trial.kappa);
         }
         let pick = |a: R, b: R| R::select(outside, a, b);
-        Place { s: pick(at.s, trial.s), u: pick(at.u.min(trial.u), trial.u), kappa: pick(at.kappa, trial.kappa) }
+        ReturnPoint { s: pick(at.s, trial.s), u: pick(at.u.min(trial.u), trial.u), kappa: pick(at.kappa, trial.kappa) }
     }
 
     /// Equivalent strain over that of the tensile strength.
@@ -409,7 +409,7 @@ impl<R: Real> Cdpm2<R> {
 
     /// Lets the damage variables follow a step that ends at `end`, with `flowed` of plastic strain.
     #[inline(always)]
-    fn damage(&self, history: &mut History<R>, end: &Place<R>, shape: R, pressed: R, flowed: R) {
+    fn damage(&self, history: &mut History<R>, end: &ReturnPoint<R>, shape: R, pressed: R, flowed: R) {
         let (zero, one, onset) = (R::splat(0.0), R::splat(1.0), R::splat(ONSET));
         let now = self.equivalent(end.s, end.u, shape);
         // u x_s, and 1 / x_s
@@ -485,7 +485,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let of = invariants.shape();
         let frame = self.frame(s, of[0], hardening[1]);
         let outside = active & zero.lt(self.excess(s, u, frame.shape, hardening));
-        let end = self.back(Place { s, u, kappa: history[KAPPA] }, &frame, outside);
+        let end = self.back(ReturnPoint { s, u, kappa: history[KAPPA] }, &frame, outside);
 
         let mut next = *history;
         let left = end.u / u.max(R::splat(1e-12));

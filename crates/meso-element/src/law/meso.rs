@@ -206,7 +206,7 @@ struct Opened<R> {
 
 /// Start and direction of the cone's flow.
 #[derive(Clone, Copy)]
-struct Flow<R> {
+struct ConeFlow<R> {
     /// (1 - alpha) F without the strength, and how fast it falls.
     pressed: R,
     fall: R,
@@ -314,7 +314,7 @@ impl<R: Real> Meso<R> {
     /// (1 - alpha) F and how fast it falls along the flow, from the stress without the strength, the crushing strain, and the
     /// share of the effective strength that the flow leaves.
     #[inline(always)]
-    fn excess(&self, of: &Flow<R>, pressed: R, crushed: R, share: R) -> (R, R) {
+    fn excess(&self, of: &ConeFlow<R>, pressed: R, crushed: R, share: R) -> (R, R) {
         let (risen, rising) = self.rise.at(crushed);
         let softens = self.rise.peak.lt(crushed);
         let strength = risen * of.left * share;
@@ -324,7 +324,7 @@ impl<R: Real> Meso<R> {
 
     /// Start and direction of the cone's flow from `stress`.
     #[inline(always)]
-    fn flow(&self, stress: &Stress<R>, crushed: R, [left, standing]: [R; 2], per_scale: R) -> Flow<R> {
+    fn flow(&self, stress: &Stress<R>, crushed: R, [left, standing]: [R; 2], per_scale: R) -> ConeFlow<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let largest = stress.mean + stress.principal[0];
         let stiffness = Self::stiffness(left);
@@ -342,7 +342,7 @@ impl<R: Real> Meso<R> {
         let gamma = self.gamma * (costly * per_both);
         let pressed =
             |mean: R, first: R, last: R| self.three_alpha.mul_add(mean, gamma.mul_add(mean + first, first - last));
-        Flow {
+        ConeFlow {
             pressed: pressed(stress.mean, stress.principal[0], stress.principal[2]),
             fall: pressed(mean_fall, share_fall * stress.principal[0], share_fall * stress.principal[2]),
             mean_fall,
@@ -356,7 +356,7 @@ impl<R: Real> Meso<R> {
 
     /// Length of the cone's flow, by two of Newton's steps.
     #[inline(always)]
-    fn back(&self, of: &Flow<R>) -> R {
+    fn back(&self, of: &ConeFlow<R>) -> R {
         let one = R::splat(1.0);
         let (excess, fall) = self.excess(of, of.pressed, of.crushed, one);
         let flow = (excess / fall).positive();

@@ -33,19 +33,19 @@ pub(super) fn enlarge_angles(mesh: &mut TetMesh) {
     for (degrees, rounds) in PASSES {
         let limit = cos2_of(degrees);
         let poor = topology.worse(limit);
-        improve(&mut Pass { topology: &mut topology, limit }, poor, rounds);
+        improve(&mut PoorCellPass { topology: &mut topology, limit }, poor, rounds);
     }
     mesh.drop_removed();
     mesh.drop_lone_nodes();
 }
 
 /// A pass over the cells that are worse than a limit.
-struct Pass<'a, 'm> {
+struct PoorCellPass<'a, 'm> {
     topology: &'a mut Topology<'m>,
     limit: f64,
 }
 
-impl Improver for Pass<'_, '_> {
+impl Improver for PoorCellPass<'_, '_> {
     fn is_poor(&self, cell: u32) -> bool {
         self.topology.is_worse(cell, self.limit)
     }

@@ -64,10 +64,10 @@ impl<F: Fn(&Surfaces) -> Result<Vec<u8>, MeshError> + Sync> VolumeMesher for F {
     }
 }
 
-/// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`Division::new`].
+/// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`GmshInput::new`].
 ///
 /// # Errors
-/// Fails like [`Division::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
+/// Fails like [`GmshInput::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
 pub(super) fn mesh(
     aggregates: &[Aggregate],
     images: &[Aggregate],
@@ -77,7 +77,7 @@ pub(super) fn mesh(
     gmsh: &dyn VolumeMesher,
 ) -> Result<TetMesh, MeshError> {
     let meshed = |share: f64| {
-        let mut division = Division::new(aggregates, images, specimen, share * element_size_mm, slabs)?;
+        let mut division = GmshInput::new(aggregates, images, specimen, share * element_size_mm, slabs)?;
         division.runs[0].again = share != TRIES[0];
         let mesh = division.mesh(gmsh)?;
         all_positive(mesh.by_body()).map(|()| mesh)
@@ -94,7 +94,7 @@ pub(super) fn mesh(
 }
 
 /// The input of all runs of gmsh.
-struct Division {
+struct GmshInput {
     /// By slab.
     runs: Vec<Surfaces>,
     slabs: Slabs,
@@ -103,7 +103,7 @@ struct Division {
     domain: Aabb,
 }
 
-impl Division {
+impl GmshInput {
     /// Cuts all facets into triangles of the element size. `images` are the aggregates and, where the specimen repeats
     /// itself, their images in it, whole.
     ///

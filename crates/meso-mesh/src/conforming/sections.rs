@@ -1,13 +1,13 @@
 //! The surfaces of specimens in slabs: bodies and the specimen's own surface, cut by the planes between the slabs and by the
 //! faces of a periodic box; the caps there; and the mortar's part of these planes and faces.
 //!
-//! The lower face of each axis is triangulated with the rims of the cut bodies in it ([`Plane`]); moved by the
+//! The lower face of each axis is triangulated with the rims of the cut bodies in it ([`FittedPlane`]); moved by the
 //! period it is the upper one.
 
 use super::clipped::{self, Cuts, Piece, pieces};
 use super::plc::{Face, Shells, Upper, shells, surface};
 use crate::error::MeshError;
-use crate::triangulation::{Frame, LONGEST, Nodes, Plane, halved, region};
+use crate::triangulation::{FittedPlane, Frame, LONGEST, Nodes, halved, region};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::parallel;
 use meso_concrete::specimen::{Period, Surface};
@@ -121,8 +121,8 @@ fn section(axis: usize, position: f64, walls: &Piece, pieces: &[Piece], limit: f
 /// Says which rims cross: of disjoint bodies none do.
 fn lower_face(axis: usize, domain: &Aabb, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
     let caps: Vec<(usize, Vec<Vec3>)> = caps(axis, pieces).collect();
-    let rims = Sides { axis, domain }.rims(&caps, limit);
-    let mut plane = Plane::new(Frame::across(axis, domain.min[axis]), &rims, limit)?;
+    let rims = FaceSides { axis, domain }.rims(&caps, limit);
+    let mut plane = FittedPlane::new(Frame::across(axis, domain.min[axis]), &rims, limit)?;
     let mut piece = vec![None; plane.count()];
     for (index, corners) in caps {
         // Counter-clockwise from outside is clockwise from above.
@@ -144,12 +144,12 @@ fn edges(corners: &[Vec3]) -> impl Iterator<Item = (Vec3, Vec3)> {
 
 /// The sides of the lower face across an axis.
 #[derive(Clone, Copy)]
-struct Sides<'a> {
+struct FaceSides<'a> {
     axis: usize,
     domain: &'a Aabb,
 }
 
-impl Sides<'_> {
+impl FaceSides<'_> {
     fn in_plane(&self) -> [usize; 2] {
         [(self.axis + 1) % 3, (self.axis + 2) % 3]
     }

@@ -272,7 +272,7 @@ pub(super) fn open_slivers(mesh: &mut TetMesh, period: &Period, domain: &Aabb) {
         let faces = Faces { axis, positions: [domain.min[axis], domain.max[axis]] };
         let flat: Vec<u32> = (0..mesh.cells.len() as u32).rev().filter(|&cell| faces.have(mesh, cell)).collect();
         if !flat.is_empty() {
-            Opened::new(mesh, faces).open(flat);
+            OpenedMesh::new(mesh, faces).open(flat);
         }
     }
 }
@@ -297,7 +297,7 @@ impl Faces {
 }
 
 /// The mesh, with an index of its nodes and cells at a pair of faces.
-struct Opened<'a> {
+struct OpenedMesh<'a> {
     mesh: &'a mut TetMesh,
     faces: Faces,
     /// The nodes on the faces by their positions.
@@ -306,7 +306,7 @@ struct Opened<'a> {
     around: Incidence,
 }
 
-impl<'a> Opened<'a> {
+impl<'a> OpenedMesh<'a> {
     fn new(mesh: &'a mut TetMesh, faces: Faces) -> Self {
         let on = |node: &u32| faces.positions.contains(&mesh.points[*node as usize][faces.axis]);
         let nodes = (0..mesh.points.len() as u32).filter(on).map(|node| (key(&mesh.points[node as usize]), node));

@@ -1,4 +1,4 @@
-//! How far a mesh's interfaces lie from the exact surfaces.
+//! Distance of a mesh's interfaces from the exact surfaces.
 
 use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners};

@@ -1,4 +1,4 @@
-//! How good a mesh is: the angles and shapes of its cells, and the report on it.
+//! Quality of a mesh: the angles and shapes of its cells, and the report on it.
 //!
 //! The report looks at cells in runs, so that a mesh of tens of millions needs no list of all their measures.
 

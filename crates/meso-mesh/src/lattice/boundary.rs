@@ -18,7 +18,7 @@ const STEPS: usize = 100;
 /// The surface of a container.
 pub(super) struct BoundarySurface<'a> {
     container: &'a dyn Container,
-    edges: Vec<Edge>,
+    edges: Vec<SurfaceEdge>,
     /// The sides of the container's box, low and high by axis, beyond which there is surface to be met.
     pub(super) open: [[bool; 2]; 3],
     /// Points this far from the surface count as on it, mm.
@@ -26,7 +26,7 @@ pub(super) struct BoundarySurface<'a> {
 }
 
 /// An edge of the surface.
-struct Edge {
+struct SurfaceEdge {
     start: Vec3,
     along: Vec3,
     /// 1 where the container has less than half of the space around, -1 where it has more.
@@ -150,7 +150,7 @@ fn normal(surface: &Surface, face: &[u32]) -> Vec3 {
 }
 
 /// The sharp edges that `skip` does not want.
-fn edges(surface: &Surface, normals: &[Vec3], skip: impl Fn([u32; 2]) -> bool) -> Vec<Edge> {
+fn edges(surface: &Surface, normals: &[Vec3], skip: impl Fn([u32; 2]) -> bool) -> Vec<SurfaceEdge> {
     let mut sides: Vec<([u32; 2], usize, bool)> = Vec::new();
     for (number, face) in surface.faces.iter().enumerate() {
         for (i, &a) in face.iter().enumerate() {
@@ -166,7 +166,7 @@ fn edges(surface: &Surface, normals: &[Vec3], skip: impl Fn([u32; 2]) -> bool) -
             if pair[0].2 { [pair[0].1, pair[1].1] } else { [pair[1].1, pair[0].1] }.map(|f| normals[f]);
         let [start, end] = pair[0].0.map(|n| surface.points[n as usize]);
         let stands_out = first.cross(&second).dot(&(end - start)).signum();
-        (first.dot(&second) < SHARP).then_some(Edge { start, along: end - start, stands_out })
+        (first.dot(&second) < SHARP).then_some(SurfaceEdge { start, along: end - start, stands_out })
     };
     pairs.filter_map(edge).collect()
 }

@@ -213,7 +213,7 @@ struct Remeshed {
 /// Cells with which `node` lies on its body, or is one with a node on it, and that leave all angles above `least_deg`, or as
 /// they were where one is smaller, if such are found.
 fn remeshed(nodes: &Nodes, node: u32, least_deg: f64) -> Option<Remeshed> {
-    let patch = Patch::around(nodes, node);
+    let patch = NodePatch::around(nodes, node);
     let limit = patch.mesh.worst(patch.mesh.numbers()).max(cos2_of(least_deg));
     let positions = positions_apart(nodes, node, APART * nodes.exact.size, POSITIONS);
     let others = nearest_on_body(nodes, node);
@@ -273,7 +273,7 @@ fn nearest_on_body(nodes: &Nodes, node: u32) -> Vec<u32> {
 
 /// A copy of the cells around a node, with numbers of its own.
 #[derive(Clone)]
-struct Patch {
+struct NodePatch {
     /// The nodes by their numbers in the whole mesh, ascending.
     nodes: Vec<u32>,
     /// The cells' numbers in the whole mesh.
@@ -283,7 +283,7 @@ struct Patch {
     roles: Vec<Role>,
 }
 
-impl Patch {
+impl NodePatch {
     fn around(whole: &Nodes, node: u32) -> Self {
         let (mut within, mut nodes, mut cells) = (Vec::new(), vec![node], Vec::new());
         for _ in 0..RINGS {

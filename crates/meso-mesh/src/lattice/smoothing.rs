@@ -1,4 +1,4 @@
-//! Where one node should go: onto the features of its body, and to larger angles.
+//! The move of one node: onto the features of its body, and to larger angles.
 
 use super::boundary::BoundaryTrack;
 use super::nodes::{Exact, Nodes, Role, paired_after};

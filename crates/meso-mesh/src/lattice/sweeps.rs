@@ -44,7 +44,7 @@ pub(super) fn fit(
     let mut roles_now = roles(mesh, &owners, domain, &exact);
     let active = near_surface(mesh, &roles_now);
     let incidence = Incidence::of(&mesh.cells, &active);
-    let sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh);
+    let sweeps = Sweeps::new(MovingPatches::new(mesh, &active, domain, size * PATCH), mesh);
     for round in 0..ROUNDS {
         stop::point();
         if RELABELLED.contains(&round) {
@@ -84,7 +84,7 @@ struct State<'a> {
 
 /// The driver: which nodes are still to be looked at, and by which step.
 struct Sweeps {
-    patches: Patches,
+    patches: MovingPatches,
     points: Vec<Spot>,
     waiting: Vec<AtomicU8>,
     /// The smallest angle of every cell, as [`min_dihedral_cos2`], in single precision: a node whose cells are clearly
@@ -93,7 +93,7 @@ struct Sweeps {
 }
 
 impl Sweeps {
-    fn new(patches: Patches, mesh: &TetMesh) -> Self {
+    fn new(patches: MovingPatches, mesh: &TetMesh) -> Self {
         Self {
             patches,
             points: parallel::map_each(&mesh.points, Spot::at),
@@ -109,9 +109,9 @@ impl Sweeps {
     }
 
     /// Takes one step at every node, colour by colour.
-    fn sweep(&self, mesh: &TetMesh, state: State, step: impl Fn(&mut Turn, u32) + Sync) {
+    fn sweep(&self, mesh: &TetMesh, state: State, step: impl Fn(&mut SwungNode, u32) + Sync) {
         for colour in &self.patches.colours {
-            let turn = || Turn { state, mesh, sweeps: self, star: Star::default(), memory: Vec::new() };
+            let turn = || SwungNode { state, mesh, sweeps: self, star: Star::default(), memory: Vec::new() };
             parallel::map_with(colour.len(), turn, |turn, i| {
                 let nodes = &self.patches.nodes[colour[i] as usize];
                 for (&node, next) in nodes.iter().zip(1..) {
@@ -166,8 +166,8 @@ impl Spot {
     }
 }
 
-/// Patches while their nodes move, one after the other.
-struct Turn<'a> {
+/// MovingPatches while their nodes move, one after the other.
+struct SwungNode<'a> {
     state: State<'a>,
     /// Cells and owners; positions are those before the round.
     mesh: &'a TetMesh,
@@ -178,7 +178,7 @@ struct Turn<'a> {
     memory: Vec<[f64; LANES]>,
 }
 
-impl Turn<'_> {
+impl SwungNode<'_> {
     /// Snaps a node to its body's features, where that gains volume.
     fn slide(&mut self, node: u32) {
         stop::point();
@@ -260,13 +260,13 @@ impl Turn<'_> {
 }
 
 /// The nodes that move, by patch.
-struct Patches {
+struct MovingPatches {
     /// Ascending.
     nodes: Vec<Vec<u32>>,
     colours: [Vec<u32>; 8],
 }
 
-impl Patches {
+impl MovingPatches {
     /// The `active` nodes in patches of `edge` mm.
     fn new(mesh: &TetMesh, active: &[bool], domain: &Aabb, edge: f64) -> Self {
         let counts = [0, 1, 2].map(|i| (domain.size()[i] / edge).floor().max(1.0) as usize);

@@ -32,7 +32,7 @@ pub(super) use improve::improve;
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
-pub(super) use nested::{Finished, exact_mm3, smooth};
+pub(super) use nested::{FinishedLayer, exact_mm3, smooth};
 use offset::RadialOffsets;
 use periodic::{Bodies, PeriodicConstraint};
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};

@@ -13,9 +13,9 @@ use meso_concrete::parallel;
 
 /// The layers that are finished, from outside: the first cell of each, and the owners of its cells.
 #[derive(Default)]
-pub(crate) struct Finished(Vec<(usize, Vec<u32>)>);
+pub(crate) struct FinishedLayer(Vec<(usize, Vec<u32>)>);
 
-impl Finished {
+impl FinishedLayer {
     /// Counts the cells from `first` on, the next layer, as mortar.
     pub(crate) fn set_aside(&mut self, mesh: &mut TetMesh, phase: &mut [Phase], first: usize) {
         self.0.push((first, mesh.owner[first..].to_vec()));

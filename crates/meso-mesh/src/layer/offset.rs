@@ -1,4 +1,4 @@
-//! Where the nodes of a body go when its layer opens: onto its inward offset.
+//! The moves of a body's nodes when its layer opens: onto its inward offset.
 //!
 //! 1. Along rays from a centre ([`RadialOffset`]): x' = c + s (x - c) with s = (way to the offset) / (way to the surface) on the ray
 //!    from the centre c. Surface nodes land exactly on the offset's planes, and since rays stay rays, nothing turns inside out near

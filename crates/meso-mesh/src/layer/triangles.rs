@@ -1,4 +1,4 @@
-//! Where the inner ends of a lattice's rails go: onto the offsets of the mesh's own triangles.
+//! The inner ends of a lattice's rails: on the offsets of the mesh's own triangles.
 //!
 //! A lattice has no nodes along most edges of a body, so that its triangles cut across them. The offsets of the body's own faces
 //! would make such a prism too thin, by the cosine of half the angle between the faces. Therefore a node goes to the point whose

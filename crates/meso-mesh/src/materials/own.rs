@@ -89,7 +89,7 @@ impl Serialize for Materials {
             }
         }
         #[derive(Serialize)]
-        struct All<'a> {
+        struct EveryPhase<'a> {
             #[serde(flatten)]
             common: Common<'a>,
             #[serde(flatten)]
@@ -98,7 +98,7 @@ impl Serialize for Materials {
         if self.own.is_empty() {
             return Self::serialize(self, serializer);
         }
-        All { common: Common(self), own: &self.own }.serialize(serializer)
+        EveryPhase { common: Common(self), own: &self.own }.serialize(serializer)
     }
 }
 

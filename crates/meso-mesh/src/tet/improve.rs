@@ -50,12 +50,12 @@ impl Eight {
 
 /// [`min_dihedral_cos2`] of eight tetrahedra: x, y and z of their first corners, then of the others.
 pub(crate) fn eight_cos2(corners: &[[f64; LANES]; 12]) -> [f64; LANES] {
-    widest(Cells(corners))
+    widest(Cavity(corners))
 }
 
-struct Cells<'a>(&'a [[f64; LANES]; 12]);
+struct Cavity<'a>(&'a [[f64; LANES]; 12]);
 
-impl Wide for Cells<'_> {
+impl Wide for Cavity<'_> {
     type Output = [f64; LANES];
 
     #[inline(always)]
@@ -72,13 +72,13 @@ impl Wide for Cells<'_> {
 }
 
 /// The worst tetrahedron of some faces with a node at `x`; the search ends at the first eight with one above `limit`.
-struct Worst<'a> {
+struct WorstAround<'a> {
     eights: &'a [Eight],
     x: &'a Vec3,
     limit: f64,
 }
 
-impl Wide for Worst<'_> {
+impl Wide for WorstAround<'_> {
     type Output = f64;
 
     #[inline(always)]
@@ -203,7 +203,7 @@ impl Star {
         // Most positions that are refused are refused by the face that was the worst before.
         let [a, b, c] = eight.face(0);
         let first = min_dihedral_cos2([*x, a, b, c]);
-        if first > limit { first } else { widest(Worst { eights: &self.eights, x, limit }) }
+        if first > limit { first } else { widest(WorstAround { eights: &self.eights, x, limit }) }
     }
 
     /// [`worst`](Self::worst) of the node's own position; the worst tetrahedron comes first from now on, where searches
@@ -309,7 +309,7 @@ pub(crate) trait Improver: Sync {
 /// Works on the poor ones of `suspects` and of the cells that change around them, until none is left or `rounds` are over; the cells
 /// that changed last.
 ///
-/// Cells are taken by their numbers, not by their quality: neighbours then follow each other, and the result does not hang on
+/// Cavity are taken by their numbers, not by their quality: neighbours then follow each other, and the result does not hang on
 /// ties.
 pub(crate) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
     for _ in 0..rounds {

@@ -1,4 +1,4 @@
-//! Plane regions and faceted surfaces as triangles of a given size: shared edges come out alike, bit for bit.
+//! FittedPlane regions and faceted surfaces as triangles of a given size: shared edges come out alike, bit for bit.
 
 mod facets;
 mod nodes;
@@ -8,7 +8,7 @@ mod walls;
 pub(crate) use facets::{LONGEST, facets, of_body};
 use meso_collision::math::Vec3;
 pub(crate) use nodes::{Nodes, key, snap};
-pub(crate) use plane::{Frame, Plane, halved, region};
+pub(crate) use plane::{FittedPlane, Frame, halved, region};
 pub(crate) use walls::{chord, polygons, walls};
 
 /// A surface of triangles.

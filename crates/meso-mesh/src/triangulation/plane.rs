@@ -76,16 +76,16 @@ impl Frame {
 /// A vertex of the triangulation. The refinement of a large region takes seconds in one call; it makes one of these for every
 /// node that it adds, so that is where it stops.
 #[derive(Clone, Copy)]
-struct Vertex(Point2<f64>);
+struct PlaneVertex(Point2<f64>);
 
-impl From<Point2<f64>> for Vertex {
+impl From<Point2<f64>> for PlaneVertex {
     fn from(point: Point2<f64>) -> Self {
         stop::point();
         Self(point)
     }
 }
 
-impl HasPosition for Vertex {
+impl HasPosition for PlaneVertex {
     type Scalar = f64;
 
     fn position(&self) -> Point2<f64> {
@@ -94,14 +94,14 @@ impl HasPosition for Vertex {
 }
 
 /// A region in the making.
-pub(crate) struct Plane {
+pub(crate) struct FittedPlane {
     frame: Frame,
-    cdt: ConstrainedDelaunayTriangulation<Vertex>,
+    cdt: ConstrainedDelaunayTriangulation<PlaneVertex>,
     /// By the vertices' numbers: those of rims first, in their order.
     pub(crate) points: Vec<Vec3>,
 }
 
-impl Plane {
+impl FittedPlane {
     /// A region whose hull has no node but on rims, with the space between the `rims` in it, nodes in a row each; no edge is longer
     /// than `limit` mm by much.
     ///
@@ -207,7 +207,7 @@ pub(crate) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Tr
         (0..corners.len()).map(|k| halved(corners[k], next(k), limit)).collect::<Vec<_>>()
     };
     let rims: Vec<Vec<Vec<Vec3>>> = loops.iter().map(edges).collect();
-    let mut plane = Plane::inside(frame, &rims.concat(), limit)?;
+    let mut plane = FittedPlane::inside(frame, &rims.concat(), limit)?;
     let mut is_within = vec![false; plane.count()];
     for rim in rims {
         plane.within(rim[0][0], rim[0][1])?.into_iter().for_each(|triangle| is_within[triangle] = true);
@@ -234,7 +234,7 @@ fn refinement(limit: f64) -> RefinementParameters<f64> {
 ///
 /// Ruppert's nodes lie on bisectors of edges, many in a row and on common circles: there gmsh leaves tetrahedra without
 /// volume (one of 35 boxes of 30 mm had them).
-fn smoothed(cdt: &ConstrainedDelaunayTriangulation<Vertex>, first: usize) -> Vec<Point2<f64>> {
+fn smoothed(cdt: &ConstrainedDelaunayTriangulation<PlaneVertex>, first: usize) -> Vec<Point2<f64>> {
     let mut points: Vec<Point2<f64>> = cdt.vertices().map(|vertex| vertex.position()).collect();
     let ring = |vertex: usize| -> Vec<usize> {
         let vertex = cdt.vertex(FixedVertexHandle::from_index(vertex));

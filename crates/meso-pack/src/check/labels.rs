@@ -1,4 +1,4 @@
-//! Does the model of a label volume follow from its bodies? It is made again from them, and every key compared. What the volume
+//! Agreement of a label volume's model with its bodies: it is made again from them, and every key compared. What the volume
 //! alone can tell is held against the bodies as far as they bound it.
 
 use super::Finding;

@@ -53,13 +53,13 @@ pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Findin
     // A little more than half the gap each, to cover rounding.
     let margin = gap / 2.0 * (1.0 + 1e-9);
     let boxes: Vec<Aabb> = parallel::map_each(all, |it| it.aabb().grown(margin));
-    let buckets = Buckets::new(&boxes);
+    let buckets = BoxCells::new(&boxes);
     let answers = parallel::map(bodies, |a| check_one(a, all, &boxes, &buckets, gap));
     let tested = answers.iter().map(|answer| answer.0).sum();
     (tested, answers.into_iter().flat_map(|answer| answer.1).collect())
 }
 
-fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
+fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &BoxCells, gap: f64) -> (u64, Vec<Finding>) {
     let is_due = |b: usize| b > a && all[b].body as usize >= a && boxes[a].intersects(&boxes[b]);
     let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| is_due(b)).collect();
     others.sort_unstable();
@@ -115,7 +115,7 @@ fn round_verdict(round: &Round, other: &Placed, [a, b]: [u32; 2], gap: f64) -> O
 }
 
 /// Boxes sorted by the cell of their lowest corner.
-struct Buckets {
+struct BoxCells {
     origin: Vec3,
     cell: f64,
     /// Edge of the largest box, and a little more to cover rounding.
@@ -131,7 +131,7 @@ const CELL: f64 = 0.5;
 /// No more cells than this, whatever the sizes.
 const MOST_CELLS: f64 = 16e6;
 
-impl Buckets {
+impl BoxCells {
     fn new(boxes: &[Aabb]) -> Self {
         let mut all = Aabb::empty();
         let mut largest: f64 = 0.0;

@@ -1,4 +1,4 @@
-//! Does the report follow from the spec and the bodies? It is written again from them, and every key compared.
+//! Agreement of the report with the spec and the bodies: it is written again from them, and every key compared.
 
 use super::Finding;
 use super::taken::{Taken, was_stopped};

@@ -1,4 +1,4 @@
-//! Are these the grains that the spec and the seed give? The take is repeated and every body looked up in it: by its class,
+//! Agreement of the grains with the spec and the seed: the take is repeated and every body looked up in it: by its class,
 //! by its ITZ to the last bit, and by its volume.
 
 use super::Finding;

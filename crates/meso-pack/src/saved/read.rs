@@ -48,7 +48,7 @@ pub enum ReadError {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct SavedFile {
     mesocrete: String,
     #[serde(deserialize_with = "distinct::value")]
     spec: serde_json::Value,
@@ -125,7 +125,7 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
         return Err(ReadError::NotAModel(other.to_owned()));
     }
     let is_whole = seal::is_whole(&text);
-    let file = serde_json::from_slice::<File>(&text);
+    let file = serde_json::from_slice::<SavedFile>(&text);
     drop(text);
     reading.tell(PARSED);
     // A later version may seal its files in another way.
@@ -211,7 +211,7 @@ fn accept_version(found: &str) -> Result<(), ReadError> {
 }
 
 /// `seed` and `specimen` stand twice in the file.
-fn accept_repeats(file: &File, spec: &Spec) -> Result<(), Fault> {
+fn accept_repeats(file: &SavedFile, spec: &Spec) -> Result<(), Fault> {
     if file.seed != spec.seed {
         let message = format!("seed is {} but spec.seed is {}; they must agree", file.seed, spec.seed);
         return Err(Fault::Contradiction(message));

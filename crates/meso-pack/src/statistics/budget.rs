@@ -1,4 +1,4 @@
-//! How much is sampled where bodies have dents: a scan of thousands of triangles takes a second for figures that a polyhedron
+//! The size of samples where bodies have dents: a scan of thousands of triangles takes a second for figures that a polyhedron
 //! has in a millisecond.
 //!
 //! Triangles are counted, not seconds, so that the figures are the same on every machine.

@@ -129,8 +129,8 @@ impl Statistics {
     pub fn watched(model: &Model, options: &StatisticsOptions, watch: &dyn Watch) -> Result<Self, GjkError> {
         watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
-        // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
-        let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
+        // WithImages that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
+        let images = WithImages::near(model, 2.0 * model.spec.grading.d_max_mm);
         let budget = Budget::of(aggregates, options);
         let sampled = budget.told(aggregates.len(), options);
         let options = &StatisticsOptions { lines: budget.lines, ..*options };
@@ -159,13 +159,13 @@ impl Statistics {
 }
 
 /// The aggregates, then, where the specimen repeats itself, their images that come within `margin` mm of it.
-struct Images {
+struct WithImages {
     aggregates: Vec<Aggregate>,
     index: Index,
     margin: f64,
 }
 
-impl Images {
+impl WithImages {
     fn near(model: &Model, margin: f64) -> Self {
         let aggregates = images_near(&model.aggregates, &model.spec.specimen, margin);
         let index = Index::new(&aggregates, &model.spec.specimen.aabb());

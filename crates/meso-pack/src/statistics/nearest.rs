@@ -1,7 +1,7 @@
-//! How much mortar is between an aggregate and the nearest other one.
+//! Thickness of the mortar between an aggregate and the nearest other one.
 
 use super::index::Index;
-use super::{Distribution, Images};
+use super::{Distribution, WithImages};
 use crate::model::Model;
 use meso_collision::geometry::Polyhedron;
 use meso_collision::gjk::GjkError;
@@ -13,14 +13,18 @@ use meso_concrete::stop;
 
 /// Distances from one of every `step` aggregates to the nearest other one, mm; `None` where there is no other. In a periodic
 /// specimen images count as others, an aggregate's own among them.
-pub(super) fn nearest_distances(model: &Model, images: &Images, step: usize) -> Result<Option<Distribution>, GjkError> {
+pub(super) fn nearest_distances(
+    model: &Model,
+    images: &WithImages,
+    step: usize,
+) -> Result<Option<Distribution>, GjkError> {
     let (asked, specimen) = (Asked { count: model.aggregates.len().div_ceil(step), step }, &model.spec.specimen);
     let mut found = distances(&images.aggregates, asked, &images.index)?;
     let mut margin = images.margin;
     // An image further off than those at hand may be nearer than the nearest of them.
     while !specimen.period().is_none() && found.iter().any(|distance| *distance > margin - outmost(model)) {
         margin *= 2.0;
-        let wider = Images::near(model, margin);
+        let wider = WithImages::near(model, margin);
         found = distances(&wider.aggregates, asked, &wider.index)?;
     }
     Ok(Distribution::of(found.into_iter().filter(|distance| distance.is_finite())))

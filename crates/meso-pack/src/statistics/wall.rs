@@ -116,7 +116,7 @@ fn near(sample: &Sample, at: &Vec3) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::{Images, StatisticsOptions};
+    use crate::statistics::{StatisticsOptions, WithImages};
     use meso_concrete::watch::Silent;
     use meso_spec::Spec;
 
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn points_are_covered_by_bodies_with_dents_as_if_each_was_asked_alone() {
         let model = crate::pack(&spec(), &Silent).unwrap();
-        let (container, images) = (model.spec.specimen.container(), Images::near(&model, 1.0));
+        let (container, images) = (model.spec.specimen.container(), WithImages::near(&model, 1.0));
         let mut seen = [0; 2];
         for points in [400, 20_000] {
             let options = &StatisticsOptions { points, layer_mm: 5.0, ..StatisticsOptions::default() };

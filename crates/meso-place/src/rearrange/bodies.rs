@@ -1,7 +1,7 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, dot, length, scale};
-use super::dents::{Dents, Surfaces};
+use super::dents::{DentedShapes, Surfaces};
 use super::fibres;
 use super::turn::{outer_radius, turn, turn_on, vertex_count};
 use super::walls::Walls;
@@ -143,7 +143,7 @@ const TURN_ANEW: u32 = 128;
 
 impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
-    pub(super) fn new(task: &'a Task<'a>, mut poses: Vec<(u32, Pose)>, dents: Option<&Dents>) -> Self {
+    pub(super) fn new(task: &'a Task<'a>, mut poses: Vec<(u32, Pose)>, dents: Option<&DentedShapes>) -> Self {
         let (grains, domain, period) = (task.request.grains, task.container.aabb(), task.period);
         poses.par_sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, &domain), *grain));
         let grain = |(grain, _): &(u32, Pose)| &grains[*grain as usize];
@@ -357,7 +357,7 @@ impl Moving<'_> {
 }
 
 /// Radii of balls and margins of grains with dents, zero for all else; empty where all are.
-fn rims<'a>(grains: impl Iterator<Item = (u32, &'a Grain)>, dents: Option<&Dents>) -> Vec<f32> {
+fn rims<'a>(grains: impl Iterator<Item = (u32, &'a Grain)>, dents: Option<&DentedShapes>) -> Vec<f32> {
     let radius = |(number, grain): (u32, &Grain)| match grain.body.form() {
         BodyForm::Round(round) => round.radius().unwrap_or(0.0) as f32,
         BodyForm::Hull | BodyForm::Surface => dents.map_or(0.0, |dents| dents.margin(number)),

@@ -30,7 +30,7 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
         let (grain, pose) = &there[number];
         Settled::new(task, &task.request.grains[*grain as usize], pose)
     });
-    let scene = Scene::new(task, &settled);
+    let scene = ImagedBodies::new(task, &settled);
     let number = |grain: u32| there.partition_point(|body| body.0 < grain) as u32;
     let near = parallel::map_each(reached, |&(grain, _)| number(grain));
     let chunks: Vec<&[u32]> = near.chunks(CHUNK).collect();
@@ -94,7 +94,7 @@ struct Near {
 }
 
 /// All bodies and their images.
-struct Scene<'a> {
+struct ImagedBodies<'a> {
     task: &'a Task<'a>,
     settled: &'a [Settled<'a>],
     /// Number of the body and displacement of every item of the tree.
@@ -102,7 +102,7 @@ struct Scene<'a> {
     tree: BoxTree,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> ImagedBodies<'a> {
     fn new(task: &'a Task<'a>, settled: &'a [Settled<'a>]) -> Self {
         let domain = task.domain();
         let shifts = |body: &Settled| task.period.shifts(&body.aabb, &domain);

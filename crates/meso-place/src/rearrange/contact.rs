@@ -1,4 +1,4 @@
-//! Contact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
+//! FoundContact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
 //!
 //! Single precision, uncertified: it only says where to push. [`gjk`](meso_collision::gjk) certifies the positions afterwards.
 //!
@@ -24,7 +24,7 @@ pub(super) type V = [f32; 3];
 
 /// Two bodies' common tangent plane, remembered between sweeps.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Contact {
+pub(super) struct FoundContact {
     /// Unit direction from the first body to the second.
     pub(super) normal: V,
     /// Distance of the bodies along `normal`, mm; negative where they overlap along it.
@@ -117,7 +117,7 @@ const MOST_STEPS: usize = 12;
 /// The query ends when a support point is no nearer than this share of the distance.
 const TOLERANCE: f64 = 1e-4;
 
-impl Contact {
+impl FoundContact {
     /// A first guess: only a direction.
     pub(super) fn towards(normal: V) -> Self {
         Self { normal, gap: f32::INFINITY, ..Self::default() }
@@ -150,7 +150,7 @@ impl Contact {
     /// GJK distance query with the centres `far` apart; false where the bodies overlap even so.
     #[inline(always)]
     fn query(&mut self, a: &Points, b: &Points, far: V, x: V) -> bool {
-        let mut simplex = Simplex::default();
+        let mut simplex = WeightedSimplex::default();
         for &(i, j) in &self.features[..usize::from(self.count)] {
             simplex.push(a, b, i, j, far);
         }
@@ -188,7 +188,7 @@ impl Contact {
     }
 
     #[inline(always)]
-    fn settle(&mut self, simplex: &Simplex, a: &Points, b: &Points, normal: V, gap: f32) {
+    fn settle(&mut self, simplex: &WeightedSimplex, a: &Points, b: &Points, normal: V, gap: f32) {
         (self.normal, self.gap) = (normal, gap);
         (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
         self.count = simplex.count.min(self.features.len()) as u8;
@@ -203,14 +203,14 @@ impl Contact {
 
 /// Up to four points of A - B - far, and the weights of the one nearest the origin.
 #[derive(Default)]
-struct Simplex {
+struct WeightedSimplex {
     points: [[f64; 3]; 4],
     features: [(u16, u16); 4],
     weights: [f64; 4],
     count: usize,
 }
 
-impl Simplex {
+impl WeightedSimplex {
     #[inline(always)]
     fn push(&mut self, a: &Points, b: &Points, i: u16, j: u16, far: V) {
         let (p, q) = (at(a, i), at(b, j));

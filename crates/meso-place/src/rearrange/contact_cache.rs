@@ -1,11 +1,11 @@
-//! Contact cache: known gaps and contacts of the pairs of some bodies.
+//! FoundContact cache: known gaps and contacts of the pairs of some bodies.
 //!
 //! A separated pair costs 16 bytes: a gap and its axis, which prove for many sweeps that it is still apart. A
 //! contact's further data is kept as long as the contact lasts.
 
 use super::bodies::Bodies;
 use super::cell_list::CellList;
-use super::contact::{Contact, V, cross, direction_or_up, dot, gap_along, scale};
+use super::contact::{FoundContact, V, cross, direction_or_up, dot, gap_along, scale};
 use meso_collision::simd::{Wide, widest};
 use std::ops::Range;
 
@@ -16,14 +16,14 @@ pub(super) const BLOCK: usize = 64;
 pub(super) struct Block {
     /// End of every body's links.
     pub(super) ends: Vec<u32>,
-    pub(super) links: Vec<Link>,
+    pub(super) links: Vec<CachedLink>,
     /// In the order of the links.
-    touching: Vec<Touch>,
+    touching: Vec<CachedTouch>,
 }
 
 /// A pair, from its first body.
 #[derive(Clone, Copy)]
-pub(super) struct Link {
+pub(super) struct CachedLink {
     /// The second body.
     pub(super) b: u32,
     /// Gap plus both path lengths when last computed. While this minus the current paths exceeds the wanted gap, the
@@ -39,14 +39,14 @@ const APART: u16 = u16::MAX;
 
 /// A contact, and the impulse along its normal that would open it.
 #[derive(Clone, Copy)]
-pub(super) struct Touch {
-    pub(super) contact: Contact,
+pub(super) struct CachedTouch {
+    pub(super) contact: FoundContact,
     pub(super) impulse: f32,
 }
 
 /// Result of one pass over all pairs.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Look {
+pub(super) struct PairLook {
     pub(super) energy: f64,
     pub(super) open_below: u32,
 }
@@ -85,14 +85,14 @@ struct LookAt<'a> {
     first: u32,
     bodies: &'a Bodies<'a>,
     gaps: Gaps,
-    touching: &'a mut Vec<Touch>,
+    touching: &'a mut Vec<CachedTouch>,
 }
 
 impl Wide for LookAt<'_> {
-    type Output = Look;
+    type Output = PairLook;
 
     #[inline(always)]
-    fn run(self) -> Look {
+    fn run(self) -> PairLook {
         self.block.see(self.first, self.bodies, self.gaps, self.touching)
     }
 }
@@ -115,7 +115,7 @@ impl Block {
         numbers().min().unwrap_or(0)..numbers().max().map_or(0, |last| last + 1)
     }
 
-    pub(super) fn touch(&self, link: &Link) -> Option<&Touch> {
+    pub(super) fn touch(&self, link: &CachedLink) -> Option<&CachedTouch> {
         self.touching.get(usize::from(link.slot))
     }
 
@@ -141,7 +141,7 @@ impl Block {
             for &b in &*found {
                 let mut link = match old.binary_search_by_key(&b, |link| link.b) {
                     Ok(i) => old[i],
-                    Err(_) => Link::new(b, bodies.offset(a, b)),
+                    Err(_) => CachedLink::new(b, bodies.offset(a, b)),
                 };
                 link.clear -= paths[a as usize] + paths[b as usize];
                 list.push(link, self.touch(&link));
@@ -168,21 +168,21 @@ impl Block {
             let mut fresh = own.iter().map(|pair| pair.1).peekable();
             for link in &self.links[self.range(k)] {
                 while let Some(b) = fresh.next_if(|&b| b < link.b) {
-                    list.push(Link::new(b, bodies.offset(a, b)), None);
+                    list.push(CachedLink::new(b, bodies.offset(a, b)), None);
                 }
                 fresh.next_if_eq(&link.b);
                 if !link.is_far(a, bodies, want) {
                     list.push(*link, self.touch(link));
                 }
             }
-            fresh.for_each(|b| list.push(Link::new(b, bodies.offset(a, b)), None));
+            fresh.for_each(|b| list.push(CachedLink::new(b, bodies.offset(a, b)), None));
             list.end_body();
         }
         *self = list.clone();
     }
 
     #[inline(always)]
-    fn push(&mut self, mut link: Link, touch: Option<&Touch>) {
+    fn push(&mut self, mut link: CachedLink, touch: Option<&CachedTouch>) {
         link.slot = APART;
         if let Some(touch) = touch {
             link.slot = u16::try_from(self.touching.len()).unwrap_or(APART);
@@ -202,13 +202,19 @@ impl Block {
     }
 
     /// Updates every contact; `touching` is a thread's scratch list.
-    pub(super) fn look(&mut self, first: u32, bodies: &Bodies, gaps: Gaps, touching: &mut Vec<Touch>) -> Look {
+    pub(super) fn look(
+        &mut self,
+        first: u32,
+        bodies: &Bodies,
+        gaps: Gaps,
+        touching: &mut Vec<CachedTouch>,
+    ) -> PairLook {
         widest(LookAt { block: self, first, bodies, gaps, touching })
     }
 
     #[inline(always)]
-    fn see(&mut self, first: u32, bodies: &Bodies, gaps: Gaps, touching: &mut Vec<Touch>) -> Look {
-        let mut look = Look::default();
+    fn see(&mut self, first: u32, bodies: &Bodies, gaps: Gaps, touching: &mut Vec<CachedTouch>) -> PairLook {
+        let mut look = PairLook::default();
         touching.clear();
         for (k, a) in (first..).take(self.ends.len()).enumerate() {
             let range = self.range(k);
@@ -220,7 +226,7 @@ impl Block {
                 look.open_below += u32::from(contact.gap < gaps.enough);
                 // Contacts beyond the range of the numbers, a thousand per body, wait until others have opened.
                 link.slot = u16::try_from(touching.len()).unwrap_or(APART);
-                touching.push(Touch { contact, impulse: short / ease(&contact, bodies, a, link.b) });
+                touching.push(CachedTouch { contact, impulse: short / ease(&contact, bodies, a, link.b) });
             }
         }
         // A copy has no spare capacity: the contacts of the first sweeps are the peak of memory.
@@ -229,7 +235,7 @@ impl Block {
     }
 }
 
-impl Link {
+impl CachedLink {
     /// With a first guess of its axis, due for a query.
     #[inline(always)]
     fn new(b: u32, offset: V) -> Self {
@@ -244,14 +250,14 @@ impl Link {
 
     /// The contact, if the pair of `a` and this lacks any of the wanted gap; starts from the known one.
     #[inline(always)]
-    fn look(&mut self, a: u32, bodies: &Bodies, known: Option<Contact>, want: f32) -> Option<Contact> {
+    fn look(&mut self, a: u32, bodies: &Bodies, known: Option<FoundContact>, want: f32) -> Option<FoundContact> {
         let b = self.b;
         let paths = bodies.path(a) + bodies.path(b);
         if self.slot == APART && self.clear - paths > want {
             return None;
         }
         self.slot = APART;
-        let mut contact = Contact::towards(self.axis.direction());
+        let mut contact = FoundContact::towards(self.axis.direction());
         if let Some(known) = known {
             // A pair that was in contact most likely still is: its query, started from the old features, finds the gap.
             contact = known;
@@ -292,7 +298,7 @@ impl Link {
 /// Gap opened by a unit impulse. A body that a wall holds yields less, so that the other does its part: otherwise a
 /// small grain between a wall and a large one took the whole push, and stayed put for a hundred sweeps.
 #[inline(always)]
-fn ease(contact: &Contact, bodies: &Bodies, a: u32, b: u32) -> f32 {
+fn ease(contact: &FoundContact, bodies: &Bodies, a: u32, b: u32) -> f32 {
     let normal = contact.normal;
     let of = |body: u32, at: V, away: V| {
         let (fixed, lever) = (&bodies.fixed[body as usize], cross(at, normal));

@@ -4,7 +4,7 @@
 //! the slope there, a ridge across the other's nearest ridge; the deepest one together with those that are pushed the
 //! same way. This search may miss a contact; `certify` finds that pair, and it keeps a margin from then on.
 
-use super::contact::{Contact, Points, V, add_scaled, cross, direction_or_up, dot, length, scale};
+use super::contact::{FoundContact, Points, V, add_scaled, cross, direction_or_up, dot, length, scale};
 use crate::Turn;
 use crate::task::Task;
 use meso_collision::dents::{Height, HeightGrid};
@@ -31,7 +31,7 @@ const MOST_MARGIN: f32 = 0.04;
 
 /// The shapes of all grains with dents, and the margins of those that a proof found too near.
 #[derive(Clone)]
-pub(super) struct Dents {
+pub(super) struct DentedShapes {
     shapes: Arc<BTreeMap<u32, Shape>>,
     /// By grain, mm.
     margins: Vec<f32>,
@@ -77,7 +77,7 @@ struct Copied {
     turn: Turn,
 }
 
-impl Dents {
+impl DentedShapes {
     /// The shapes of `grains`; `None` where none has dents.
     pub(super) fn of(grains: &[Grain]) -> Option<Self> {
         let mut firsts = BTreeMap::new();
@@ -194,7 +194,7 @@ impl Surfaces {
     /// Makes the contact of two hulls that of the surfaces, both with dents, of bodies turned and with corners so; `x` is
     /// from centre to centre.
     #[inline(never)]
-    pub(super) fn refine(&self, pair: [u32; 2], at: [(Turn, Points); 2], x: V, want: f32, hulls: &mut Contact) {
+    pub(super) fn refine(&self, pair: [u32; 2], at: [(Turn, Points); 2], x: V, want: f32, hulls: &mut FoundContact) {
         let [(turn, p), (turn_of_other, q)] = at;
         let (Some(own), Some(other)) = (self.body(pair[0], turn), self.body(pair[1], turn_of_other)) else { return };
         let ahead = AHEAD * want;
@@ -218,7 +218,7 @@ impl Surfaces {
     }
 
     /// The contact of points in both bodies: the deepest one, with those that are pushed the same way.
-    fn settle(points: &[Sample], x: V, want: f32, hulls: &mut Contact) {
+    fn settle(points: &[Sample], x: V, want: f32, hulls: &mut FoundContact) {
         let Some(deepest) = points.iter().min_by(|p, q| p.height.total_cmp(&q.height)) else { return };
         hulls.gap = deepest.height;
         let (mut sum, mut normal, mut at) = (0.0, [0.0; 3], [0.0; 3]);

@@ -50,9 +50,9 @@ use super::task::Task;
 use super::{Placed, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
-use contact_cache::{Gaps, Look};
+use contact_cache::{Gaps, PairLook};
 use damping::{Damping, FALL, HOPEFUL};
-use dents::Dents;
+use dents::DentedShapes;
 use meso_concrete::watch::Stage;
 use neighbour_list::NeighbourList;
 use walls::Walls;
@@ -130,15 +130,15 @@ pub(super) fn place(task: &Task) -> Placed {
         task.done(Stage::Prove, 1.0);
         // Single precision, or points of surfaces with dents, took an overlapping pair for open: ask for a larger gap,
         // and continue.
-        let widened = |dents: &mut Dents| dents.widen(task.request.grains, &proved.unproved);
+        let widened = |dents: &mut DentedShapes| dents.widen(task.request.grains, &proved.unproved);
         if proved.left_out > 0
-            && ended == Ended::Open
+            && ended == SweepsEnd::Open
             && (dents.as_mut().is_some_and(widened) || settings.ask_for_more())
         {
             poses = reached;
             continue;
         }
-        if let Ended::Stopped(reason) = ended {
+        if let SweepsEnd::Stopped(reason) = ended {
             outcome.stop = Some(reason);
         }
         outcome.poses = proved.poses;
@@ -148,7 +148,7 @@ pub(super) fn place(task: &Task) -> Placed {
 
 /// How a run of sweeps ended.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Ended {
+enum SweepsEnd {
     /// Every pair has its gap.
     Open,
     /// The overlaps do not shrink any more.
@@ -211,7 +211,7 @@ struct Dynamics<'a> {
     walls: Walls<'a>,
     settings: Settings,
     /// Absent until the hulls of grains with dents jam.
-    dents: &'a mut Option<Dents>,
+    dents: &'a mut Option<DentedShapes>,
     /// Hulls of grains with dents only open the largest overlaps.
     hulls_crowd: bool,
     /// Share of the summed movement that is done, by the number of contacts.
@@ -224,7 +224,12 @@ struct Dynamics<'a> {
 }
 
 impl<'a> Dynamics<'a> {
-    fn new(task: &'a Task<'a>, poses: Vec<(u32, Pose)>, settings: Settings, dents: &'a mut Option<Dents>) -> Self {
+    fn new(
+        task: &'a Task<'a>,
+        poses: Vec<(u32, Pose)>,
+        settings: Settings,
+        dents: &'a mut Option<DentedShapes>,
+    ) -> Self {
         Self {
             bodies: Bodies::new(task, poses, dents.as_ref()),
             neighbours: NeighbourList::none(),
@@ -241,30 +246,33 @@ impl<'a> Dynamics<'a> {
 
     /// Moves the bodies until every pair is open or the run is stopped; leaves out the worst wedged where nothing
     /// else helps.
-    fn run(mut self, task: &'a Task<'a>, sweeps: &mut u64) -> (Ended, Vec<(u32, Pose)>) {
+    fn run(mut self, task: &'a Task<'a>, sweeps: &mut u64) -> (SweepsEnd, Vec<(u32, Pose)>) {
         loop {
             let ended = self.descend(task);
             match ended {
-                Ended::Jammed | Ended::Late if self.look_into_dents(task) => {}
-                Ended::Jammed => {
+                SweepsEnd::Jammed | SweepsEnd::Late if self.look_into_dents(task) => {}
+                SweepsEnd::Jammed => {
                     task.done(Stage::Jam, 0.0);
                     self.start_over_or_relieve(task);
                 }
-                Ended::Late => {
+                SweepsEnd::Late => {
                     self.relieve(task);
                     self.late += LATER;
                 }
-                Ended::Open | Ended::Stopped(_) => {
+                SweepsEnd::Open | SweepsEnd::Stopped(_) => {
                     *sweeps += u64::from(self.sweep);
-                    let in_time = ended != Ended::Open || self.late == LATE;
-                    return (if in_time { ended } else { Ended::Stopped(StopReason::TimeLimit) }, self.bodies.poses());
+                    let in_time = ended != SweepsEnd::Open || self.late == LATE;
+                    return (
+                        if in_time { ended } else { SweepsEnd::Stopped(StopReason::TimeLimit) },
+                        self.bodies.poses(),
+                    );
                 }
             }
         }
     }
 
     /// Sweeps until every pair is open, nothing helps any more, or the run is stopped.
-    fn descend(&mut self, task: &Task) -> Ended {
+    fn descend(&mut self, task: &Task) -> SweepsEnd {
         self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
         let (mut fine_since, mut fell_s) = (None, task.seconds());
@@ -272,7 +280,7 @@ impl<'a> Dynamics<'a> {
             self.renew_neighbours();
             let look = self.look();
             if look.open_below == 0 {
-                return Ended::Open;
+                return SweepsEnd::Open;
             }
             if look.energy < FALL * best {
                 (best, best_sweep, fell_s) = (look.energy, self.sweep, task.seconds());
@@ -283,15 +291,15 @@ impl<'a> Dynamics<'a> {
             let is_rough = self.lack > ROUGH && self.sweep < ROUGH_SWEEPS;
             let sees_dents = self.hulls_crowd && self.dents.is_none() && !is_rough;
             if sees_dents || self.sweep - best_sweep > self.settings.damping.patience() {
-                return Ended::Jammed;
+                return SweepsEnd::Jammed;
             }
             task.done(Stage::Place, self.share());
             if let Some(reason) = task.stopped(0.0) {
-                return Ended::Stopped(reason);
+                return SweepsEnd::Stopped(reason);
             }
             let spent = task.spent();
             if spent > self.late {
-                return Ended::Late;
+                return SweepsEnd::Late;
             }
             if spent > HURRY && self.lack > HOPEFUL {
                 self.settings.damping.hurry();
@@ -313,7 +321,7 @@ impl<'a> Dynamics<'a> {
         if self.dents.is_some() {
             return false;
         }
-        *self.dents = Dents::of(task.request.grains);
+        *self.dents = DentedShapes::of(task.request.grains);
         if self.dents.is_none() {
             return false;
         }
@@ -401,11 +409,11 @@ impl<'a> Dynamics<'a> {
     }
 
     /// Brings every pair's contact up to date.
-    fn look(&mut self) -> Look {
+    fn look(&mut self) -> PairLook {
         let look = self.neighbours.look(&self.bodies, self.settings.gaps());
         self.lack = libm::sqrt(look.energy / self.bodies.len() as f64) / self.settings.radius;
         let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
-        Look { open_below: look.open_below + outside, ..look }
+        PairLook { open_below: look.open_below + outside, ..look }
     }
 
     /// How far the overlaps have fallen, on a logarithmic scale: the residual overlap begins near a tenth of a radius

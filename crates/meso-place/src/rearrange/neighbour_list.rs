@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, Fixed};
 use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
-use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
+use super::contact_cache::{BLOCK, Block, CachedTouch, Gaps, PairLook, Scratch};
 use meso_concrete::parallel;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -111,19 +111,19 @@ impl NeighbourList {
     }
 
     /// Brings every contact up to date.
-    pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
-        let mut looks: Vec<_> = self.blocks.iter_mut().map(|block| (block, Look::default())).collect();
+    pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> PairLook {
+        let mut looks: Vec<_> = self.blocks.iter_mut().map(|block| (block, PairLook::default())).collect();
         parallel::each_mut_with(&mut looks, Vec::new, |touching, number, (block, look)| {
             *look = block.look((number * BLOCK) as u32, bodies, gaps, touching);
         });
-        looks.iter().fold(Look::default(), |sum, (_, look)| Look {
+        looks.iter().fold(PairLook::default(), |sum, (_, look)| PairLook {
             energy: sum.energy + look.energy,
             open_below: sum.open_below + look.open_below,
         })
     }
 
     /// The contacts of `body`; true where it is their first, which is pushed against the normal.
-    pub(super) fn contacts(&self, body: u32) -> impl Iterator<Item = (&Touch, bool)> {
+    pub(super) fn contacts(&self, body: u32) -> impl Iterator<Item = (&CachedTouch, bool)> {
         let block = &self.blocks[body as usize / BLOCK];
         let own = block.links[block.range(body as usize % BLOCK)].iter().filter_map(|link| block.touch(link));
         let others = self.firsts_of(body).iter().filter_map(move |&first| {
@@ -142,7 +142,7 @@ impl NeighbourList {
     /// The movements and turns that the contacts of `body` ask for.
     pub(super) fn push(&self, fixed: &Fixed, body: u32) -> Push {
         let mut push = Push::default();
-        for (Touch { contact, impulse }, first) in self.contacts(body) {
+        for (CachedTouch { contact, impulse }, first) in self.contacts(body) {
             let (impulse, at) = if first { (-impulse, contact.on_a) } else { (*impulse, contact.on_b) };
             push.shift = add_scaled(push.shift, contact.normal, impulse * fixed.inverse_mass);
             push.twist = add_scaled(push.twist, cross(at, contact.normal), impulse * fixed.inverse_inertia);

@@ -1,15 +1,15 @@
 //! Fixed bodies around non-convex specimens, and how they push grains.
 
-use super::contact::{Contact, LANES, Points, direction_or_up, gap_along};
+use super::contact::{FoundContact, LANES, Points, direction_or_up, gap_along};
 use meso_collision::math::Vec3;
 use meso_concrete::specimen::Obstacle;
 
 /// Vertices about a point, padded.
-struct About {
+struct PaddedVertices {
     coordinates: [Vec<f32>; 3],
 }
 
-impl About {
+impl PaddedVertices {
     fn new(vertices: &[Vec3], origin: &Vec3) -> Self {
         let padded = vertices.len().next_multiple_of(LANES);
         let along = |axis: usize| {
@@ -70,7 +70,7 @@ fn shortest(body: &Points, centre: &Vec3, obstacle: &[Vec3], gap: f64) -> (Vec3,
     // Contacts are found by moving the bodies apart about their origins. The obstacle's origin is its point nearest
     // to the body, so its extent does not matter.
     let origin = nearest(obstacle, centre);
-    let about = About::new(obstacle, &origin);
+    let about = PaddedVertices::new(obstacle, &origin);
     let contact = contact(&about.points(), body, &(centre - origin));
     (Vec3::from_fn(|i, _| f64::from(contact.normal[i])), gap - f64::from(contact.gap))
 }
@@ -80,13 +80,13 @@ pub(super) fn distance(obstacle: &[Vec3], point: &Vec3) -> f64 {
     let middle = obstacle.iter().sum::<Vec3>() / obstacle.len() as f64;
     let zeros = [0.0; LANES];
     let alone = Points { x: &zeros, y: &zeros, z: &zeros };
-    f64::from(contact(&About::new(obstacle, &middle).points(), &alone, &(point - middle)).gap.max(0.0))
+    f64::from(contact(&PaddedVertices::new(obstacle, &middle).points(), &alone, &(point - middle)).gap.max(0.0))
 }
 
 /// A point of the obstacle near to the nearest to `point`; its middle where it holds the point.
 fn nearest(obstacle: &[Vec3], point: &Vec3) -> Vec3 {
     let middle = obstacle.iter().sum::<Vec3>() / obstacle.len() as f64;
-    let about = About::new(obstacle, &middle);
+    let about = PaddedVertices::new(obstacle, &middle);
     let zeros = [0.0; LANES];
     let alone = Points { x: &zeros, y: &zeros, z: &zeros };
     let contact = contact(&about.points(), &alone, &(point - middle));
@@ -96,9 +96,9 @@ fn nearest(obstacle: &[Vec3], point: &Vec3) -> Vec3 {
     middle + Vec3::from_fn(|i, _| f64::from(contact.on_a[i]))
 }
 
-fn contact(a: &Points, b: &Points, x: &Vec3) -> Contact {
+fn contact(a: &Points, b: &Points, x: &Vec3) -> FoundContact {
     let x = [x.x as f32, x.y as f32, x.z as f32];
-    let mut contact = Contact::towards(direction_or_up(x));
+    let mut contact = FoundContact::towards(direction_or_up(x));
     contact.gap = gap_along(a, b, x, contact.normal);
     contact.refresh(a, b, x, x);
     contact

@@ -1,7 +1,7 @@
 //! A block, built from the mesh's cells, cohesive faces and patches that it has.
 
 use crate::assemble::centroid;
-use crate::assemble::parts::Parts;
+use crate::assemble::parts::BlockParts;
 use crate::assemble::patches::{MOST_NODES, Patch, Patches, band};
 use crate::assemble::tet::{Shape, corners};
 use crate::assemble::weight::facing;
@@ -24,7 +24,7 @@ fn order((phase, matter, free): Matter) -> (u8, u16, u8) {
 
 /// Builds one block.
 pub(crate) struct Builder<'a> {
-    parts: &'a Parts<'a>,
+    parts: &'a BlockParts<'a>,
     /// The engine's number of every node of the mesh.
     number: &'a [u32],
     patches: Option<OwnPatches<'a>>,
@@ -48,7 +48,7 @@ impl<'a> OwnPatches<'a> {
     }
 
     /// Places of those with some phase, material and strain, and from `least` to `most` nodes.
-    fn of(&self, parts: &Parts, own: Matter, least: usize, most: usize) -> Vec<u32> {
+    fn of(&self, parts: &BlockParts, own: Matter, least: usize, most: usize) -> Vec<u32> {
         let fits = |place: &u32| {
             let shape = &self.shapes[*place as usize];
             let is_sized = (least..=most).contains(&shape.nodes().len());
@@ -60,7 +60,7 @@ impl<'a> OwnPatches<'a> {
 
 impl OwnPatches<'_> {
     /// Phase, material and strain of the patch at some place: the stone is that of its first cell.
-    fn matter(&self, parts: &Parts, place: u32) -> Matter {
+    fn matter(&self, parts: &BlockParts, place: u32) -> Matter {
         let number = self.numbers[place as usize];
         let (phase, cells) = (self.all.phase[number as usize], self.all.cells(number));
         let matter = parts.common.place(phase, parts.sample.mesh.owner[cells[0] as usize]);
@@ -70,7 +70,7 @@ impl OwnPatches<'_> {
 
 impl<'a> Builder<'a> {
     /// For a block with some patches, where strains are smoothed.
-    pub(crate) fn new(parts: &'a Parts<'a>, number: &'a [u32], patches: Option<OwnPatches<'a>>) -> Self {
+    pub(crate) fn new(parts: &'a BlockParts<'a>, number: &'a [u32], patches: Option<OwnPatches<'a>>) -> Self {
         Self { parts, number, patches, nodes: Vec::new() }
     }
 

@@ -1,4 +1,4 @@
-//! From a mesh to blocks of elements.
+//! Blocks of elements of a mesh.
 
 mod builder;
 pub(crate) mod mass;
@@ -10,7 +10,7 @@ mod weight;
 
 use crate::assemble::builder::{Builder, OwnPatches};
 use crate::assemble::order::{along_curve, key};
-use crate::assemble::parts::Parts;
+use crate::assemble::parts::BlockParts;
 use crate::assemble::patches::{Numbered, Patches};
 use crate::assemble::weight::Weight;
 use crate::error::SolveError;
@@ -44,7 +44,7 @@ pub(crate) struct Assembly {
 ///
 /// # Errors
 /// Cells of no positive volume, and hexahedra that are not boxes of one size.
-pub(crate) fn assemble(parts: &Parts) -> Result<Assembly, SolveError> {
+pub(crate) fn assemble(parts: &BlockParts) -> Result<Assembly, SolveError> {
     let mesh = parts.sample.mesh;
     let aabb = Aabb::around(&mesh.points);
     let (nodes, number) = numbered(mesh);
@@ -68,13 +68,13 @@ fn numbered(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
 ///
 /// # Errors
 /// Cells of no positive volume.
-pub(crate) fn stable_s(parts: &Parts) -> Result<f64, SolveError> {
+pub(crate) fn stable_s(parts: &BlockParts) -> Result<f64, SolveError> {
     let (nodes, number) = numbered(parts.sample.mesh);
     Ok(Weight::of(parts, patches(parts, &nodes, &number).as_ref())?.stable_s)
 }
 
 /// Patches of a mesh of tetrahedra; none unless strains are smoothed.
-fn patches(parts: &Parts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
+fn patches(parts: &BlockParts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
     let (mesh, matter) = (parts.sample.mesh, &parts.common.matter);
     let is_smoothed = parts.smoothing == Smoothing::Edges;
     let mixed = matter[Phase::Mortar.index()].elastic == matter[Phase::Itz.index()].elastic;
@@ -108,7 +108,7 @@ pub(crate) fn box_shape(mesh: &Mesh) -> Result<BoxShape, SolveError> {
     }
 }
 
-fn blocks(parts: &Parts, aabb: &Aabb, number: &[u32], patches: Option<&Patches>) -> Vec<Block> {
+fn blocks(parts: &BlockParts, aabb: &Aabb, number: &[u32], patches: Option<&Patches>) -> Vec<Block> {
     let mesh = parts.sample.mesh;
     let centre = |cell: usize| centroid(mesh, mesh.cell(cell));
     let order = along_curve(mesh.cell_count(), aabb, centre);
@@ -153,7 +153,7 @@ fn patches_by_block(mesh: &Mesh, patches: &Patches, chunks: &[&[u32]]) -> Vec<Ve
 }
 
 /// The widest crack band of every phase.
-fn widest(blocks: &[Block], parts: &Parts) -> [f64; PhaseNames::ROOM] {
+fn widest(blocks: &[Block], parts: &BlockParts) -> [f64; PhaseNames::ROOM] {
     fn most<const N: usize>(cells: &[Uniform<N>]) -> f64 {
         cells.iter().flat_map(|cells| cells.width.0).fold(0.0, |most, width| most.max(f64::from(width)))
     }

@@ -7,7 +7,7 @@ use meso_trial::Sample;
 use meso_trial::Smoothing;
 
 /// A mesh and the choices that its elements depend on.
-pub(crate) struct Parts<'a> {
+pub(crate) struct BlockParts<'a> {
     pub(crate) sample: &'a Sample<'a>,
     pub(crate) common: &'a Common,
     /// Time step, s.
@@ -20,7 +20,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) strengths: Option<&'a StrengthField>,
 }
 
-impl Parts<'_> {
+impl BlockParts<'_> {
     /// Number of the strain without stress of an element made of some cells: the layer has those with half of them in it.
     pub(crate) fn free(&self, phase: Phase, cells: &[u32]) -> u8 {
         let below = cells.iter().filter(|&&cell| self.below.get(cell as usize) == Some(&true)).count();

@@ -1,7 +1,7 @@
 //! Mass of the nodes: the elements' own, and the mass that scaling adds.
 
 use crate::assemble::mass::{Need, box_metric, tet_metric};
-use crate::assemble::parts::Parts;
+use crate::assemble::parts::BlockParts;
 use crate::assemble::patches::{Patch, Patches};
 use crate::assemble::tet::corners;
 use crate::error::SolveError;
@@ -31,7 +31,7 @@ impl Weight {
     ///
     /// # Errors
     /// Cells of no positive volume.
-    pub(crate) fn of(parts: &Parts, patches: Option<&Patches>) -> Result<Self, SolveError> {
+    pub(crate) fn of(parts: &BlockParts, patches: Option<&Patches>) -> Result<Self, SolveError> {
         let mesh = parts.sample.mesh;
         let (count, joints) = (mesh.points.len(), mesh.cohesive.len());
         let spare = vec![0.0; if joints > 0 { count } else { 0 }];
@@ -44,7 +44,7 @@ impl Weight {
         Ok(weight)
     }
 
-    fn add_cells(&mut self, parts: &Parts) -> Result<(), SolveError> {
+    fn add_cells(&mut self, parts: &BlockParts) -> Result<(), SolveError> {
         let mesh = parts.sample.mesh;
         let share = 1.0 / mesh.kind.corners() as f64;
         for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(&mesh.phase)) {
@@ -67,7 +67,7 @@ impl Weight {
         }
     }
 
-    fn add_patches(&mut self, parts: &Parts, patches: &Patches) -> Result<(), SolveError> {
+    fn add_patches(&mut self, parts: &BlockParts, patches: &Patches) -> Result<(), SolveError> {
         let mesh = parts.sample.mesh;
         let cells = (0..mesh.cell_count() as u32).into_par_iter();
         cells.find_map_first(|cell| tetrahedron(mesh, cell).err()).map_or(Ok(()), Err)?;
@@ -88,7 +88,7 @@ impl Weight {
     }
 
     /// Adds the mass that cohesive faces need beyond the spare mass of their nodes.
-    fn add_faces(&mut self, parts: &Parts) {
+    fn add_faces(&mut self, parts: &BlockParts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
         if self.spare.is_empty() {
             return;
@@ -108,7 +108,7 @@ impl Weight {
     }
 }
 
-fn need(parts: &Parts, cell: u32, phase: Phase) -> Result<Need, SolveError> {
+fn need(parts: &BlockParts, cell: u32, phase: Phase) -> Result<Need, SolveError> {
     let mesh = parts.sample.mesh;
     let matter = &parts.common.matter[phase.index()];
     if mesh.kind == CellKind::Hexahedron {

@@ -169,7 +169,7 @@ impl Nodes {
             let start = number * SPAN;
             let (mass, first) = (&mass[start..], &first[start..]);
             let more = &more[more.partition_point(|&[node, _]| (node as usize) < start)..];
-            set.run(Advance { span: Span { start, mass, first, more, forces, supports, motion }, u, v })
+            set.run(Advance { span: NodeSpan { start, mass, first, more, forces, supports, motion }, u, v })
         });
         let sums: Vec<Sums> = spans.collect();
         sums.iter().fold(Sums::default(), Sums::with)
@@ -177,7 +177,7 @@ impl Nodes {
 }
 
 /// Consecutive nodes, and all that moves them.
-struct Span<'a> {
+struct NodeSpan<'a> {
     /// Number of its first node.
     start: usize,
     mass: &'a [f64],
@@ -190,7 +190,7 @@ struct Span<'a> {
 
 /// A step of a span: its displacements and velocities.
 struct Advance<'a> {
-    span: Span<'a>,
+    span: NodeSpan<'a>,
     u: &'a mut [[f64; 3]],
     v: &'a mut [[f64; 3]],
 }
@@ -204,7 +204,7 @@ impl Task for Advance<'_> {
     }
 }
 
-impl Span<'_> {
+impl NodeSpan<'_> {
     /// Flat loops over some nodes that stay in the first cache, which compilers turn into registers of several numbers; the few
     /// nodes with supports go one by one. No closures, which would be compiled without the instruction set.
     #[inline(always)]

@@ -11,7 +11,7 @@ mod snapshot;
 
 pub use meso_view::vtk::Still;
 pub use meso_view::vtk::mesh::Unread;
-pub use shots::{Shooting, Shot, Taken};
+pub use shots::{Shooting, Shot, ShotFile};
 pub use snapshot::{Moment, Snapshot};
 
 use crate::march::{Extra, Response, Row};
@@ -39,7 +39,7 @@ pub struct Outcome<'a> {
     /// The frames that have a file.
     pub frames: &'a [Moment],
     /// Moments before the end that the page shows.
-    pub taken: &'a Taken,
+    pub taken: &'a ShotFile,
     /// The end; a run that diverged has none.
     pub last: Option<&'a Snapshot>,
     /// How long it took.

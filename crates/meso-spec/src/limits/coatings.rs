@@ -1,4 +1,4 @@
-//! How much larger than their stones outward shells, and the ITZ around them, make the bodies that are placed.
+//! Growth of the bodies that are placed by outward shells, and the ITZ around them, beyond their stones.
 
 use crate::Spec;
 use meso_concrete::aggregate::take::ITZ_LIMIT;

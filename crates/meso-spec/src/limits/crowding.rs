@@ -1,4 +1,4 @@
-//! Does the requested fraction fit? Gaps, walls and coatings of stones make a packing denser than its fraction says.
+//! Room for the requested fraction. Gaps, walls and coatings of stones make a packing denser than its fraction says.
 //!
 //! Bodies that keep a gap g from each other stay apart when each is grown by g / 2. So a packing with gaps is as
 //! dense as one without, in which the grown bodies lie in the space between the walls.

@@ -1,4 +1,4 @@
-//! Where a plane meets a mesh: the cells that it cuts, as SVG.
+//! Section of a mesh: the cells that a plane cuts, as SVG.
 
 use super::slice::{self, WIDTH};
 use crate::export::appearance::CLASSES;

@@ -1,4 +1,4 @@
-//! Where a plane meets the aggregates: exact polygons as SVG.
+//! Section of the aggregates: exact polygons as SVG.
 
 use crate::export::appearance::{CLASSES, fill, phase_colour};
 use meso_collision::geometry::{BodyForm, Polyhedron};

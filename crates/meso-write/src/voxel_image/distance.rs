@@ -1,4 +1,4 @@
-//! How far the centres of voxels are from the nearest surface of a body.
+//! Distance of the centres of voxels from the nearest surface of a body.
 //!
 //! A layer is divided into square tiles. All voxels of a tile ask the same few bodies: heights above a body's planes and
 //! distances from it change by no more than the way from the tile's centre.
@@ -37,7 +37,7 @@ impl Surfaces {
     pub(super) fn measure(&self, scan: &Scan, k: usize, layer: &mut [f32]) {
         let mut labels = vec![Label::MORTAR; layer.len()];
         scan.label_layer(k, &mut labels);
-        let mut nearby = Nearby::of(self);
+        let mut nearby = NearBodies::of(self);
         for tile in Tile::all(scan.grid(), k) {
             stop::point();
             if tile.voxels().any(|voxel| labels[voxel].body().is_none()) {
@@ -93,16 +93,16 @@ impl Tile {
 }
 
 /// The bodies that may be the nearest ones to the voxels of a tile.
-struct Nearby<'a> {
+struct NearBodies<'a> {
     surfaces: &'a Surfaces,
     centre: Vec3,
     /// The lowest below the centre first.
-    bodies: Vec<Candidate>,
+    bodies: Vec<NearBody>,
     /// The nearest one to the last point, which is often that to the next one.
     last: Option<u32>,
 }
 
-struct Candidate {
+struct NearBody {
     body: u32,
     /// The body's plane that is farthest below the centre.
     plane: Plane,
@@ -110,7 +110,7 @@ struct Candidate {
     height: f64,
 }
 
-impl<'a> Nearby<'a> {
+impl<'a> NearBodies<'a> {
     fn of(surfaces: &'a Surfaces) -> Self {
         Self { surfaces, centre: Vec3::zeros(), bodies: Vec::new(), last: None }
     }
@@ -134,7 +134,7 @@ impl<'a> Nearby<'a> {
         self.bodies.clear();
         self.bodies.extend(near.map(|body| {
             let plane = *bodies[body as usize].plane_under(centre);
-            Candidate { body, plane, height: plane.height(centre) }
+            NearBody { body, plane, height: plane.height(centre) }
         }));
         self.bodies.retain(|candidate| candidate.height <= reach);
         self.bodies.sort_unstable_by(|p, q| p.height.total_cmp(&q.height).then(p.body.cmp(&q.body)));

@@ -60,7 +60,7 @@ impl Shares {
 
     /// Adds the shares of all bodies in the voxels of layer `k`.
     pub(super) fn add(&self, k: usize, layer: &mut [f32]) {
-        let mut columns = Columns::default();
+        let mut columns = ColumnLayer::default();
         for &index in &self.by_layer[k] {
             stop::point();
             let body = &self.bodies[index as usize];
@@ -125,7 +125,7 @@ fn side(grid: &PointGrid, axis: usize, voxel: usize) -> f64 {
 
 /// One layer of the columns that a body reaches into.
 #[derive(Default)]
-struct Columns {
+struct ColumnLayer {
     across: Range<usize>,
     along: Range<usize>,
     /// Pieces by column and voxel, and one more for the space beyond the last voxel.
@@ -142,7 +142,7 @@ struct Pieces {
     volume: f64,
 }
 
-impl Columns {
+impl ColumnLayer {
     fn fill(&mut self, grid: &PointGrid, k: usize, surface: &Polyhedron, aabb: &Aabb) {
         (self.across, self.along) = (touched(grid, 1, aabb), touched(grid, 0, aabb));
         self.pieces.clear();

@@ -9,7 +9,7 @@ use crate::own_folder::OwnFolder;
 use crate::stderr::flag;
 use meso_core::mesh::Mesh;
 use meso_files::whole;
-use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Still, Taken};
+use meso_solve::results::{Moment, Outcome, ResultFile, ShotFile, Snapshot, Still};
 use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -35,7 +35,7 @@ pub(super) struct Folder {
     /// What all frames have of the mesh.
     still: Still,
     /// The moments that the page shows.
-    taken: Taken,
+    taken: ShotFile,
     /// Number of frames that could not be written.
     lost: usize,
     /// Keeps other processes out.
@@ -75,7 +75,7 @@ pub(super) struct Kept {
 pub(super) struct Note {
     frames: Vec<Written>,
     /// The moments that the page shows.
-    taken: Taken,
+    taken: ShotFile,
 }
 
 impl Folder {
@@ -89,7 +89,7 @@ impl Folder {
             reserve: Unit::unforced(),
             frames: Vec::new(),
             still: Still::default(),
-            taken: Taken::default(),
+            taken: ShotFile::default(),
             lost: 0,
             _own: OwnFolder::open(path)?,
         };
@@ -166,12 +166,12 @@ impl Folder {
     }
 
     /// The moments that the page shows.
-    pub(super) fn taken(&self) -> Taken {
+    pub(super) fn taken(&self) -> ShotFile {
         self.taken.clone()
     }
 
     /// Keeps the moments that the page shows.
-    pub(super) fn keep_shots(&mut self, taken: Taken) {
+    pub(super) fn keep_shots(&mut self, taken: ShotFile) {
         self.taken = taken;
     }
 

@@ -1,4 +1,4 @@
-//! On which side of a plane, on which side of a line: signs that rounding cannot change.
+//! The side of a plane or a line that a point lies on: signs that rounding cannot change.
 //!
 //! Shewchuk's adaptive predicates (crate `robust`) are exact unless a product over- or underflows. With coordinates in
 //! {0} and [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`], every bit of an f64 weighs at least 2^-252 and less than 2^200, so

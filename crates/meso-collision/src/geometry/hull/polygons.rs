@@ -1,4 +1,4 @@
-//! From triangles to polygonal faces: coplanar neighbours merge, points inside edges and faces drop out.
+//! Polygonal faces of triangles: coplanar neighbours merge, points inside edges and faces drop out.
 //!
 //! On a convex surface the triangles of one plane are connected. A surface point with fewer than three planes around
 //! it lies inside a face (one) or an edge (two): it is not extreme.

@@ -194,7 +194,7 @@ fn is_surface(faces: &Loops) -> bool {
 }
 
 /// A body whose vertices were joined.
-struct Joined {
+struct MergedBody {
     vertices: Vec<Vec3>,
     faces: Loops,
     /// The farthest that a vertex went.
@@ -203,7 +203,7 @@ struct Joined {
 
 impl Dual {
     /// Joins neighbouring vertices that rounding alone keeps apart; `None` where there are none.
-    fn joined(&self) -> Option<Joined> {
+    fn joined(&self) -> Option<MergedBody> {
         let Self { vertices, faces, .. } = self;
         let reach = MERGED * ROUNDING * extent(vertices);
         let squared = |&(v, w): &(u32, u32)| (vertices[v as usize] - vertices[w as usize]).norm_squared();
@@ -229,7 +229,7 @@ impl Dual {
         let went = |v: usize| (vertices[v] - vertices[root(&same, v as u32) as usize]).norm();
         let moved = (0..vertices.len()).map(went).fold(0.0, f64::max);
         let (vertices, faces) = without_doubles(vertices, faces, &same);
-        Some(Joined { vertices, faces, moved })
+        Some(MergedBody { vertices, faces, moved })
     }
 }
 

@@ -14,7 +14,7 @@ const BITS: usize = 64;
 const TABLE: usize = 64;
 
 /// Vertices relative to the first, by axis, in registers. The last vertex fills the last register.
-pub(super) struct Points<S: Simd> {
+pub(super) struct CirclePoints<S: Simd> {
     registers: Vec<[S::F64; 3]>,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Arc {
 
 /// A part of an arc, by its t at both ends.
 #[derive(Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct ArcPiece {
     from: f64,
     to: f64,
 }
@@ -46,7 +46,7 @@ pub(super) struct Piece {
 /// Directions at both ends of a piece.
 pub(super) type Ends = [Vec3; 2];
 
-impl<S: Simd> Points<S> {
+impl<S: Simd> CirclePoints<S> {
     #[inline(always)]
     pub(super) fn of(simd: S, body: &Polyhedron) -> Self {
         let vertices = body.vertices();
@@ -123,7 +123,7 @@ impl Arc {
 
     /// Directions at both ends of a piece.
     #[inline(always)]
-    pub(super) fn ends(&self, piece: &Piece) -> Ends {
+    pub(super) fn ends(&self, piece: &ArcPiece) -> Ends {
         [self.direction(piece.from), self.direction(piece.to)]
     }
 
@@ -138,10 +138,10 @@ impl Arc {
     pub(super) fn narrow<S: Simd>(
         &self,
         simd: S,
-        points: &Points<S>,
+        points: &CirclePoints<S>,
         side: f64,
         excluded: &mut Excluded,
-        pieces: &mut Vec<Piece>,
+        pieces: &mut Vec<ArcPiece>,
     ) {
         self.exclude(simd, points, side, excluded);
         excluded.solve(simd, side);
@@ -153,14 +153,14 @@ impl Arc {
                 return;
             }
             let next = excluded.next_after(simd, at).min(self.end);
-            pieces.push(Piece { from: at, to: next });
+            pieces.push(ArcPiece { from: at, to: next });
             at = next;
         }
     }
 
     /// Replaces `excluded` by the vertices whose distance from the corner, projected, exceeds `side` on the arc.
     #[inline(always)]
-    fn exclude<S: Simd>(&self, simd: S, points: &Points<S>, side: f64, excluded: &mut Excluded) {
+    fn exclude<S: Simd>(&self, simd: S, points: &CirclePoints<S>, side: f64, excluded: &mut Excluded) {
         let (corner, start, across) = (all(simd, &self.corner), all(simd, &self.start), all(simd, &self.across));
         let (cosine, sine) = (S::F64::all(simd, self.turn[0]), S::F64::all(simd, self.turn[1]));
         let (limit, square, zero) = (S::F64::all(simd, side), S::F64::all(simd, side * side), S::F64::all(simd, 0.0));
@@ -190,7 +190,7 @@ pub(super) struct Excluded {
 
 impl Excluded {
     /// Room for the pieces of all points.
-    pub(super) fn of<S: Simd>(points: &Points<S>) -> Self {
+    pub(super) fn of<S: Simd>(points: &CirclePoints<S>) -> Self {
         let room = || vec![0.0; points.registers.len() * S::F64::LANES + LANES];
         Self { c: room(), s: room(), from: room(), to: room(), count: 0 }
     }
@@ -265,7 +265,7 @@ impl Arc {
     /// The projected distance from a vertex to an edge is a cosine along the arc, so it exceeds `side` between two
     /// directions where it does.
     #[inline(always)]
-    pub(super) fn open<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>, side: f64) -> Vec<Self> {
+    pub(super) fn open<S: Simd>(simd: S, body: &Polyhedron, points: &CirclePoints<S>, side: f64) -> Vec<Self> {
         let (planes, vertices): (Vec<_>, _) = (body.planes().collect(), body.vertices());
         let mut excluding = Vec::with_capacity(planes.len());
         for plane in &planes {

@@ -1,7 +1,7 @@
 //! The search for orthogonal directions in which a body is narrow.
 
 use super::SLACK;
-use super::arcs::{Arc, Ends, Excluded, LANES, Piece, Points, all, support};
+use super::arcs::{Arc, ArcPiece, CirclePoints, Ends, Excluded, LANES, all, support};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::simd::{Lanes, Mask, Simd, Vectorized, for_each_lane};
@@ -29,7 +29,7 @@ impl Vectorized for Smallest<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> f64 {
-        let points = Points::of(simd, self.body);
+        let points = CirclePoints::of(simd, self.body);
         let mut side = turned(simd, self.body, &points);
         let arcs = Arc::open(simd, self.body, &points, side);
         let excluded = Excluded::of(&points);
@@ -51,7 +51,7 @@ impl Vectorized for Smallest<'_> {
 
 /// The side of a square around a projection: along two vertices that are far apart first, then turned while that helps.
 #[inline(always)]
-fn turned<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> f64 {
+fn turned<S: Simd>(simd: S, body: &Polyhedron, points: &CirclePoints<S>) -> f64 {
     let (mut least, mut best) = lengthwise(simd, body, points);
     let mut step = STEPS[0];
     while step > STEPS[1] {
@@ -72,7 +72,7 @@ fn turned<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> f64 {
 
 /// The smallest of [`ROLLS`] squares around a projection along two vertices that are far apart, and its frame.
 #[inline(always)]
-fn lengthwise<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> (f64, [Vec3; 3]) {
+fn lengthwise<S: Simd>(simd: S, body: &Polyhedron, points: &CirclePoints<S>) -> (f64, [Vec3; 3]) {
     let mut along = Vec3::x();
     for _ in 0..2 {
         along = support(body, &along) - support(body, &-along);
@@ -93,7 +93,7 @@ fn lengthwise<S: Simd>(simd: S, body: &Polyhedron, points: &Points<S>) -> (f64, 
 
 /// The side of the square around the body whose sides are along and across `u` and `v`.
 #[inline(always)]
-fn square<S: Simd>(simd: S, points: &Points<S>, u: &Vec3, v: &Vec3) -> f64 {
+fn square<S: Simd>(simd: S, points: &CirclePoints<S>, u: &Vec3, v: &Vec3) -> f64 {
     points.width(simd, u).max(points.width(simd, v))
 }
 
@@ -116,10 +116,10 @@ struct Pair {
 
 struct Search<'a, S: Simd> {
     simd: S,
-    points: Points<S>,
+    points: CirclePoints<S>,
     arcs: &'a [Arc],
     excluded: Excluded,
-    pieces: [Vec<Piece>; 2],
+    pieces: [Vec<ArcPiece>; 2],
 }
 
 /// Pieces of arcs with the directions at their ends, by axis.

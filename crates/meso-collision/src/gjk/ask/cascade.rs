@@ -123,10 +123,10 @@ pub fn apart_from(
         return matches!(known, Known::Apart(_));
     };
     if a.meets(b, &v, b_from_a) {
-        counters.count(Stage::Start);
+        counters.count(CascadeStage::Start);
         return false;
     }
-    counters.count(Stage::Gjk);
+    counters.count(CascadeStage::Gjk);
     bounds.lay_out(shape, made);
     let narrow = Query { a: a.body(), b: made, x: *b_from_a, gap }.search_narrow(&v);
     if let Some(apart) = narrow.answer() {
@@ -138,10 +138,10 @@ pub fn apart_from(
 
 /// The verdict of the headers alone: one cache line each, no vertex.
 #[inline(always)]
-fn glance(a: &Ellipsoids, b: &Ellipsoids, x: &Vec3, gap: f64) -> (Stage, Known) {
+fn glance(a: &Ellipsoids, b: &Ellipsoids, x: &Vec3, gap: f64) -> (CascadeStage, Known) {
     match a.compare_spheres(b, x, gap) {
-        Some(known) => (Stage::Spheres, known),
-        None => (Stage::Ellipsoids, a.compare_axis(b, x, gap)),
+        Some(known) => (CascadeStage::Spheres, known),
+        None => (CascadeStage::Ellipsoids, a.compare_axis(b, x, gap)),
     }
 }
 
@@ -156,7 +156,7 @@ pub(crate) struct Query<'a> {
 
 /// How far a query had to go.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-pub(crate) enum Stage {
+pub(crate) enum CascadeStage {
     Spheres,
     Ellipsoids,
     Start,
@@ -207,11 +207,11 @@ impl Counters {
     }
 
     #[inline(always)]
-    fn count(&mut self, stage: Stage) {
+    fn count(&mut self, stage: CascadeStage) {
         self.pairs += 1;
-        self.after_spheres += u64::from(stage > Stage::Spheres);
-        self.after_ellipsoids += u64::from(stage > Stage::Ellipsoids);
-        self.gjk_calls += u64::from(stage == Stage::Gjk);
+        self.after_spheres += u64::from(stage > CascadeStage::Spheres);
+        self.after_ellipsoids += u64::from(stage > CascadeStage::Ellipsoids);
+        self.gjk_calls += u64::from(stage == CascadeStage::Gjk);
     }
 }
 
@@ -226,7 +226,7 @@ impl<'a> Query<'a> {
                 matches!(known, Known::Apart(_))
             }
             Known::Nothing(v) => {
-                counters.count(Stage::Gjk);
+                counters.count(CascadeStage::Gjk);
                 self.settle(&v, counters)
             }
         }
@@ -278,10 +278,10 @@ impl<'a> Query<'a> {
             }
         };
         if let Some(axis) = start.filter(|&axis| dispatch(Axis { query: *self, axis })) {
-            counters.count(Stage::Start);
+            counters.count(CascadeStage::Start);
             return Some(axis);
         }
-        counters.count(Stage::Gjk);
+        counters.count(CascadeStage::Gjk);
         let portal = match self.search_narrow(&v) {
             Refined::Apart(v) => return Some(v.cast()),
             Refined::Overlap(_) => return None,
@@ -296,7 +296,7 @@ impl<'a> Query<'a> {
 
     /// The verdict of the headers alone.
     #[inline(always)]
-    pub(crate) fn glance(&self) -> (Stage, Known) {
+    pub(crate) fn glance(&self) -> (CascadeStage, Known) {
         glance(&self.a.bounds, &self.b.bounds, &self.x, self.gap)
     }
 
@@ -316,7 +316,7 @@ impl<'a> Query<'a> {
     fn search_wide(&self, v: &Vec3, portal: Option<Portal>) -> Found {
         let (pair, v, gap) = (self.pair(), or_x(v), self.gap);
         if self.a.holds_origin() && self.b.holds_origin() {
-            match dispatch(Wide { pair, v, gap, portal }) {
+            match dispatch(DoublePortal { pair, v, gap, portal }) {
                 Refined::Apart(v) => return Found::Apart(v),
                 Refined::Overlap(portal) => return Found::Overlap(Corners::of(portal.map(|of| self.unpadded(of)))),
                 Refined::Undecided(_) => {}
@@ -428,14 +428,14 @@ impl Vectorized for Both<'_> {
 }
 
 /// A portal search in double precision, from the portal that single precision came to where that is one.
-struct Wide<'a> {
+struct DoublePortal<'a> {
     pair: Pair<'a>,
     v: Vec3,
     gap: f64,
     portal: Option<Portal>,
 }
 
-impl Vectorized for Wide<'_> {
+impl Vectorized for DoublePortal<'_> {
     type Output = Refined<f64>;
 
     #[inline(always)]
@@ -496,7 +496,7 @@ mod tests {
             let slot = |dice: &mut Dice| (12.0 + 12.0 * dice.roll()) as u32;
             let portal: Portal = [0; 3].map(|_| (slot(&mut dice), slot(&mut dice)));
             for portal in [None, Some(portal)] {
-                let found = dispatch(Wide { pair: query.pair(), v: x, gap: 0.0, portal }).answer();
+                let found = dispatch(DoublePortal { pair: query.pair(), v: x, gap: 0.0, portal }).answer();
                 assert!(found.is_none_or(|apart| apart == truth));
                 wide += u32::from(found.is_none());
             }

@@ -1,4 +1,4 @@
-//! When a body that moves along a line first meets another: between two certain bounds.
+//! The first contact of a body that moves along a line with another: between two certain bounds.
 //!
 //! Conservative advancement: of a direction v that separates the bodies at time t, it is known until when it does. The
 //! direction of their nearest points lasts longest, so it is the one to look at; a step later, the next one. Where no

@@ -1,4 +1,4 @@
-//! How far two bodies overlap: the shortest move that parts them, between two certain bounds.
+//! Penetration depth of two bodies: the shortest move that parts them, between two certain bounds.
 //!
 //! The depth is the distance from the origin to the surface of A - B. As in the expanding polytope algorithm (van den
 //! Bergen, 2001), a polytope inside A - B grows by supports along the normals of its faces. Here each round adds those
@@ -151,7 +151,7 @@ impl<'a> Search<'a> {
         if !v.iter().all(|x| x.is_finite()) {
             return false;
         }
-        let (Vertex { w, of }, separation) = dispatch(Along { pair: self.pair, v: *v });
+        let (Vertex { w, of }, separation) = dispatch(SupportAlong { pair: self.pair, v: *v });
         let norm = v.norm();
         if -separation < (self.depth + 1e-12) * norm {
             let extent = top(self.pair.a, v) + top(self.pair.b, &-v);
@@ -170,12 +170,12 @@ impl<'a> Search<'a> {
 }
 
 /// The support of a pair along `v`.
-struct Along<'a> {
+struct SupportAlong<'a> {
     pair: Pair<'a>,
     v: Vec3,
 }
 
-impl Vectorized for Along<'_> {
+impl Vectorized for SupportAlong<'_> {
     type Output = (Vertex, f64);
 
     #[inline(always)]

@@ -15,13 +15,13 @@ const ROUNDING: f64 = 1e-5;
 /// The faces of a body around its frame's origin, each as normal over offset: the body is where all of these are at
 /// most 1.
 #[derive(Clone, Debug)]
-struct Gauge {
+struct FaceGauge {
     /// x, then y, then z of all faces, each padded with zeros to a multiple of [`LANES`], which changes no maximum.
     faces: Box<[f32]>,
     inner_radius: f64,
 }
 
-impl Gauge {
+impl FaceGauge {
     /// Every face a little nearer than it is, by the error of its plane; `None` where the origin is not clearly inside
     /// of all. `radius` is that of the ball about the origin that holds the body, mm.
     fn new(facets: &[Facet], radius: f64) -> Option<Self> {
@@ -63,7 +63,7 @@ impl Gauge {
 /// A body and its faces.
 pub struct Solid {
     body: Body,
-    gauge: Option<Gauge>,
+    gauge: Option<FaceGauge>,
 }
 
 impl Solid {
@@ -80,7 +80,7 @@ impl Solid {
     /// ```
     pub fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
         let body = Body::new(vertices).with_facets(facets.iter().copied());
-        Self { gauge: Gauge::new(facets, body.circumradius()), body }
+        Self { gauge: FaceGauge::new(facets, body.circumradius()), body }
     }
 
     /// In the form that pairs are asked about in.
@@ -129,7 +129,7 @@ static BEYOND: [f32; 2 * GROUP] = {
 
 /// [`Solid::meets`] on wide registers.
 struct Meets<'a> {
-    gauge: &'a Gauge,
+    gauge: &'a FaceGauge,
     bounds: &'a Ellipsoids,
     shape: &'a CompactPolyhedron,
     axis: &'a Vec3,

@@ -18,7 +18,7 @@ impl Voxels {
         let mut step = 1;
         for axis in 0..3 {
             let count = self.counts[axis];
-            let mut line = Line::default();
+            let mut line = SquaredRow::default();
             for first in (0..all).filter(|voxel| voxel / step % count == 0) {
                 line.take((0..count).map(|k| squares[first + k * step]), self.spacing_mm[axis]);
                 (0..count).for_each(|k| squares[first + k * step] = line.found[k]);
@@ -31,14 +31,14 @@ impl Voxels {
 
 /// A row of squared distances.
 #[derive(Default)]
-struct Line {
+struct SquaredRow {
     given: Vec<f64>,
     found: Vec<f64>,
     /// Places of the parabolas in the envelope, and where each begins.
     lowest: Vec<(usize, f64)>,
 }
 
-impl Line {
+impl SquaredRow {
     fn take(&mut self, given: impl Iterator<Item = f64>, spacing: f64) {
         self.given.clear();
         self.given.extend(given);

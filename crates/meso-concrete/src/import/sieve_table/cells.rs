@@ -169,15 +169,15 @@ pub(super) fn is_in_kg(text: &str) -> bool {
 pub(super) fn proof(text: &str) -> Marks {
     let digits =
         text.trim().trim_end_matches(|c: char| !c.is_ascii_digit()).trim_start_matches(|c: char| !c.is_ascii_digit());
-    match Written::of(digits) {
-        Some(Written { decimal: Some(','), .. }) => Marks::COMMA,
-        Some(Written { decimal: Some('.'), .. }) => Marks::POINT,
+    match WrittenDigits::of(digits) {
+        Some(WrittenDigits { decimal: Some(','), .. }) => Marks::COMMA,
+        Some(WrittenDigits { decimal: Some('.'), .. }) => Marks::POINT,
         _ => Marks::NONE,
     }
 }
 
 /// Digits with their marks, as far as one cell alone decides them.
-struct Written {
+struct WrittenDigits {
     /// Digits with a point before the decimals; groups of thousands are joined.
     text: String,
     /// The decimal mark.
@@ -186,7 +186,7 @@ struct Written {
     open: Option<char>,
 }
 
-impl Written {
+impl WrittenDigits {
     fn of(text: &str) -> Option<Self> {
         let text = joined_groups(text, &[' ', '\u{a0}', '\u{202f}', '\u{2009}', '\'', '’'])?;
         if text.is_empty() || !text.chars().all(|c| c.is_ascii_digit() || matches!(c, ',' | '.')) {
@@ -239,7 +239,7 @@ fn plain(text: &str, marks: Marks) -> Result<f64, String> {
             Err(wrong())
         };
     }
-    let written = Written::of(text).ok_or_else(wrong)?;
+    let written = WrittenDigits::of(text).ok_or_else(wrong)?;
     let parse = |text: &str| text.parse::<f64>().map_err(|_| wrong());
     let Some(mark) = written.open else { return parse(&written.text) };
     let thousands = parse(&written.text.replace('.', ""))?;

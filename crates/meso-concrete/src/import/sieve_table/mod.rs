@@ -13,7 +13,7 @@ mod words;
 pub use cells::SieveUnit;
 pub use text::decode;
 
-use readings::Analysis;
+use readings::ReadAnalysis;
 use sheet::Sheet;
 
 /// A column of numbers, by its meaning.
@@ -139,5 +139,5 @@ fn same(a: &SieveTable, b: &SieveTable) -> bool {
 
 fn read_with(text: &str, separator: char, choices: &Choices) -> Result<SieveTable, String> {
     let sheet = Sheet::of(text, separator, choices)?;
-    Analysis { sheet: &sheet, choices }.read()
+    ReadAnalysis { sheet: &sheet, choices }.read()
 }

@@ -1,4 +1,4 @@
-//! What a column of numbers can mean, and the proofs that leave one reading.
+//! Readings of a column of numbers, and the proofs that leave one.
 
 use super::sheet::{Sheet, Values};
 use super::{Choices, Meaning, SieveTable, TableColumn, ValueUnit};
@@ -34,7 +34,7 @@ fn unproved<T>(reason: impl Into<String>) -> Result<T, Fault> {
 }
 
 /// A sheet and its user's choices.
-pub(super) struct Analysis<'a> {
+pub(super) struct ReadAnalysis<'a> {
     pub(super) sheet: &'a Sheet,
     pub(super) choices: &'a Choices,
 }
@@ -42,7 +42,7 @@ pub(super) struct Analysis<'a> {
 /// A column and its share of the blend.
 type Share<'a> = (&'a Values, f64);
 
-impl Analysis<'_> {
+impl ReadAnalysis<'_> {
     /// The one curve of the sheet.
     pub(super) fn read(&self) -> Result<SieveTable, String> {
         if self.sheet.sieves.len() < 2 {
@@ -199,8 +199,14 @@ impl Analysis<'_> {
         let is_named = values.said.has_meaning || self.choices.means.is_some();
         for &meaning in &meanings {
             for &unit in &units {
-                let proof =
-                    Proof { sieves: &self.sheet.sieves, values, meaning, unit, is_named, has_unit: units.len() == 1 };
+                let proof = ColumnProof {
+                    sieves: &self.sheet.sieves,
+                    values,
+                    meaning,
+                    unit,
+                    is_named,
+                    has_unit: units.len() == 1,
+                };
                 match proof.reading() {
                     Ok(reading) => good.push(reading),
                     Err(fault) => faults.push((format!("{} in {}", meaning.words(), unit.words()), fault)),
@@ -270,7 +276,7 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// One column under one meaning and unit.
-struct Proof<'a> {
+struct ColumnProof<'a> {
     /// Line and opening of every sieve, from the coarsest.
     sieves: &'a [(usize, f64)],
     values: &'a Values,
@@ -282,7 +288,7 @@ struct Proof<'a> {
     has_unit: bool,
 }
 
-impl Proof<'_> {
+impl ColumnProof<'_> {
     fn reading(&self) -> Result<Reading, Fault> {
         let numbers = self.numbers()?;
         self.unit_fits(&numbers)?;

@@ -27,7 +27,7 @@ const DAMAGED: &str = "the file is cut off or damaged";
 pub fn checkpoint_note(from: &mut dyn Read) -> Result<Vec<u8>, SolveError> {
     let mut sealed = Sealed { from, hash: Sha256::new() };
     let note = opening(&mut sealed)?;
-    let mut end = End { hash: sealed.hash, last: Vec::new() };
+    let mut end = HashedEnd { hash: sealed.hash, last: Vec::new() };
     io::copy(sealed.from, &mut end).map_err(|error| SolveError::Resume(error.to_string()))?;
     if end.last == end.hash.finalize().as_slice() { Ok(note) } else { Err(damaged()) }
 }
@@ -38,9 +38,9 @@ impl Run<'_> {
     /// # Errors
     /// Fails with the errors of `out`.
     pub fn save(&self, note: &[u8], out: &mut dyn Write) -> io::Result<()> {
-        let mut out = io::BufWriter::new(Sealing { out, hash: Sha256::new() });
+        let mut out = io::BufWriter::new(HashingWriter { out, hash: Sha256::new() });
         self.write(note, &mut out)?;
-        let Sealing { out, hash } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let HashingWriter { out, hash } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
         out.write_all(&hash.finalize())?;
         out.flush()
     }
@@ -153,12 +153,12 @@ impl Run<'_> {
 }
 
 /// Writes bytes and hashes them.
-struct Sealing<'a> {
+struct HashingWriter<'a> {
     out: &'a mut dyn Write,
     hash: Sha256,
 }
 
-impl Write for Sealing<'_> {
+impl Write for HashingWriter<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.out.write(bytes)?;
         self.hash.update(&bytes[..written]);
@@ -196,12 +196,12 @@ impl Sealed<'_> {
 }
 
 /// Hashes bytes up to the last 32, which it keeps.
-struct End {
+struct HashedEnd {
     hash: Sha256,
     last: Vec<u8>,
 }
 
-impl Write for End {
+impl Write for HashedEnd {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.last.extend_from_slice(bytes);
         let old = self.last.len().saturating_sub(SEAL);

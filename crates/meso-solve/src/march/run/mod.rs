@@ -10,7 +10,7 @@ pub mod device;
 pub use checkpoint::checkpoint_note;
 
 use crate::assemble::mass::SAFETY;
-use crate::assemble::parts::Parts;
+use crate::assemble::parts::BlockParts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape, stable_s};
 use crate::error::{SolveError, TEST};
@@ -190,7 +190,8 @@ impl<'a> Run<'a> {
         let below = expansion.map_or(Ok(Vec::new()), |expansion| expansion.below_the_layer(&sample))?;
         let (steps, dt) = if test.is_fast() {
             test.suits_waves(sample.element_size_mm, &materials.mortar)?;
-            let parts = Parts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below, strengths: None };
+            let parts =
+                BlockParts { sample: &sample, common: &common, dt: 0.0, smoothing, below: &below, strengths: None };
             in_real_time(test, test.duration_s(&geometry), stable_s(&parts)?)?
         } else {
             test.steps(&geometry, sample.element_size_mm, !mesh.cohesive.is_empty())?
@@ -199,7 +200,7 @@ impl<'a> Run<'a> {
             common.matter.iter_mut().for_each(|matter| matter.rate(dt));
         }
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } =
-            assemble(&Parts { sample: &sample, common: &common, dt, smoothing, below: &below, strengths })?;
+            assemble(&BlockParts { sample: &sample, common: &common, dt, smoothing, below: &below, strengths })?;
         if test.is_fast() && exceeds(masses[1], masses[0] * (1.0 + 1e-9)) {
             let why = "its cohesive faces need mass, and a test in real time adds none; take a solid ITZ";
             return Err(SolveError::mesh(why));

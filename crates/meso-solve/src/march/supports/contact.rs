@@ -59,7 +59,7 @@ pub(crate) struct Motion {
 
 /// The action of a plate on a node in a step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Impact {
+pub(crate) struct PlateAction {
     /// Force of the plate on the node along its axis, N.
     pub(crate) force: f64,
     /// Work of the force, mJ.
@@ -94,7 +94,7 @@ impl Face {
         u: &[f64; 3],
         v: &mut [f64; 3],
         touched: &mut Touched,
-    ) -> Impact {
+    ) -> PlateAction {
         let &Self { axis: a, inward, .. } = self;
         let [b, c] = ACROSS[a];
         let free = *v;
@@ -105,7 +105,7 @@ impl Face {
             // On the plate, the displacement makes good the gap.
             let on_plate = moved.travel - inward * gap;
             if (u[a] + dt * v[a] - on_plate) * inward >= 0.0 {
-                return Impact::default();
+                return PlateAction::default();
             }
             v[a] = (on_plate - u[a]) / dt;
             rub([b, c], v, self.friction * (v[a] - free[a]).abs(), &touched.held);
@@ -113,7 +113,7 @@ impl Face {
         let force = [a, b, c].map(|i: usize| m * (v[i] - free[i]) / dt);
         touched.held[a] = true;
         (touched.rubbed[b], touched.rubbed[c]) = (touched.rubbed[b] + force[1], touched.rubbed[c] + force[2]);
-        Impact { force: force[0], work: force[0] * moved.mean_speed * dt }
+        PlateAction { force: force[0], work: force[0] * moved.mean_speed * dt }
     }
 }
 
@@ -138,7 +138,7 @@ mod tests {
 
     /// A node under the upper plate, which goes down by 0.01 mm in 0.001 s: its velocity `v` after the step, and the plate's
     /// action.
-    fn pressed(friction: f64, mut v: [f64; 3]) -> ([f64; 3], Impact, f64) {
+    fn pressed(friction: f64, mut v: [f64; 3]) -> ([f64; 3], PlateAction, f64) {
         let (moved, before) = (Moved { travel: -0.01, mean_speed: -10.0, pressure: 0.0 }, v);
         let upper = Face { axis: 2, inward: -1.0, rule: Rule::Plate, friction };
         let mut touched = Touched::default();

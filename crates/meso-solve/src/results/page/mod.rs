@@ -101,7 +101,7 @@ fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// The axes of a test's plots.
-struct Axes {
+struct PlotAxes {
     /// Label of the x axis, and its value in a row.
     x: &'static str,
     of: fn(&Row) -> f64,
@@ -109,7 +109,7 @@ struct Axes {
     y: &'static str,
 }
 
-impl Axes {
+impl PlotAxes {
     fn of(result: &Summary) -> Self {
         if result.is_free() {
             return Self { x: "time, ms", of: |row| 1e3 * row.time_s, y: "strain, µm/m" };
@@ -154,7 +154,7 @@ fn words(result: &Summary, when: &str, moment: &Moment) -> String {
 /// Stress over strain, or the mean strains of an expansion over time.
 fn curve(outcome: &Outcome, shots: &[(&str, &Shot)], out: &mut impl Write) -> io::Result<()> {
     let (rows, result) = (&outcome.response.curve, &outcome.response.result);
-    let (axes, figures) = (Axes::of(result), &result.figures);
+    let (axes, figures) = (PlotAxes::of(result), &result.figures);
     let columns = further(outcome)?;
     let (heading, title, curves) = if result.is_free() {
         let strains = columns.iter().filter(|(name, _)| result.strains_at_end.contains_key(name));
@@ -323,7 +323,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
 }
 
 fn energies(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
-    let (rows, axes) = (&outcome.response.curve, Axes::of(&outcome.response.result));
+    let (rows, axes) = (&outcome.response.curve, PlotAxes::of(&outcome.response.result));
     let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| ((axes.of)(row), of(row))).collect::<Vec<_>>();
     let plot = |title, y, curves| Plot { title, x: axes.x, y, log_x: false, size: MEDIUM, curves };
     // Where there is hardly any internal energy yet, its shares say nothing.
@@ -371,7 +371,7 @@ fn further(outcome: &Outcome) -> io::Result<Vec<(String, Vec<f64>)>> {
 /// Gauges and forces of supports, one plot each, and the load over the crack mouth. Columns of zeros have none.
 fn gauges(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let (columns, result) = (further(outcome)?, &outcome.response.result);
-    let axes = if result.is_fast() { Axes::in_time() } else { Axes::of(result) };
+    let axes = if result.is_fast() { PlotAxes::in_time() } else { PlotAxes::of(result) };
     let plot = |title, x, y, points| {
         let curves = vec![Series::line(title, points)];
         Plot { title, x, y, log_x: false, size: Plot::SMALL, curves }

@@ -90,13 +90,13 @@ fn place(point: &meso_collision::math::Vec3, aabb: &Aabb) -> [u16; 3] {
 /// Takes the shots of a running test.
 #[derive(Default)]
 pub struct Shooting {
-    taken: RefCell<Taken>,
+    taken: RefCell<ShotFile>,
     body: OnceCell<Body>,
 }
 
 /// The shots so far, and what decides about further ones. A checkpoint keeps it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Taken {
+pub struct ShotFile {
     /// Largest stress so far, and at the last shot of a peak, MPa.
     most_mpa: f64,
     taken_mpa: f64,
@@ -104,7 +104,7 @@ pub struct Taken {
     fallen: Option<Shot>,
 }
 
-impl Taken {
+impl ShotFile {
     /// The shots, in the order of the test.
     pub fn shots(&self) -> impl Iterator<Item = (&'static str, &Shot)> {
         let named = [("peak", &self.peak), ("80 % after the peak", &self.fallen)];
@@ -122,7 +122,7 @@ impl Taken {
 
 impl Shooting {
     /// Continues after the shots of a run before this one.
-    pub fn after(taken: Taken) -> Self {
+    pub fn after(taken: ShotFile) -> Self {
         Self { taken: RefCell::new(taken), body: OnceCell::new() }
     }
 
@@ -154,7 +154,7 @@ impl Shooting {
     }
 
     /// The shots so far.
-    pub fn taken(&self) -> Taken {
+    pub fn taken(&self) -> ShotFile {
         self.taken.borrow().clone()
     }
 }

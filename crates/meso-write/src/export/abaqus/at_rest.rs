@@ -3,7 +3,7 @@
 //! A plate without friction holds its nodes along its axis, one with friction in all directions. There is no contact: a strip
 //! beside the middle holds its row nearest to the centre, so that the specimen turns on it.
 
-use super::geometry::Extra;
+use super::geometry::ExtraNodes;
 use super::lines::real;
 use super::supports::{along, grow, model, names, reference};
 use super::{DeckOptions, elastic};
@@ -100,13 +100,13 @@ fn pair(mesh: &Mesh, place: usize) -> [u64; 2] {
 }
 
 /// The reference nodes of pressed plates.
-pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
+pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<ExtraNodes> {
     let loads = narrowed(mesh, loads);
     let named = names(&loads).into_iter().zip(&loads.supports).enumerate();
     let of = |(place, (name, support)): (usize, (String, &RigidSupport))| {
         let patch = Aabb::around(support.nodes.iter().map(|&node| &mesh.points[node as usize]));
         let position: [f64; 3] = (0.5 * (patch.min + patch.max)).into();
-        let set = |(number, what)| Extra { number, position, set: Some(format!("REF_{what}_{name}")) };
+        let set = |(number, what)| ExtraNodes { number, position, set: Some(format!("REF_{what}_{name}")) };
         pair(mesh, place).into_iter().zip(["LOAD", "PATH"]).map(set).collect::<Vec<_>>()
     };
     named.filter(|(_, (_, support))| support.is_pressed()).flat_map(of).collect()

@@ -7,7 +7,7 @@ use meso_mesh::cells::{SIDES, Sides};
 use std::io::{self, Write};
 
 /// A node that no cell has: a reference node, or the corner of a plate.
-pub(super) struct Extra {
+pub(super) struct ExtraNodes {
     pub(super) number: u64,
     pub(super) position: [f64; 3],
     /// Name of its node set; none for corners.
@@ -51,7 +51,7 @@ pub(super) fn write(
     mesh: &Mesh,
     sides: &Sides,
     options: &DeckOptions,
-    extras: &[Extra],
+    extras: &[ExtraNodes],
 ) -> io::Result<()> {
     nodes(lines, mesh, extras)?;
     elements(lines, mesh, options)?;
@@ -60,7 +60,7 @@ pub(super) fn write(
 }
 
 /// One block of all nodes: readers such as meshio keep one alone. `ALLNODES` are the mesh's.
-fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh, extras: &[Extra]) -> io::Result<()> {
+fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh, extras: &[ExtraNodes]) -> io::Result<()> {
     lines.line(if extras.is_empty() { "*NODE, NSET=ALLNODES" } else { "*NODE" })?;
     (1..).zip(&mesh.points).try_for_each(|(number, p)| lines.node(number, [p.x, p.y, p.z]))?;
     if extras.is_empty() {

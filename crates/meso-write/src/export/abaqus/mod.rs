@@ -534,7 +534,7 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
 }
 
 /// All nodes of the deck besides those of `mesh`, by ascending numbers.
-fn extras(mesh: &Mesh, options: &DeckOptions) -> Vec<geometry::Extra> {
+fn extras(mesh: &Mesh, options: &DeckOptions) -> Vec<geometry::ExtraNodes> {
     let tied = options.periodic_equations.then(|| periodic::references(mesh));
     let loads = options.loads.as_ref().filter(|_| !options.geometry_only);
     let own = loads.map(|loads| match loads.is_elastic {

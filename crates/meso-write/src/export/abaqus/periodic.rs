@@ -8,7 +8,7 @@
 //! tied to the image on the fewest upper ones, or free where it has no other. So is a node opposite to a void, which has no
 //! elements.
 
-use super::geometry::Extra;
+use super::geometry::ExtraNodes;
 use super::limits::DECK;
 use crate::export::lines::Lines;
 use meso_collision::geometry::BoxTree;
@@ -39,7 +39,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -
 }
 
 /// The reference node of every direction in which the box repeats itself, in the middle of its upper face.
-pub(super) fn references(mesh: &Mesh) -> Vec<Extra> {
+pub(super) fn references(mesh: &Mesh) -> Vec<ExtraNodes> {
     let aabb = Aabb::around(&mesh.points);
     let directions = (0..3).zip(REFERENCES).filter(|(axis, _)| mesh.periodic[*axis]);
     directions
@@ -47,7 +47,7 @@ pub(super) fn references(mesh: &Mesh) -> Vec<Extra> {
             let mut position = (aabb.min + aabb.max) / 2.0;
             position[axis] = aabb.max[axis];
             let number = mesh.points.len() as u64 + 1 + axis as u64;
-            Extra { number, position: position.into(), set: Some(name.to_owned()) }
+            ExtraNodes { number, position: position.into(), set: Some(name.to_owned()) }
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 //! A support is a reference node with the nodes that it meets. A plate is a rigid facet in contact with them; a glued one has
 //! them as nodes of its rigid body. Loads grow in a first step; the path, or motions in real time, follow in a second one.
 
-use super::geometry::{Extra, node_set};
+use super::geometry::{ExtraNodes, node_set};
 use super::lines::real;
 use super::{DeckOptions, limits::DECK, output};
 use crate::export::lines::Lines;
@@ -130,7 +130,7 @@ fn has_facet(support: &RigidSupport) -> bool {
 }
 
 /// Reference nodes of the supports, the corners of their facets, and the node that leads plates in a ratio of forces.
-pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
+pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<ExtraNodes> {
     let whole = Aabb::around(&mesh.points);
     let middle = |patch: &Aabb| (0.5 * (patch.min + patch.max)).into();
     let patches: Vec<Aabb> = loads.supports.iter().map(|support| patch(mesh, support, &whole)).collect();
@@ -146,7 +146,7 @@ pub(super) fn references(mesh: &Mesh, loads: &Loads) -> Vec<Extra> {
         matches!(support.motion, Some(Motion::Bar { .. })).then(|| (place, Some(format!("GROUND_{name}"))))
     });
     let all = places.chain(corners).chain(lead).chain(grounds);
-    (reference(mesh, 0)..).zip(all).map(|(number, (position, set))| Extra { number, position, set }).collect()
+    (reference(mesh, 0)..).zip(all).map(|(number, (position, set))| ExtraNodes { number, position, set }).collect()
 }
 
 /// The nodes under a support, in the plane of its side.

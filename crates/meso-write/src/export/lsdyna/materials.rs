@@ -110,7 +110,7 @@ fn strong(
     let values = &materials.elastic(phase, &mesh.phases);
     match options.lsdyna_law {
         LsdynaLaw::Cdpm => {
-            let band = Band::of(mesh);
+            let band = CrackWidths::of(mesh);
             cdpm(cards, part(phase), values, &Cdpm::of(strength, materials.plasticity.biaxial_ratio, band))
         }
         LsdynaLaw::Rel3 => rel3(cards, part(phase), values, strength),
@@ -120,12 +120,12 @@ fn strong(
 
 /// Widths over which a crack is spread: our band's, and the cube root of an element's volume.
 #[derive(Clone, Copy)]
-struct Band {
+struct CrackWidths {
     width_mm: f64,
     characteristic_mm: f64,
 }
 
-impl Band {
+impl CrackWidths {
     /// The band of the mortar's mean element, which the ITZ shares.
     fn of(mesh: &Mesh) -> Self {
         let volumes = PhaseVolumes::of_mesh(mesh);
@@ -152,7 +152,7 @@ struct Cdpm {
 }
 
 impl Cdpm {
-    fn of(strength: &Strength, biaxial_ratio: f64, band: Band) -> Self {
+    fn of(strength: &Strength, biaxial_ratio: f64, band: CrackWidths) -> Self {
         let (fc, ft) = (strength.compressive_mpa, strength.tensile_mpa);
         let fb = biaxial_ratio * fc;
         // Grassl et al. 2013, eq. 20.

@@ -32,7 +32,7 @@ pub(crate) fn write(
 ) -> io::Result<()> {
     let mut lines = Lines::new(BufWriter::new(out));
     lines.text(HEADER)?;
-    let mut part = Assembly::begin(&mut lines)?;
+    let mut part = StepAssembly::begin(&mut lines)?;
     let mut shells = Vec::new();
     for body in bodies {
         let faces = body.body.faces().map(|face| face.to_vec());
@@ -72,7 +72,7 @@ fn with_cavities(lines: &mut Lines<impl Write>, block: &Block, shells: &[Id]) ->
 }
 
 /// The product that all parts belong to, and the entities that they share.
-struct Assembly {
+struct StepAssembly {
     /// Contexts of every product, and of every product definition.
     contexts: [Id; 2],
     /// Units and accuracy.
@@ -85,7 +85,7 @@ struct Assembly {
     styles: Styles,
 }
 
-impl Assembly {
+impl StepAssembly {
     fn begin(lines: &mut Lines<impl Write>) -> io::Result<Self> {
         let application = lines.entity(format_args!("APPLICATION_CONTEXT('automotive design')"))?;
         lines.entity(format_args!(

@@ -1,4 +1,4 @@
-//! What a TIFF file's description says about its pages: ImageJ's lines, OME-XML, or tifffile's shape.
+//! The description of a TIFF file's pages: ImageJ's lines, OME-XML, or tifffile's shape.
 
 use super::super::{VolumeError, xml};
 
