@@ -240,7 +240,7 @@ impl Medium for Packing<'_> {
 pub(crate) const CRACK: &str = "crack";
 /// Grains of more than this many times the mortar's value are good conductors.
 const CONDUCTOR: f64 = 10.0;
-/// A shell that adds more than this many times its grain's own value is not shown: docs/effective.md.
+/// A shell that adds more than this many times its grain's own value is not shown: docs/measured/properties.md.
 const SHELL: f64 = 5.0;
 /// Remedy where voxels show no error.
 const JOINED: &str = "the ITZ is thinner than a voxel and joins grains; take the method lattice";
