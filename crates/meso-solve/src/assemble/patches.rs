@@ -4,7 +4,7 @@
 //! and Meschke 2013, Int. J. Numer. Meth. Engng 94): the tetrahedra around an edge are its *patch*, each divides itself
 //! between the patches that have it, and a patch's strain is the mean of theirs by volume. Linear tetrahedra that flow
 //! between stiff grains are too strong, and patches much less so. There, every edge has a patch; here edges are left
-//! out while each tetrahedron has two, which costs a third of the time and relieves more (docs/engine.md).
+//! out while each tetrahedron has two, which costs a third of the time and relieves more (docs/measured/engine-results.md).
 
 use crate::assemble::tet::{Shape, corners};
 use meso_collision::math::{Mat3, Vec3};
