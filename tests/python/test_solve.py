@@ -442,6 +442,32 @@ def test_a_named_test_is_the_argument_of_solve_and_its_words_and_values_are_chec
         mesh.solve(test=3)
 
 
+def test_the_kind_of_a_test_file_names_the_test_and_a_test_named_twice_is_refused(mesh, tmp_path):
+    # The case: `kind` was dropped, and each of these was compression.
+    quick = {"duration_s": 1e-5, "strain": 1e-5}
+    asked = [((), {"kind": "tension"}), (({"kind": "tension"},), {}), (({"kind": "tension", "test": None},), {})]
+    assert [mesh.solve(*given, **words, **quick).result["test"] for given, words in asked] == ["tension"] * 3
+    assert mesh.solve(kind=None, **quick).result["test"] == "compression"
+    decks = [tmp_path / name for name in ("kind.inp", "test.inp", "usual.inp")]
+    for path, test in zip(decks, ({"kind": "tension"}, "tension", "compression"), strict=True):
+        mesh.write(path, test=test)
+    by_kind, by_name, usual = (path.read_bytes() for path in decks)
+    assert by_kind == by_name != usual
+    twice = "test and kind are two words for one thing; leave one of them out"
+    for given, words in [(("tension",), {"kind": "tension"}), (({"test": "tension", "kind": "shear"},), {})]:
+        with pytest.raises(ValueError, match=twice):
+            mesh.solve(*given, **words)
+    with pytest.raises(ValueError, match=twice):
+        mc.Test.tension(kind="compression")
+    with pytest.raises(ValueError, match='^kind is "shaer"; it must be one of "compression"'):
+        mesh.solve(kind="shaer")
+    for words, begin in [({"test": "shear"}, "test is shear"), ({"kind": "shear"}, "kind is shear")]:
+        with pytest.raises(ValueError, match=f"^{begin}; the specimen has no two notches"):
+            mesh.solve(**words)
+    with pytest.raises(ValueError, match="^element_size and element_size_mm are two words for one thing"):
+        mc.pack({"specimen": mc.Specimen.cube(20)}, fraction=0.05).mesh(element_size=5, element_size_mm=2)
+
+
 def test_a_free_expansion_has_strains_and_no_strength(mesh):
     """The case: the title said "0.00 MPa at a strain of 0.00000", and no figure was a strain."""
     swollen = mesh.solve(test=mc.Test.expansion(aggregate=1e-4, mortar=1e-4, itz=1e-4))

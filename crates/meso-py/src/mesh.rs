@@ -51,6 +51,9 @@ pub(crate) fn table(
     if let Some(word) = word {
         return Err(wrong_type(format!("element_size is {word:?}; it must be a number, mm, or auto")));
     }
+    if element_size.is_some() && keywords.contains("element_size_mm")? {
+        return Err(wrong_value("element_size and element_size_mm are two words for one thing; leave one of them out"));
+    }
     for (key, value) in [("method", method), ("element_size_mm", element_size)] {
         value.map_or(Ok(()), |value| keywords.set_item(key, value))?;
     }
@@ -221,7 +224,7 @@ impl PyMesh {
     /// compress : bool
     ///     Whether the data of a `.vtu` are compressed.
     /// test : str or dict, optional
-    ///     A named test, or a dict as `Test` returns it: the deck then has its supports and loads (docs/decks.md).
+    ///     A named test, a dict as `Test` returns it, or one of the keys of a TEST.toml: the deck then has its supports and loads (docs/decks.md).
     /// **deck
     ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
     ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "impact" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
@@ -285,7 +288,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// test : str or dict
-    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
+    ///     A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear" or "expansion"; or one of `Test` or a dict of the keys of a TEST.toml, whose values further keywords override.
     /// friction : float
     ///     Coulomb's coefficient between plates and specimen in compression.
     /// strain : float, optional
@@ -326,13 +329,13 @@ impl PyMesh {
     ///     On Ctrl-C, within 0.5 s on meshes of moderate size. Its attribute `response` is the test so far; it has none
     ///     where the first step was not yet taken, or after a second Ctrl-C.
     #[pyo3(
-        signature = (test=Named::default(), *, materials=None, threads=None, device="cpu", progress=None, **options),
+        signature = (test=None, *, materials=None, threads=None, device="cpu", progress=None, **options),
         text_signature = "($self, test='compression', *, materials=None, threads=None, device='cpu', progress=None, **options)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn solve(
         slf: &Bound<'_, Self>,
-        test: Named<'_>,
+        test: Option<Named<'_>>,
         materials: Option<&Bound<'_, PyDict>>,
         threads: Option<&Bound<'_, PyAny>>,
         device: &str,
@@ -340,8 +343,8 @@ impl PyMesh {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyResponse> {
         guard(|| {
-            let (kind, keywords) = test.with(slf.py(), options)?;
-            let asked = Asked::new(&kind, materials, threads, &keywords)?;
+            let (kind, keywords) = response::kind_of(slf.py(), test, options)?;
+            let asked = Asked::new(kind, materials, threads, &keywords)?;
             let PyMesh(mesh, model, made) = slf.get().clone();
             let asked = asked.on(device, &mesh, &model.spec.specimen)?;
             response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)

@@ -21,7 +21,7 @@ use meso_solve::{Frame, Observer, Response, Row, Run, SolveError, Test, TestKind
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyIndexError, PyUserWarning};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyString, PyTuple};
 use serde::Deserialize;
 use std::cell::RefCell;
 use std::ffi::CString;
@@ -66,49 +66,55 @@ pub(crate) struct PyFrame(pub(crate) Arc<Mesh>, pub(crate) Arc<Snapshot>);
 
 /// Keywords of [`solve`].
 pub(crate) struct Asked {
+    /// The word that named the test; see [`WORDS`].
+    word: &'static str,
     test: Test,
     materials: Materials,
     threads: Option<usize>,
     device: Option<Lease>,
 }
 
-/// The kind of a test by the keyword's name, which errors then have.
+/// Words for the kind of a test: Python's, and that of a TEST.toml.
+const WORDS: [&str; 2] = ["test", "kind"];
+
+/// The kind of a test by the word that gave it, which errors then have.
 #[derive(Deserialize)]
 struct Asking {
+    #[serde(alias = "kind")]
     test: TestKind,
 }
 
 impl Asked {
     /// Reads and checks the keywords, before any work.
     pub(crate) fn new(
-        kind: &str,
+        (word, kind): (&'static str, Bound<'_, PyAny>),
         materials: Option<&Bound<'_, PyDict>>,
         threads: Option<&Bound<'_, PyAny>>,
         keywords: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let named = PyDict::new(keywords.py());
-        named.set_item("test", kind)?;
+        named.set_item(word, kind)?;
         let Asking { test: kind } = options(Some(&named))?;
         let (given, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
         let mut test = Test { kind, ..given };
         let taken = test.take_tables(|name| Beside(Path::new("")).text(name));
-        taken.map_err(|error| wrong(&error.into()))?;
-        meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
-        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
+        taken.map_err(|error| wrong(&error.into(), word))?;
+        meso_solve::validate(&materials, &test).map_err(|error| wrong(&error, word))?;
+        Ok(Self { word, test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
     }
 
     /// The test of `mesh` on the device that `name` means; what its specimen cannot have is refused before any work.
     pub(crate) fn on(self, name: &str, mesh: &Mesh, specimen: &Specimen) -> PyResult<Self> {
-        self.test.suits(specimen).map_err(|error| wrong(&error.into()))?;
+        self.test.suits(specimen).map_err(|error| wrong(&error.into(), self.word))?;
         let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
         if device.is_some() {
-            meso_solve::device::accept(mesh.kind).map_err(|error| wrong(&error))?;
+            meso_solve::device::accept(mesh.kind).map_err(|error| wrong(&error, self.word))?;
         }
         Ok(Self { device, ..self })
     }
 }
 
-/// A named test: its name, or a dict as `Test` returns it.
+/// A named test: its name, or a dict as `Test` returns it, or as a TEST.toml has it.
 #[derive(FromPyObject)]
 pub(crate) enum Named<'py> {
     #[pyo3(annotation = "str")]
@@ -117,42 +123,47 @@ pub(crate) enum Named<'py> {
     Options(Bound<'py, PyDict>),
 }
 
-impl Default for Named<'_> {
-    fn default() -> Self {
-        Self::Name("compression".to_owned())
+/// The kind of a test, compression unless one is named, after the word that gave it; and its keywords, which those `given`
+/// override.
+///
+/// # Errors
+/// `ValueError` for a test that is named twice.
+#[allow(clippy::type_complexity, reason = "a word, its value and the others")]
+pub(crate) fn kind_of<'py>(
+    py: Python<'py>,
+    named: Option<Named<'py>>,
+    given: Option<&Bound<'py, PyDict>>,
+) -> PyResult<((&'static str, Bound<'py, PyAny>), Bound<'py, PyDict>)> {
+    let (mut kinds, keywords) = match named {
+        Some(Named::Name(name)) => (vec![("test", name.into_pyobject(py)?.into_any())], PyDict::new(py)),
+        Some(Named::Options(options)) => (Vec::new(), options.copy()?),
+        None => (Vec::new(), PyDict::new(py)),
+    };
+    let given = given.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
+    for (dict, word) in [&keywords, &given].into_iter().flat_map(|dict| WORDS.map(|word| (dict, word))) {
+        if let Some(kind) = dict.get_item(word)? {
+            dict.del_item(word)?;
+            // None means: as if it were left out.
+            kinds.extend((!kind.is_none()).then_some((word, kind)));
+        }
     }
+    if kinds.len() > 1 {
+        let [test, kind] = WORDS;
+        return Err(wrong_value(format!("{test} and {kind} are two words for one thing; leave one of them out")));
+    }
+    keywords.update(given.as_mapping())?;
+    let usual = || ("test", PyString::new(py, "compression").into_any());
+    Ok((kinds.pop().unwrap_or_else(usual), keywords))
 }
 
 impl<'py> Named<'py> {
-    /// Its name, and its keywords, which those `given` override.
-    pub(crate) fn with(
-        self,
-        py: Python<'py>,
-        given: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<(String, Bound<'py, PyDict>)> {
-        let (name, keywords) = match self {
-            Self::Name(name) => (name, PyDict::new(py)),
-            Self::Options(options) => {
-                let keywords = options.copy()?;
-                let name =
-                    keywords.get_item("test")?.map_or_else(|| Ok("compression".to_owned()), |kind| kind.extract())?;
-                if keywords.contains("test")? {
-                    keywords.del_item("test")?;
-                }
-                (name, keywords)
-            }
-        };
-        given.map_or(Ok(()), |given| keywords.update(given.as_mapping()))?;
-        Ok((name, keywords))
-    }
-
     /// The test without a specimen.
     ///
     /// # Errors
     /// `ValueError` for values out of their ranges, and unknown keywords.
     pub(crate) fn test(self, py: Python<'py>) -> PyResult<Test> {
-        let (name, keywords) = self.with(py, None)?;
-        Ok(Asked::new(&name, None, None, &keywords)?.test)
+        let (kind, keywords) = kind_of(py, Some(self), None)?;
+        Ok(Asked::new(kind, None, None, &keywords)?.test)
     }
 }
 
@@ -165,9 +176,10 @@ pub(crate) fn checked_test<'py>(test: Bound<'py, PyDict>) -> PyResult<Bound<'py,
     })
 }
 
-/// A keyword has the name of the test's value.
-pub(crate) fn wrong(error: &SolveError) -> PyErr {
+/// A keyword has the name of the test's value; the kind has the `word` that gave it.
+fn wrong(error: &SolveError, word: &str) -> PyErr {
     wrong_value(match error {
+        SolveError::Value(wrong) if wrong.table == "test" && wrong.key == "kind" => format!("{word} {}", wrong.fault()),
         SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
         _ => error.to_string(),
     })
@@ -194,7 +206,7 @@ pub(crate) fn solve(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyResponse> {
     let progress = listener(py, progress)?;
-    let threads = asked.threads;
+    let (threads, word) = (asked.threads, asked.word);
     warn_of(py, &meshed)?;
     let doubt = asked.device.as_ref().and_then(|lease| device_doubt(&lease.device));
     doubt.map_or(Ok(()), |text| warn(py, text))?;
@@ -205,7 +217,7 @@ pub(crate) fn solve(
     });
     match tested {
         Ok(tested) => {
-            let tested = tested.map_err(|error| wrong(&error))?;
+            let tested = tested.map_err(|error| wrong(&error, word))?;
             let fast = tested.response.result.dynamic_before_the_peak();
             fast.map_or(Ok(()), |text| warn(py, text))?;
             Ok(response(tested))

@@ -865,7 +865,7 @@ class Mesh:
         compress : bool
             Whether the data of a `.vtu` are compressed.
         test : str or dict, optional
-            A named test, or a dict as `Test` returns it: the deck then has its supports and loads (docs/decks.md).
+            A named test, a dict as `Test` returns it, or one of the keys of a TEST.toml: the deck then has its supports and loads (docs/decks.md).
         **deck
             Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
             `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "impact" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
@@ -894,7 +894,7 @@ class Mesh:
         Parameters
         ----------
         test : str or dict
-            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear" or "expansion"; or one of `Test`, whose values further keywords override.
+            A named test of docs/tests.md: "compression", "tension", "triaxial", "biaxial", "cyclic", "splitting", "bending", "four-point", "shear" or "expansion"; or one of `Test` or a dict of the keys of a TEST.toml, whose values further keywords override.
         friction : float
             Coulomb's coefficient between plates and specimen in compression.
         strain : float, optional
