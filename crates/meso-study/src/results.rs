@@ -15,15 +15,13 @@ pub fn of_packing(report: &Report) -> Map<String, Value> {
     }) else {
         return Map::new();
     };
-    for phase in &report.phases {
-        results.insert(phase.phase.plural().to_owned(), json!({ "bodies": phase.bodies, "fraction": phase.fraction }));
-    }
-    for own in &report.own_phases {
-        results.insert(own.phase.clone(), json!({ "bodies": own.aggregates, "fraction": own.fraction }));
-    }
-    for shell in &report.shells {
-        results.insert(shell.phase.clone(), json!({ "bodies": shell.aggregates, "fraction": shell.fraction }));
-    }
+    let phases = report.phases.iter().map(|of| (of.phase.plural(), of.bodies, of.fraction));
+    let own = report.own_phases.iter().map(|of| (of.phase.as_str(), of.aggregates, of.fraction));
+    let shells = report.shells.iter().map(|of| (of.phase.as_str(), of.aggregates, of.fraction));
+    let figures = |(name, bodies, fraction): (&str, usize, f64)| {
+        (name.to_owned(), json!({ "bodies": bodies, "fraction": fraction }))
+    };
+    results.extend(phases.chain(own).chain(shells).map(figures));
     results
 }
 

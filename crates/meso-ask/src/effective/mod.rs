@@ -30,7 +30,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Effective diffusivity, conductivity, permeability and stiffness, each with its error.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, clap::Args)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, clap::Args)]
 #[serde(default, deny_unknown_fields)]
 pub struct EffectiveAsk {
     /// Property
@@ -90,28 +90,6 @@ pub struct EffectiveAsk {
     /// Permeability of the cracks of a frame over that of smooth ones, whose opening w gives w^2/12 [default: 1]
     #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
     pub crack_roughness: Option<f64>,
-}
-
-impl Default for EffectiveAsk {
-    fn default() -> Self {
-        Self {
-            what: What::Diffusivity,
-            phases: None,
-            voxel_size_mm: None,
-            method: MethodName::Voxel,
-            element_size_mm: None,
-            eigenstrain: Vec::new(),
-            periodic: None,
-            axes: Axes::ALL,
-            boundary: Boundary::Fixed,
-            tolerance: None,
-            no_fields: false,
-            frame: None,
-            crack_diffusivity: None,
-            crack_conductivity: None,
-            crack_roughness: None,
-        }
-    }
 }
 
 /// A property, or all of them.

@@ -97,11 +97,12 @@ impl Method {
 }
 
 /// A [`Method`] by its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
     /// [`Method::Voxel`].
+    #[default]
     Voxel,
     /// [`Method::Lattice`].
     Lattice,
