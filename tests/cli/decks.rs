@@ -102,8 +102,8 @@ fn a_deck_that_cannot_be_is_refused_before_anything_is_read_or_packed() {
         ),
         ("expansion", "b.k", "--analysis is expansion; expansion has no .k yet"),
         ("file.toml", "b.k", "--analysis is expansion; expansion has no .k yet"),
-        ("elastic", "b.k", "--analysis is elastic; a .k takes none, impact or a test"),
-        ("impact", "b.inp", "--analysis is impact; only a .k takes it"),
+        ("elastic", "b.k", "--analysis is elastic; a .k takes none, striker or a test"),
+        ("striker", "b.inp", "--analysis is striker; only a .k takes it"),
         ("cyclic", "b.inp", "test.turns.at is 1; a deck's plates cannot turn at a stress"),
         ("cyclic", "b.k", "test.turns.at is 1; a deck's plates cannot turn at a stress"),
     ] {

@@ -311,7 +311,7 @@ fn flags_of_other_methods_and_analyses_are_refused() {
         (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is true; only voxels take it"),
         (&["--strain", "0.002"], "--strain is 0.002; only elastic and tests with a path take it"),
         (&["--friction", "0.6", "--analysis", "tension"], "--friction is 0.6; only tests whose plates rub take it"),
-        (&["--frames", "9", "--analysis", "elastic"], "--frames is 9; only a test that breaks, and an impact, take it"),
+        (&["--frames", "9", "--analysis", "elastic"], "--frames is 9; only a test that breaks, and a striker, take it"),
     ] {
         let run = folder.run(&[&mesh[..], flags].concat());
         assert_eq!((run.code, run.stderr), (2, format!("error: {said}\n")), "{flags:?}");

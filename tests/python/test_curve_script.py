@@ -119,8 +119,8 @@ def test_only_decks_with_a_curve_have_a_script(tmp_path, mesh):
         mesh.write(tmp_path / "both.inp", analysis="compression", geometry_only=True)
     with pytest.raises(ValueError, match="only an .inp or a .k takes keywords of a deck"):
         mesh.write(tmp_path / "mesh.vtu", analysis="compression")
-    mesh.write(tmp_path / "impact.k", analysis="impact")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp", "impact.k"]
+    mesh.write(tmp_path / "striker.k", analysis="striker")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["elastic.inp", "geometry.inp", "striker.k"]
 
 
 def test_a_script_goes_with_its_deck_and_no_script_of_a_user_does(mesh, tmp_path):

@@ -259,7 +259,7 @@ def test_a_second_reader_of_keyword_decks_agrees(mesh, tmp_path):
     [
         ("compression", "cdpm", "*MAT_CDPM"),
         ("tension", "rel3", "*MAT_CONCRETE_DAMAGE_REL3"),
-        ("impact", "cscm", "*MAT_CSCM_CONCRETE"),
+        ("striker", "cscm", "*MAT_CSCM_CONCRETE"),
     ],
 )
 def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law, material):
@@ -273,9 +273,9 @@ def test_templates_of_tests_are_read_without_a_word_left(tmp_path, analysis, law
     if analysis != "tension":
         contact = keywords(deck, "*CONTACT")[0]
         # The nodes of the lower side, or of the lower support.
-        nodes = 5 if analysis == "impact" else 11
+        nodes = 5 if analysis == "striker" else 11
         assert (contact.surfa, contact.surfb, contact.surfatyp, contact.surfbtyp, contact.fs) == (nodes, 11, 4, 3, 0.1)
-    if analysis == "impact":
+    if analysis == "striker":
         assert keywords(deck, "*INITIAL_VELOCITY_RIGID_BODY")[0].vz == -5000.0
     if analysis == "compression":
         law = keywords(deck, material)[1]

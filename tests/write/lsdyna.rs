@@ -76,7 +76,7 @@ fn every_template_has_the_law_and_the_loading_that_it_is_named_after() {
             "*MAT_CSCM_CONCRETE *BOUNDARY_SPC_SET *BOUNDARY_PRESCRIBED_MOTION_SET",
         ),
         (
-            Analysis::Impact,
+            Analysis::Striker,
             LsdynaLaw::Cdpm,
             "*MAT_CDPM *INITIAL_VELOCITY_RIGID_BODY *CONTACT_AUTOMATIC_NODES_TO_SURFACE_ID",
         ),
@@ -123,9 +123,9 @@ fn options_that_a_format_cannot_have_are_refused() {
     strong.materials.mortar_strength.compressive_mpa = Some(80.0);
     strong.materials.mortar_strength.peak_strain = 0.006;
     for (format, deck, part) in [
-        (MeshFormat::K, deck(Analysis::Elastic, LsdynaLaw::Cdpm), "a .k takes none, impact or a test"),
+        (MeshFormat::K, deck(Analysis::Elastic, LsdynaLaw::Cdpm), "a .k takes none, striker or a test"),
         (MeshFormat::K, strong, "generates parameters for 20 to 58 MPa, and MORTAR has 80 MPa"),
-        (MeshFormat::Inp, deck(Analysis::Impact, LsdynaLaw::Cdpm), "only a .k takes it"),
+        (MeshFormat::Inp, deck(Analysis::Striker, LsdynaLaw::Cdpm), "only a .k takes it"),
         (MeshFormat::Inp, deck(Analysis::None, LsdynaLaw::Rel3), "only a .k takes it"),
     ] {
         let refused = format.check(&deck).unwrap_err().to_string();

@@ -227,7 +227,7 @@ impl PyMesh {
     ///     A named test, a dict as `Test` returns it, or one of the keys of a TEST.toml: the deck then has its supports and loads (docs/decks.md).
     /// **deck
     ///     Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "impact" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
+    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", the name of a test, and "striker" in a `.k`), `lsdyna_law`, `frames`, `impact_speed_mm_per_s`,
     ///     `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults). `strain`, `friction`, `duration_s` and `time_increment_s` are laid over the test's own.
     ///
     /// Raises

@@ -39,9 +39,9 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
     let test = options.test().filter(|_| !geometry_only);
     let has_strain = *analysis == Analysis::Elastic || test.as_ref().is_some_and(Test::has_path);
     // A test refuses a friction that has no effect on it.
-    let rubs = *analysis == Analysis::Impact || test.is_some();
+    let rubs = *analysis == Analysis::Striker || test.is_some();
     let value = |given: Option<f64>| given.map(|value| value.to_string());
-    let explicit = "only a test that breaks, and an impact, take it";
+    let explicit = "only a test that breaks, and a striker, take it";
     for (key, value, has_effect, accepted) in [
         ("analysis", (*analysis != Analysis::None).then(|| analysis.word()), !geometry_only, GEOMETRY),
         ("with_damage", options.with_damage.then(|| "true".to_owned()), !geometry_only, GEOMETRY),
@@ -52,11 +52,11 @@ pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), 
             "only voxels take it",
         ),
         ("strain", value(*strain), has_strain && !geometry_only, "only elastic and tests with a path take it"),
-        ("friction", value(*friction), rubs && !geometry_only, "only tests whose plates rub, and an impact, take it"),
+        ("friction", value(*friction), rubs && !geometry_only, "only tests whose plates rub, and a striker, take it"),
         (
             "impact_speed_mm_per_s",
             value(speed),
-            *analysis == Analysis::Impact && !geometry_only,
+            *analysis == Analysis::Striker && !geometry_only,
             "only the analysis impact takes it",
         ),
         ("frames", frames.map(|frames| frames.to_string()), is_explicit, explicit),

@@ -48,15 +48,15 @@ pub struct DeckOptions {
     pub analysis: Analysis,
     /// Strain at the end of the analysis, a positive number [default: the test's own, 0.001 elastic]
     pub strain: Option<f64>,
-    /// Friction between plates and specimen [default: the test's own, 0.1 in an impact]
+    /// Friction between plates and specimen [default: the test's own, 0.1 under a striker]
     pub friction: Option<f64>,
-    /// Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]
+    /// Time of the path, s [default: the test's own, as in `solve`; 0.02 under a striker]
     pub duration_s: Option<f64>,
     /// Time increment that mass scaling keeps, s [default: the test's own, as in `solve`]
     pub time_increment_s: Option<f64>,
     /// Frames of field output [default: 50]
     pub frames: Option<u32>,
-    /// Speed of the striker in an impact, mm/s [default: 5000]
+    /// Speed of the striker, mm/s [default: 5000]
     pub impact_speed_mm_per_s: Option<f64>,
     /// Supports and loads of the test on the mesh that is written: see [`load`](DeckOptions::load).
     #[serde(skip)]
@@ -91,7 +91,7 @@ pub enum Analysis {
     /// tied.
     Elastic,
     /// A striker falls on the specimen, which stands on a plate; only in LS-DYNA decks.
-    Impact,
+    Striker,
     /// A test, named or of a file.
     Test(Box<Test>),
 }
@@ -106,13 +106,13 @@ pub enum Plain {
     /// Linear elastic uniaxial compression.
     Elastic,
     /// The fall of a striker.
-    Impact,
+    Striker,
 }
 
 /// The word for an analysis.
 #[derive(Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged, expecting = "it must be none, elastic, impact or the name of a test, such as compression")]
+#[serde(untagged, expecting = "it must be none, elastic, striker or the name of a test, such as compression")]
 enum Word {
     Plain(Plain),
     Test(TestKind),
@@ -123,7 +123,7 @@ impl From<Plain> for Analysis {
         match plain {
             Plain::None => Self::None,
             Plain::Elastic => Self::Elastic,
-            Plain::Impact => Self::Impact,
+            Plain::Striker => Self::Striker,
         }
     }
 }
@@ -154,7 +154,7 @@ impl From<Analysis> for Word {
         match analysis {
             Analysis::None => Self::Plain(Plain::None),
             Analysis::Elastic => Self::Plain(Plain::Elastic),
-            Analysis::Impact => Self::Plain(Plain::Impact),
+            Analysis::Striker => Self::Plain(Plain::Striker),
             Analysis::Test(test) => Self::Test(test.kind),
         }
     }
@@ -179,7 +179,7 @@ impl Analysis {
     pub fn is_explicit(&self) -> bool {
         match self {
             Self::None | Self::Elastic => false,
-            Self::Impact => true,
+            Self::Striker => true,
             Self::Test(test) => test.law != LawName::Elastic,
         }
     }
@@ -192,7 +192,7 @@ impl Analysis {
 
 /// Strain at the end of the analysis `elastic`.
 const ELASTIC_STRAIN: f64 = 0.001;
-/// Friction, duration and speed of an impact.
+/// Friction, duration and speed of a striker.
 const IMPACT_FRICTION: f64 = 0.1;
 const IMPACT_S: f64 = 0.02;
 const IMPACT_MM_PER_S: f64 = 5000.0;
@@ -261,7 +261,7 @@ impl DeckOptions {
         self.frames.unwrap_or(FRAMES)
     }
 
-    /// Friction, duration in s and speed in mm/s of an impact.
+    /// Friction, duration in s and speed in mm/s of a striker.
     pub(crate) fn impact(&self) -> [f64; 3] {
         [
             self.friction.unwrap_or(IMPACT_FRICTION),
@@ -461,7 +461,7 @@ impl DeckOptions {
             _ if periodic == [false; 3] => no("periodic_equations", "true", tie),
             Analysis::Elastic if !self.geometry_only && periodic != [true; 3] => no("analysis", "elastic", step),
             Analysis::None | Analysis::Elastic => Ok(()),
-            Analysis::Impact | Analysis::Test(_) => {
+            Analysis::Striker | Analysis::Test(_) => {
                 no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
             }
         }
@@ -521,7 +521,7 @@ fn refuse_joined(mesh: &Mesh, analysis: &Analysis) -> Result<(), OutOfRange> {
 /// # Errors
 /// Names the option, its value and the accepted range.
 pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
-    let has_impact = options.analysis == Analysis::Impact && !options.geometry_only;
+    let has_impact = options.analysis == Analysis::Striker && !options.geometry_only;
     let accepted = "only a .k takes it; take a test, elastic or none for an .inp";
     DECK.require("analysis", "impact", !has_impact, accepted)?;
     let usual = LsdynaLaw::default();
@@ -579,7 +579,7 @@ pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<
                 write(&mut lines, mesh, options, loads)?;
             }
             // An impact is refused above.
-            (Analysis::None | Analysis::Impact | Analysis::Test(_), _) => {}
+            (Analysis::None | Analysis::Striker | Analysis::Test(_), _) => {}
         }
     }
     lines.finish()

@@ -74,7 +74,7 @@ pub(super) fn blocks(mesh: &Mesh, options: &DeckOptions) -> Vec<Block> {
         return Vec::new();
     }
     match (&options.analysis, &options.loads) {
-        (Analysis::Impact, _) => {
+        (Analysis::Striker, _) => {
             let width = whole.size().x.max(whole.size().y);
             let margin = Vec3::new(whole.size().x, whole.size().y, 0.0) * OVERHANG;
             let (low, high) = (whole.min - margin, whole.max + margin);
@@ -154,7 +154,7 @@ pub(super) fn write(
     blocks: &[Block],
 ) -> io::Result<()> {
     match (&options.analysis, &options.loads) {
-        (Analysis::Impact, _) => {
+        (Analysis::Striker, _) => {
             let [friction, duration, speed] = options.impact();
             for (name, nodes, plate) in [("PLATE_BOTTOM", LOWER, 1), ("STRIKER", UPPER, 2)] {
                 contact(cards, plate, name, nodes, friction)?;

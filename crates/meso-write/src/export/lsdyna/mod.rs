@@ -46,10 +46,10 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
     match &options.analysis {
         _ if options.geometry_only => {}
         Analysis::Elastic => {
-            return no("analysis", "elastic", "a .k takes none, impact or a test; take an .inp for elastic");
+            return no("analysis", "elastic", "a .k takes none, striker or a test; take an .inp for elastic");
         }
         Analysis::Test(test) => loading::check(test, &options.analysis.word())?,
-        Analysis::None | Analysis::Impact => {}
+        Analysis::None | Analysis::Striker => {}
     }
     if options.has_curves() { materials::check(options) } else { Ok(()) }
 }
@@ -61,7 +61,7 @@ pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
 pub(crate) fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
     let invalid = |error: OutOfRange| io::Error::new(io::ErrorKind::InvalidInput, error);
     options.validate(mesh).and_then(|()| check(options)).map_err(invalid)?;
-    if options.analysis == Analysis::Impact && !options.geometry_only {
+    if options.analysis == Analysis::Striker && !options.geometry_only {
         loading::check_faces(mesh).map_err(invalid)?;
     }
     if mesh.points.len().max(mesh.cell_count() + mesh.cohesive().len()) > MOST - 100 {

@@ -14,7 +14,7 @@ const BINOUT: &str = concat!(include_str!("binout.py"), include_str!("common.py"
 impl DeckOptions {
     /// Whether a deck of a test has a script beside it.
     pub(crate) fn has_script(&self) -> bool {
-        self.has_curve() && !matches!(self.analysis, Analysis::Impact)
+        self.has_curve() && !matches!(self.analysis, Analysis::Striker)
     }
 
     /// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`, `name_binout.py` beside `name.k`.
