@@ -16,7 +16,7 @@ use meso_core::specimen::Specimen;
 use meso_core::{Model, Watch as _};
 use meso_files::Beside;
 use meso_gpu::{Choice, DeviceName, Lease};
-use meso_solve::results::{self, Outcome, Shooting, Snapshot, Source, Taken, TestSeconds, sample_of};
+use meso_solve::results::{self, Outcome, Shooting, ShotFile, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyIndexError, PyUserWarning};
@@ -37,7 +37,7 @@ struct Tested {
     /// The end; none of a run that diverged.
     last: Option<Arc<Snapshot>>,
     /// The moments before it that the page shows.
-    taken: Taken,
+    taken: ShotFile,
     seconds: TestSeconds,
 }
 

@@ -620,20 +620,20 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: Literal["none", "elastic", "impact", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "hopkinson-splitting", "spall", "drop"]
+    analysis: Literal["none", "elastic", "striker", "compression", "tension", "splitting", "bending", "four-point", "triaxial", "biaxial", "cyclic", "expansion", "shear", "hopkinson", "hopkinson-splitting", "spall", "drop", "impact"]
     """The analysis the deck runs, or the test; `geometry_only` leaves it out."""
     duration_s: float | None
-    """Time of the path, s [default: the test's own, as in `solve`; 0.02 in an impact]"""
+    """Time of the path, s [default: the test's own, as in `solve`; 0.02 under a striker]"""
     frames: int | None
     """Frames of field output [default: 50]"""
     friction: float | None
-    """Friction between plates and specimen [default: the test's own, 0.1 in an impact]"""
+    """Friction between plates and specimen [default: the test's own, 0.1 under a striker]"""
     geometry_only: bool
     """Only nodes, elements, sets and surfaces, for *INCLUDE"""
     heading: Sequence[str]
     """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
     impact_speed_mm_per_s: float | None
-    """Speed of the striker in an impact, mm/s [default: 5000]"""
+    """Speed of the striker, mm/s [default: 5000]"""
     lsdyna_law: Literal["cdpm", "rel3", "cscm"]
     """Law of mortar and ITZ in a .k"""
     materials: DeckMaterials
