@@ -4,7 +4,7 @@ use crate::command::Folder;
 use std::time::Instant;
 
 /// Every named test that a deck can have, and the specimen that it needs. Named cycles turn at a stress: see below.
-const TESTS: [(&str, &str); 9] = [
+const TESTS: [(&str, &str); 14] = [
     ("compression", CUBE),
     ("tension", CUBE),
     ("splitting", CUBE),
@@ -14,6 +14,11 @@ const TESTS: [(&str, &str); 9] = [
     ("bending", PRISM),
     ("four-point", PRISM),
     ("shear", PRISM),
+    ("hopkinson", CUBE),
+    ("hopkinson-splitting", CUBE),
+    ("spall", CUBE),
+    ("drop", PRISM),
+    ("impact", CUBE),
 ];
 const CUBE: &str = "kind = 'cube'\nside_mm = 16\n";
 const PRISM: &str = "kind = 'notched-prism'\nlength_mm = 40\nwidth_mm = 12\ndepth_mm = 16\nnotch_depth_mm = 4\n\
@@ -104,8 +109,8 @@ fn a_deck_that_cannot_be_is_refused_before_anything_is_read_or_packed() {
         ("file.toml", "b.k", "--analysis is expansion; expansion has no .k yet"),
         ("elastic", "b.k", "--analysis is elastic; a .k takes none, striker or a test"),
         ("striker", "b.inp", "--analysis is striker; only a .k takes it"),
-        ("cyclic", "b.inp", "test.turns.at is 1; a deck's plates cannot turn at a stress"),
-        ("cyclic", "b.k", "test.turns.at is 1; a deck's plates cannot turn at a stress"),
+        ("cyclic", "b.inp", "--analysis is cyclic; a deck's plates cannot turn at a stress"),
+        ("cyclic", "b.k", "--analysis is cyclic; a deck's plates cannot turn at a stress"),
     ] {
         // Neither file is there: the refusal comes first.
         for words in [["pack", "no.toml", "-o", output], ["mesh", "no.json", "-o", output]] {

@@ -63,7 +63,7 @@ fn a_wrong_combination_is_refused_by_the_line_of_a_study_before_the_first_stage(
         folder.write("STUDY.toml", &study);
         let run = folder.run(&["study", "STUDY.toml"]);
         let line = 1 + study.lines().position(|line| line.starts_with(&format!("{} = ", key(&wrong)))).unwrap();
-        let wanted = format!("error: STUDY.toml line {line}: [{section}] {} {said}", key(&wrong));
+        let wanted = format!("error: STUDY.toml: line {line}: [{section}] {} {said}", key(&wrong));
         assert!(run.code == 2 && run.stderr.starts_with(&wanted), "{study}: {wanted}: {}", run.stderr);
         assert_eq!(folder.names(), ["STUDY.toml", "small.toml"], "{study}");
     }

@@ -211,9 +211,9 @@ fn a_kill_loses_the_case_in_hand_at_most() {
 #[test]
 fn wrong_studies_are_refused_before_the_work() {
     for (study, expected) in [
-        ("[over]\nseed = 3\n", "STUDY.toml: over.seed is 3; give a list, e.g. [3], or { from = 1, to = 20 }"),
-        ("[over]\nseed = []\n", "STUDY.toml: over.seed has no values"),
-        ("[over]\nfraction = [0.3, 1.5]\n", "STUDY.toml: case fraction = 1.5: fraction is 1.5"),
+        ("[over]\nseed = 3\n", "STUDY.toml: line 2: over.seed is 3; give a list, e.g. [3], or { from = 1, to = 20 }"),
+        ("[over]\nseed = []\n", "STUDY.toml: line 2: over.seed has no values"),
+        ("[over]\nfraction = [0.3, 1.5]\n", "STUDY.toml: line 2: case fraction = 1.5: fraction is 1.5"),
         ("recipe = 'rve-61'\n", "STUDY.toml: there is no recipe \"rve-61\""),
         ("[over]\nmesh.itz = ['none']\n", ": mesh.itz changes [mesh], which is not there"),
         ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] output is missing; name the files of the mesh, e.g. mesh.inp"),

@@ -75,7 +75,7 @@ def test_a_study_file_is_the_same_study_on_a_pool_of_processes(by_command, tmp_p
     with pytest.raises(ValueError, match="is a study, which has its own steps and axes"):
         mc.study(by_command / "STUDY.toml", {"seed": [1]})
     (tmp_path / "W.toml").write_text("[solve]\nfriction = -1\n")
-    with pytest.raises(ValueError, match=r"W.toml line 2: \[solve\] friction is -1; it must be 0 to 10"):
+    with pytest.raises(ValueError, match=r"W.toml: line 2: \[solve\] friction is -1; it must be 0 to 10"):
         mc.study(tmp_path / "W.toml", out=tmp_path / "w")
 
 

@@ -2,6 +2,7 @@
 
 use crate::flags::of_schema::Flag;
 use crate::given::{Given, Options};
+use crate::{AskError, Over};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_solve::LawName;
 use schemars::JsonSchema;
@@ -75,9 +76,11 @@ impl Given<FitAsk> {
     ///
     /// # Errors
     /// The option, its value and what would be accepted.
-    pub fn accept(&self) -> Result<(), OutOfRange> {
-        let seeds = self.options.seeds;
+    pub fn accept(&self) -> Result<(), AskError> {
+        let FitAsk { seeds, min_gap_mm, time_limit_s, .. } = self.options;
+        Over { min_gap_mm, time_limit_s, ..Over::default() }.accept(self.giver())?;
         let accepted = format!("it must be a whole number from 1 to {MOST_SEEDS}");
-        Ranges("fit").require("seeds", seeds, (1..=MOST_SEEDS).contains(&seeds), accepted)
+        let wrong = |wrong: OutOfRange| AskError::Usage(self.refusal(&wrong));
+        Ranges("fit").require("seeds", seeds, (1..=MOST_SEEDS).contains(&seeds), accepted).map_err(wrong)
     }
 }

@@ -27,8 +27,8 @@ impl Giver<'_> {
         match self {
             Self::Flags | Self::Keywords if key.contains('.') => key.to_owned(),
             Self::Flags => of_schema::name(key),
-            Self::Keywords => key.trim_end_matches("_mm").to_owned(),
-            Self::Keyword(name) => format!("{name}[\"{}\"]", key.trim_end_matches("_mm")),
+            Self::Keywords => keyword(key).to_owned(),
+            Self::Keyword(name) => format!("{name}[\"{}\"]", keyword(key)),
             Self::Section(name) => {
                 format!("[{name}] {}", of_schema::name(key).trim_start_matches('-').replace('-', "_"))
             }
@@ -88,6 +88,11 @@ impl Giver<'_> {
     }
 }
 
+/// Python's keyword of a key: lengths and the time limit have no unit.
+fn keyword(key: &str) -> &str {
+    if key == "time_limit_s" { "time_limit" } else { key.trim_end_matches("_mm") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,6 +105,7 @@ mod tests {
         assert_eq!(of(Giver::Flags), "--voxel-size-mm is 0; it must be a positive number");
         assert_eq!(of(Giver::Keywords), "voxel_size is 0; it must be a positive number");
         assert_eq!(of(Giver::Keyword("effective")), "effective[\"voxel_size\"] is 0; it must be a positive number");
+        assert_eq!(Giver::Keywords.option("time_limit_s"), "time_limit");
         assert_eq!(Giver::Section("solve").option("duration_s"), "[solve] duration");
         let choice = |giver: Giver<'_>| giver.choice("method", "lattice");
         assert_eq!(choice(Giver::Flags), "--method lattice");

@@ -1,7 +1,7 @@
 //! Meshes, decks and tests: which of their options have flags.
 
 use crate::Giver;
-use crate::flags::of_schema::Flag;
+use crate::flags::{names, of_schema::Flag};
 use crate::given::Options;
 use meso_concrete::OutOfRange;
 use meso_core::export::abaqus::DeckOptions;
@@ -58,10 +58,15 @@ impl Options for Test {
     ];
 }
 
-/// A refusal of a deck's test in its giver's spelling: the `kind` of the test has the name of its option, and a value that the
-/// deck lays over the test's own the key of the deck.
+/// A refusal of a deck's test in its giver's spelling: the `kind` of the test, and what that brings by itself, have the name of
+/// its option, and a value that the deck lays over the test's own the key of the deck.
 pub fn deck_refusal(deck: &DeckOptions, kind: &str, error: &TrialError, giver: Giver<'_>) -> String {
     let TrialError::Value(wrong) = error else { return error.to_string() };
+    let named = deck.test().filter(|test| wrong.key == "turns.at" && test.turns.is_empty());
+    if let Some(test) = named {
+        let value = names::of(&test.kind);
+        return giver.refusal(&OutOfRange { key: kind.to_owned(), value, ..wrong.clone() });
+    }
     let laid = [
         ("strain", "strain", deck.strain),
         ("friction", "friction", deck.friction),

@@ -1,8 +1,8 @@
 //! Values over those of a spec.
 
-use crate::AskError;
 use crate::flags::of_schema::Flag;
 use crate::given::{Given, Options};
+use crate::{AskError, Giver};
 use meso_core::packing::Strategy;
 use meso_core::{Spec, SpecError};
 use schemars::JsonSchema;
@@ -44,6 +44,17 @@ impl Options for Over {
 }
 
 impl Over {
+    /// Refuses values that no spec can have, before one is read under them; `giver` gave them.
+    ///
+    /// # Errors
+    /// The option, its value and the accepted range.
+    pub fn accept(&self, giver: Giver<'_>) -> Result<(), AskError> {
+        let mut alone = Spec::default();
+        self.lay(&mut alone);
+        let wrong = |error: SpecError| format!("{} {}", giver.option(key_of(&error)), error.message);
+        alone.validate_over().map_err(|error| AskError::Usage(wrong(error)))
+    }
+
     /// Lays the values over those of `spec`.
     pub fn lay(&self, spec: &mut Spec) {
         spec.seed = self.seed.unwrap_or(spec.seed);
@@ -55,6 +66,11 @@ impl Over {
         placement.wall_gap_mm = self.wall_gap_mm.unwrap_or(placement.wall_gap_mm);
         placement.time_limit_s = self.time_limit_s.or(placement.time_limit_s);
     }
+}
+
+/// The key here of a spec's value.
+fn key_of(error: &SpecError) -> &str {
+    error.key.strip_prefix("placement.").unwrap_or(&error.key)
 }
 
 impl Given<Over> {
@@ -76,7 +92,7 @@ impl Given<Over> {
 
     /// An error of a spec, in the giver's spelling where its value was laid over the spec's own.
     pub fn spec_error(&self, error: &SpecError) -> String {
-        let key = error.key.strip_prefix("placement.").unwrap_or(&error.key);
+        let key = key_of(error);
         if self.has(key) { format!("{} {}", self.giver().option(key), error.message) } else { error.to_string() }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::stderr::{self, flag};
-use meso_ask::AskError;
+use meso_ask::{AskError, Given, Over};
 use meso_core::import::volume::{self, LabelNumber, Volume, Wanted};
 use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
@@ -21,8 +21,10 @@ const HEAD: u64 = 4096;
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Reads a SPEC.toml, `-` for standard input, while `watch` waits for it; a time limit may take the place of the spec's.
-/// Values that cannot be are named with their line.
-pub(crate) fn spec(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> Result<Spec, Failure> {
+/// Values of the spec that cannot be are named with their line, those `over` it before it is read.
+pub(crate) fn spec(path: &Path, watch: &dyn Watch, over: &Given<Over>) -> Result<Spec, Failure> {
+    over.options.accept(over.giver())?;
+    let time_limit_s = over.options.time_limit_s;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(name) = missing_recipe(path) {

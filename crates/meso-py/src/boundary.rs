@@ -79,7 +79,7 @@ fn reason(error: &io::Error) -> String {
 pub(crate) fn keyword(key: &str) -> String {
     match key {
         "element_size_mm" => "element_size".to_owned(),
-        "voxel_size_mm" => "h".to_owned(),
+        "voxel_size_mm" => "voxel_size".to_owned(),
         key => key.to_owned(),
     }
 }

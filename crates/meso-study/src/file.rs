@@ -55,11 +55,11 @@ impl StudyFile {
     /// Files that cannot be read, and wrong tables.
     pub fn read(path: &Path, read: &Reader<'_>) -> Result<Self, AskError> {
         let (content, text) = files::toml(path, read, |text| Ok((options_from_toml(text)?, text.to_owned())))?;
-        Ok(Self { text, ..Self::of(content, path, read)? })
+        Self::of(content, path, text, read)
     }
 
-    fn of(content: Content, path: &Path, read: &Reader<'_>) -> Result<Self, AskError> {
-        let wrong = |message: String| AskError::Usage(format!("{}: {message}", path.display()));
+    fn of(content: Content, path: &Path, text: String, read: &Reader<'_>) -> Result<Self, AskError> {
+        let wrong = |message: String| wrong_at(path, &text, &message);
         let Base { tree: base, folder, specs } = base(&content, path, read)?;
         let axes = all_axes(specs, &content).map_err(wrong)?;
         let mut task = Map::from_iter([("outputs".to_owned(), json!(content.outputs))]);
@@ -73,7 +73,7 @@ impl StudyFile {
             task.insert("test".to_owned(), test_tree(test, path, read)?);
         }
         let keep = content.model;
-        Ok(Self { path: path.to_owned(), text: String::new(), base, folder, axes, keep, task: Value::Object(task) })
+        Ok(Self { path: path.to_owned(), text, base, folder, axes, keep, task: Value::Object(task) })
     }
 
     /// Reads a study from `text` that names no other file; `None` for one that names some, or has very many cases.
@@ -87,7 +87,7 @@ impl StudyFile {
         if is_listed || [&content.spec, &content.test].into_iter().flatten().any(Value::is_string) {
             return Ok(None);
         }
-        let study = Self::of(content, Path::new("STUDY.toml"), &no_file)?;
+        let study = Self::of(content, Path::new("STUDY.toml"), String::new(), &no_file)?;
         let cases = study.axes.iter().map(|axis| axis.rows.len()).fold(1, usize::saturating_mul);
         let mut values = study.task.to_string();
         study.axes.iter().for_each(|axis| values += &format!("{:?}{:?}", axis.keys, axis.rows));
@@ -122,7 +122,7 @@ impl StudyFile {
         let named = NamedFiles::beside(self.beside());
         let mut completing = Completing { named, report };
         Plan::new_while(&self.base, &self.axes, &self.task, files, &mut completing)
-            .map_err(|error| AskError::Usage(format!("{}: {error}", self.path.display())))
+            .map_err(|error| wrong_at(&self.path, &self.text, &error.to_string()))
     }
 
     /// Whether a file holds a study, and no spec: by its tables.
@@ -152,19 +152,29 @@ impl StudyFile {
 
     /// A fault with the file's name, and the line of the option that it begins with.
     pub fn wrong(&self, fault: &AskError) -> AskError {
-        let line = self.line(fault.message()).map(|line| format!(" line {line}")).unwrap_or_default();
-        AskError::Usage(format!("{}{line}: {fault}", self.path.display()))
+        wrong_at(&self.path, &self.text, fault.message())
     }
+}
 
-    /// The line of the option that begins a message: `[mesh] subsamples`, which an axis may have set.
-    fn line(&self, message: &str) -> Option<usize> {
-        let (section, rest) = message.strip_prefix('[')?.split_once("] ")?;
-        let key = rest.split(' ').next()?;
-        let places = ["", "over.", "zip.", "draw.over."]
-            .into_iter()
-            .flat_map(|table| [key.to_owned(), key.replace('_', "-")].map(|key| (table, key)));
-        places.into_iter().find_map(|(table, key)| line_of(&self.text, &format!("{table}{section}.{key}")))
-    }
+/// A fault with the name of a study's file, and the line in its text of the option that it begins with.
+fn wrong_at(path: &Path, text: &str, message: &str) -> AskError {
+    let line = line(text, message).map(|line| format!("line {line}: ")).unwrap_or_default();
+    AskError::Usage(format!("{}: {line}{message}", path.display()))
+}
+
+/// The line of the option that begins a message, which an axis may have set: `[mesh] subsamples`, or `fraction` of a case.
+fn line(text: &str, message: &str) -> Option<usize> {
+    let of_case = message.strip_prefix("case ").and_then(|case| case.split_once(": "));
+    let message = of_case.map_or(message, |(_, rest)| rest);
+    let (section, rest) = match message.strip_prefix('[') {
+        Some(rest) => rest.split_once("] ").map(|(section, rest)| (format!("{section}."), rest))?,
+        None => (String::new(), message),
+    };
+    let key = rest.split(' ').next()?;
+    let places = ["", "over.", "zip.", "draw.over.", "spec."]
+        .into_iter()
+        .flat_map(|table| [key.to_owned(), key.replace('_', "-")].map(|key| (table, key)));
+    places.into_iter().find_map(|(table, key)| line_of(text, &format!("{table}{section}{key}")))
 }
 
 /// Sets values under `[placement]` of a spec.

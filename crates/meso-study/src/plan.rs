@@ -61,7 +61,7 @@ pub enum PlanError {
     #[error("over.{0} has no values; give it at least one, or leave it out")]
     Empty(String),
     /// Two axes of one option, or of an option and a part of it.
-    #[error("over.{0} and over.{1} change the same option; keep one of the two")]
+    #[error("{}", overlapping(.0, .1))]
     Overlapping(String, String),
     /// Two zipped lists of different lengths.
     #[error("zip.{0} has {1} values and zip.{2} has {3}; zipped lists need one length")]
@@ -96,6 +96,11 @@ pub enum PlanError {
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
+}
+
+fn overlapping(key: &str, other: &str) -> String {
+    let both = if key == other { format!("{key} is given twice") } else { format!("{key} and {other} overlap") };
+    format!("{both} in over, zip and draw; keep one of the two")
 }
 
 /// A listener to the planning, which may take seconds.

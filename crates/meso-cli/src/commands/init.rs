@@ -28,13 +28,15 @@ pub(crate) struct Args {
     materials: Option<String>,
     /// Rock of the aggregates
     #[arg(long, value_name = "KIND", value_parser = names::parser::<Rock>(), requires = "materials")]
+    #[arg(conflicts_with_all = ["recipe", "test"])]
     rock: Option<Rock>,
     /// Volume of the packing's aggregates over the specimen's, which the mortar's modulus follows from
     #[arg(long, value_name = "F", value_parser = values::number, requires = "materials", allow_negative_numbers = true)]
-    #[arg(default_value_t = Mix::USUAL_FRACTION)]
+    #[arg(default_value_t = Mix::USUAL_FRACTION, conflicts_with_all = ["recipe", "test"])]
     fraction: f64,
     /// The law that the values are for; decks take those of cdp
     #[arg(long, value_name = "LAW", value_parser = names::parser::<LawName>(), requires = "materials", default_value = "meso")]
+    #[arg(conflicts_with_all = ["recipe", "test"])]
     law: LawName,
     #[command(flatten)]
     writing: Writing,
@@ -75,7 +77,11 @@ impl Args {
         let then = format!("solve {option}");
         let mix = Mix::parse(class, self.rock, self.fraction, self.law)
             .map_err(|error| Failure::Usage(format!("{option} {error}")))?;
-        let sourced = mix.materials().map_err(|error| Failure::Usage(format!("{option} {class}: {error}")))?;
+        let sourced = mix.materials().map_err(|error| {
+            let giver =
+                if error.key == "fraction" { flag(&error.key) } else { format!("{option} {class}: {}", error.key) };
+            Failure::Usage(format!("{giver} {}", error.fault()))
+        })?;
         let rock = self.rock.map(|rock| format!(" with {}", names::of(&rock))).unwrap_or_default();
         let (law, fcm) = (names::of(&self.law), mix.fcm_mpa);
         let title = format!("Materials of {class}{rock} for the law {law}: a concrete of {fcm:.1} MPa in the mean");

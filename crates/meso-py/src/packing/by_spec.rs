@@ -1,12 +1,12 @@
 //! `pack`: Python's arguments are checked, then packed beside Python.
 
-use crate::boundary::{guard, mesh_error, wrong_type, wrong_value};
+use crate::boundary::{guard, mesh_error, raised, wrong_type, wrong_value};
 use crate::mesh;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
-use meso_ask::Over;
 use meso_ask::footing;
+use meso_ask::{Giver, Over};
 use meso_core::mesh::{MeshTable, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
@@ -93,6 +93,8 @@ pub(crate) fn pack(
         let fraction = fraction.map(checked_fraction).transpose()?;
         let seconds = |limit| checked_number("time_limit", "a number of seconds", limit);
         let time_limit = time_limit.map(seconds).transpose()?;
+        let over = Over { seed, fraction, time_limit_s: time_limit, ..Over::default() };
+        over.accept(Giver::Keywords).map_err(|fault| raised(&fault))?;
         let threads = threads.map(checked_threads).transpose()?;
         let wanted = mesh::table(method, element_size, &PyDict::new(py))?;
         let progress = listener(py, progress)?;
@@ -104,7 +106,7 @@ pub(crate) fn pack(
             }
             false => given.read(&Silent, None)?,
         };
-        Over { seed, fraction, time_limit_s: time_limit, ..Over::default() }.lay(&mut spec);
+        over.lay(&mut spec);
         spec.validate().map_err(|error| spec::spec_error(&error))?;
         if for_test || wanted != MeshTable::default() {
             spec = leave_room(py, spec, wanted, mesh::purpose(for_test))?;

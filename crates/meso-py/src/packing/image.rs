@@ -3,8 +3,8 @@
 use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::spec::spec_error;
-use meso_core::Model;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage, Voxels};
+use meso_core::{Model, SpecError};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -112,7 +112,11 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
         let model = Arc::clone(model);
         let made = beside_python(py, None, move |watch| -> PyResult<(Voxels, Vec<usize>)> {
             watch.stops_soon();
-            let image = VoxelImage::new(&model, &options).map_err(|error| spec_error(&error))?;
+            let image = VoxelImage::new(&model, &options).map_err(|error| match error.key.as_str() {
+                // The keyword of images.
+                "voxel_size_mm" => spec_error(&SpecError { key: "h".to_owned(), ..error }),
+                _ => spec_error(&error),
+            })?;
             let shape = image.shape();
             let voxels: usize = shape.iter().product();
             if voxels > MOST {

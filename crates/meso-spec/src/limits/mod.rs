@@ -66,9 +66,17 @@ impl Spec {
         inclusions::check(self)
     }
 
-    fn validate_values(&self, watch: &dyn Watch, least_mm: f64) -> Result<(), SpecError> {
+    /// Validates the fraction and the placement, whose ranges depend on no other value.
+    ///
+    /// # Errors
+    /// See [`SpecError`].
+    pub fn validate_over(&self) -> Result<(), SpecError> {
         fraction(self.fraction)?;
-        placement(&self.placement)?;
+        placement(&self.placement)
+    }
+
+    fn validate_values(&self, watch: &dyn Watch, least_mm: f64) -> Result<(), SpecError> {
+        self.validate_over()?;
         let deadline = self.placement.deadline(watch.began());
         specimen(&self.specimen, least_mm, Waiting { watch, deadline }).map_err(|error| self.with_limit(error))?;
         grading(&self.grading, least_mm)?;

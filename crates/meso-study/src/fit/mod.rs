@@ -78,7 +78,7 @@ impl FitRun {
         base: Materials,
         out: &Path,
     ) -> Result<Self, AskError> {
-        ask.accept().map_err(|wrong| AskError::Usage(ask.refusal(&wrong)))?;
+        ask.accept()?;
         let options = &ask.options;
         crate::place(&mut spec, &[("min_gap_mm", options.min_gap_mm), ("time_limit_s", options.time_limit_s)]);
         let whole = Spec::from_value_with(&spec, files).map_err(|error| AskError::Usage(error.to_string()))?;

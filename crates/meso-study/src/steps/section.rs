@@ -155,8 +155,11 @@ impl<'a> Section<'a> {
     pub(super) fn test(&self, key: &str, mut table: Value) -> Result<Test, AskError> {
         if let Some(options) = table.as_object_mut()
             && let Some(kind) = options.remove("test")
+            && options.insert("kind".to_owned(), kind).is_some()
         {
-            options.insert("kind".to_owned(), kind);
+            let option = self.giver.option(key);
+            let why = "test and kind are two words for one thing; leave one of them out";
+            return Err(AskError::Usage(format!("{option} names its test twice: {why}")));
         }
         self.read(key, &table)
     }

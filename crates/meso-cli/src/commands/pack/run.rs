@@ -84,7 +84,7 @@ impl Args {
 
     /// The spec's file, with the changes of the flags.
     fn spec(&self, ask: &DeckAsk, watch: &Watch) -> Result<Spec, Failure> {
-        let read = |path| inputs::spec(path, watch, self.over.options.time_limit_s);
+        let read = |path| inputs::spec(path, watch, &self.over);
         let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), read)?;
         let leave_room = |spec: &mut Spec| ask.mesh.leave_room(ask.purpose(), spec, watch);
         if let Some(said) = self.over.settle(&mut spec, leave_room)?.filter(|_| !self.writing.quiet) {

@@ -101,7 +101,7 @@ impl Args {
             return Ok(Some((model, footing)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
-        let read = |path| inputs::spec(path, &watch, self.over.options.time_limit_s);
+        let read = |path| inputs::spec(path, &watch, &self.over);
         let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
         self.over.settle(&mut spec, |spec| ask.leave_room(spec, &watch))?;
         let footing = ask.settle(&spec, &room::machine(Tools { gmsh: &gmsh, watch: &watch }))?;

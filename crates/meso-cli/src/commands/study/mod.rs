@@ -10,7 +10,7 @@ use crate::progress::{CLEAR, Watch, bar, show};
 use crate::stderr::flag;
 use crate::{Python, gpu, inputs, interrupt, outputs, room, stderr, threads};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use meso_ask::{AskError, Giver, Machine};
+use meso_ask::{AskError, Giver, Machine, Over};
 use meso_concrete::thousands;
 use meso_core::mesh::Tools;
 use meso_gmsh::Gmsh;
@@ -93,6 +93,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, python: Option<&Python<'_>>) -> Result<u8, Failure> {
     outputs::refuse_stdout(&args.output, "a study writes many files; name a folder")?;
     let on_dask = args.dask.as_deref().map(|address| args.on_dask(address, python)).transpose()?;
+    Over { min_gap_mm: args.min_gap_mm, time_limit_s: args.time_limit, ..Over::default() }.accept(Giver::Flags)?;
     let mut file = StudyFile::read(&args.study, &inputs::text)?;
     file.place(&[("min_gap_mm", args.min_gap_mm), ("time_limit_s", args.time_limit)]);
     let shown = Shown::new(args.quiet);

@@ -521,9 +521,9 @@ fn refuse_joined(mesh: &Mesh, analysis: &Analysis) -> Result<(), OutOfRange> {
 /// # Errors
 /// Names the option, its value and the accepted range.
 pub(crate) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
-    let has_impact = options.analysis == Analysis::Striker && !options.geometry_only;
+    let has_striker = options.analysis == Analysis::Striker && !options.geometry_only;
     let accepted = "only a .k takes it; take a test, elastic or none for an .inp";
-    DECK.require("analysis", "impact", !has_impact, accepted)?;
+    DECK.require("analysis", "striker", !has_striker, accepted)?;
     let usual = LsdynaLaw::default();
     DECK.require(
         "lsdyna_law",

@@ -441,5 +441,5 @@ pub(super) fn check_faces(mesh: &Mesh) -> Result<(), OutOfRange> {
     let sides = Sides::of(mesh);
     let has_both = !sides.faces()[4].is_empty() && !sides.faces()[5].is_empty();
     let why = "no face of the specimen points up or down within 45 degrees; take a specimen with plane ends, or none";
-    DECK.require("analysis", "impact", has_both, why)
+    DECK.require("analysis", "striker", has_both, why)
 }
