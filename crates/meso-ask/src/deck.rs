@@ -220,6 +220,6 @@ impl DeckAsk {
 
     /// An error of a deck's test, in the giver's spelling.
     fn wrong_test(&self, error: &TrialError) -> AskError {
-        AskError::Usage(deck_refusal(&self.given.options, "analysis", error, self.given.giver()))
+        AskError::Usage(deck_refusal(&self.options(), "analysis", error, self.given.giver()))
     }
 }
