@@ -98,7 +98,7 @@ fn a_curve_or_a_class_that_cannot_be_is_wrong_usage() {
         ),
         (&["fit", "short.csv", "SPEC.toml"][..], "short.csv: line 3 has 1 cells and line 1 has 2"),
         (&["init", "--materials", "B30"][..], "--materials \"B30\" is no class of concrete, as C30 or C30/37"),
-        (&["init", "--materials", "C5"][..], "--materials C5: materials.fcm is 13; it must be 20 to 128 MPa"),
+        (&["init", "--materials", "C5"][..], "--materials C5: fcm is 13; it must be 20 to 128 MPa"),
         (&["init", "--rock", "granite"][..], "--materials"),
     ] {
         let run = folder.run(args);

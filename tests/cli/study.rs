@@ -231,6 +231,14 @@ fn wrong_studies_are_refused_before_the_work() {
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),
         ("[solve]\ntest = 'a.toml'\n", "a.toml: No such file or directory; check the name and the folder"),
+        (
+            "[solve]\ntest = { test = 'tension', kind = 'shear' }\n",
+            "STUDY.toml: line 2: [solve] test names its test twice: test and kind are two words for one thing",
+        ),
+        (
+            "[over]\nseed = [1]\n[zip]\nseed = [2]\n",
+            "STUDY.toml: line 2: seed is given twice in over, zip and draw; keep one",
+        ),
         ("[test]\nkind = 'cyclic'\n", "test is the test of [solve], which must be there"),
         ("[test]\npressure = 1\n[solve]\n", "[test] pressure is not a known key"),
     ] {

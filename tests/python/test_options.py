@@ -240,7 +240,7 @@ def test_threads_change_nothing_and_a_time_limit_ends_a_packing():
     with pytest.warns(UserWarning):
         packing = mc.pack(hopeless, time_limit=0.2)
     assert packing.report()["stop_reason"] in ("time-limit", "jammed")
-    for wrong, message in (({"threads": 0}, "threads is 0"), ({"time_limit": -1.0}, "time_limit_s is -1")):
+    for wrong, message in (({"threads": 0}, "threads is 0"), ({"time_limit": -1.0}, "^time_limit is -1")):
         with pytest.raises(ValueError, match=message):
             mc.pack(spec, **wrong)
     with pytest.raises(TypeError, match="time_limit is of type str; it must be a number of seconds"):

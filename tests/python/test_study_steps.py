@@ -12,6 +12,7 @@ import pytest
 import mesocrete as mc
 
 REFUSALS = json.loads((Path(__file__).parents[1] / "refusals.json").read_text(encoding="utf-8"))
+STEP_OF = {"mesh": "mesh", "deck": "mesh", "solve": "solve", "effective": "effective"}
 TINY = {"specimen": {"kind": "cube", "side_mm": 20}, "fraction": 0.2, "grading": {"d_min_mm": 5, "d_max_mm": 8}}
 COARSE = {"element_size_mm": 4, "accept_phase_error": True}
 STEPS = {
@@ -106,9 +107,9 @@ def test_a_study_of_fast_tests_has_their_figures_and_mean_waves_over_time(tmp_pa
     assert len(waves) == 2 and max(waves.table()["mean"]) == pytest.approx(math.sqrt(2.1e5 * 7.85e-9) * 8e3 / 2, rel=0.02)
 
 
-@pytest.mark.parametrize("row", REFUSALS, ids=lambda row: f"{row['verb']}-{'-'.join(row['options'])}")
+@pytest.mark.parametrize("row", [row for row in REFUSALS if row["verb"] in STEP_OF and "by" not in row], ids=lambda row: f"{row['verb']}-{'-'.join(row['options'])}")
 def test_a_wrong_combination_is_refused_by_the_entry_of_a_study(row, tmp_path):
-    section = "mesh" if row["verb"] == "deck" else row["verb"]
+    section = STEP_OF[row["verb"]]
     output = {"deck": {"output": "m.inp"}, "mesh": {"output": "m.vtu"}}.get(row["verb"], {})
     with pytest.raises(ValueError) as caught:
         mc.study(TINY, **{section: {**row["options"], **output}}, out=tmp_path / "s")

@@ -81,6 +81,13 @@ impl Given<FitAsk> {
         Over { min_gap_mm, time_limit_s, ..Over::default() }.accept(self.giver())?;
         let accepted = format!("it must be a whole number from 1 to {MOST_SEEDS}");
         let wrong = |wrong: OutOfRange| AskError::Usage(self.refusal(&wrong));
+        if self.options.law == Some(LawName::Elastic) {
+            return Err(wrong(Ranges("fit").error(
+                "law",
+                "elastic",
+                "it has no strength to fit; take meso, cdp or cdpm2",
+            )));
+        }
         Ranges("fit").require("seeds", seeds, (1..=MOST_SEEDS).contains(&seeds), accepted).map_err(wrong)
     }
 }

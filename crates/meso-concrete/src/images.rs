@@ -22,6 +22,15 @@ pub enum Images {
 }
 
 impl Images {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Whole => "whole",
+            Self::Cut => "cut",
+        }
+    }
+
     /// The aggregates as asked for; images keep the id of their aggregate. Without periods, the aggregates themselves.
     pub fn of(self, aggregates: &[Aggregate], specimen: &Specimen) -> Vec<Aggregate> {
         let (period, domain) = (specimen.period(), open_at_walls(specimen));

@@ -77,10 +77,18 @@ pub(crate) fn write_model(
     surfaces: SurfaceOptions,
     watch: &Watch,
 ) -> PyResult<()> {
-    if let Some(format) = Format::from_path(path) {
+    let format = Format::from_path(path);
+    let is_deck = format.is_none() && MeshFormat::from_path(path) == Some(MeshFormat::Inp);
+    if format.is_some() || is_deck || is_page(path) {
+        let meshes: &[_] = if is_deck { &[MeshFormat::Inp] } else { &[] };
+        let formats: Vec<Format> = format.into_iter().collect();
+        let accepted = surfaces.accept(&formats, meshes).and_then(|()| surfaces.suits(&model.spec.specimen));
+        accepted.map_err(|error| wrong_value(Giver::Keywords.refusal(&error)))?;
+    }
+    if let Some(format) = format {
         return write_together(&[path], &[], overwrite, watch, |_, out| format.write(model, surfaces, out));
     }
-    if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
+    if is_deck {
         let options = MeshTable::default().resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
         let footing = Footing { purpose: Purpose::Mesh, options, accepts_phase_error: false };
         let (mesh, _) = footing.mesh(model, &Tools::default()).map_err(mesh_error)?;
@@ -103,11 +111,14 @@ fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyR
     write_together(&[path], &[], overwrite, watch, |_, out| page::write(model, &figures, None, out))
 }
 
-/// Refuses keywords of a deck without effect: on this mesh, or in another format.
+/// Refuses keywords without effect: of a deck on this mesh, or in another format.
 ///
 /// # Errors
 /// `ValueError`.
-pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool) -> PyResult<()> {
+pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool, compress: bool) -> PyResult<()> {
+    let surfaces = SurfaceOptions { compress, ..SurfaceOptions::default() };
+    let compressed = MeshFormat::from_path(path).map_or(Ok(()), |format| surfaces.accept(&[], &[format]));
+    compressed.map_err(|error| wrong_value(Giver::Keywords.refusal(&error)))?;
     match MeshFormat::from_path(path) {
         Some(format) if format.is_deck() => {
             let effects = format.check(deck).and_then(|()| deck.validate_effects(mesh.kind == CellKind::Hexahedron));

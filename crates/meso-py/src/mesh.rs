@@ -245,12 +245,6 @@ impl PyMesh {
         test: Option<Named<'_>>,
         deck: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
-            files::accept_free(&[&path, &path.with_extension("h5")], overwrite)?;
-            let options = PyDict::new(slf.py());
-            options.set_item("path", path)?;
-            return call_view("write_xdmf", slf, Some(&options)).map(drop);
-        }
         guard(|| {
             let keys = deck.map_or(0, |deck| deck.len()) + usize::from(test.is_some());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
@@ -262,7 +256,13 @@ impl PyMesh {
                 }
                 deck.analysis = test.into();
             }
-            files::check_deck(&mesh, &deck, &path, keys > 0)?;
+            files::check_deck(&mesh, &deck, &path, keys > 0, compress)?;
+            if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
+                files::accept_free(&[&path, &path.with_extension("h5")], overwrite)?;
+                let options = PyDict::new(slf.py());
+                options.set_item("path", path)?;
+                return call_view("write_xdmf", slf, Some(&options)).map(drop);
+            }
             let asked = deck.clone();
             let wrong = |error: TrialError| wrong_value(deck_refusal(&asked, named, &error, Giver::Keywords));
             deck.suits(&spec.specimen).map_err(wrong)?;

@@ -6,10 +6,10 @@ use crate::export::step::Block;
 use crate::export::{ansys, csv, glb, lsdyna, msh, obj, ply, pvtu, script, step, stl, vtu, vtu_mesh, xdmf};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
-use meso_concrete::OutOfRange;
 use meso_concrete::images::Images;
-use meso_concrete::specimen::{Specimen, Surface};
+use meso_concrete::specimen::{Periodic, Specimen, Surface};
 use meso_concrete::watch::Watch;
+use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::saved;
@@ -29,6 +29,38 @@ pub struct SurfaceOptions {
     pub named_solids: bool,
     /// A `.step` with the mortar as a solid with cavities.
     pub mortar: bool,
+}
+
+impl SurfaceOptions {
+    /// Refuses an option that counts in none of the files: packings in `formats`, and `meshes`.
+    ///
+    /// # Errors
+    /// The option.
+    pub fn accept(&self, formats: &[Format], meshes: &[MeshFormat]) -> Result<(), OutOfRange> {
+        let has = |wanted: &[Format]| formats.iter().any(|format| wanted.contains(format));
+        let packed = meshes.iter().any(|mesh| matches!(mesh, MeshFormat::Vtu | MeshFormat::Pvtu));
+        let range = Ranges("write");
+        let met = !self.compress || packed || has(&[Format::Vtu, Format::Vtp]);
+        range.require("compress", true, met, "only a .vtu, a .vtp and a .pvtu take it")?;
+        let met = self.images == Images::None || has(&Format::SURFACES);
+        range.require(
+            "images",
+            self.images.name(),
+            met,
+            "only files of surfaces take it, such as .vtu, .stl and .step",
+        )?;
+        range.require("mortar", true, !self.mortar || has(&[Format::Step]), "only a .step takes it")?;
+        range.require("named_solids", true, !self.named_solids || has(&[Format::Stl]), "only an .stl takes it")
+    }
+
+    /// Refuses images of a specimen without periodic faces.
+    ///
+    /// # Errors
+    /// The option.
+    pub fn suits(&self, specimen: &Specimen) -> Result<(), OutOfRange> {
+        let met = self.images == Images::None || specimen.periodic() != Periodic::NONE;
+        Ranges("write").require("images", self.images.name(), met, "the specimen has no periodic faces; leave it out")
+    }
 }
 
 /// A format that holds the aggregates themselves; meshes have their own.
@@ -70,6 +102,9 @@ impl Format {
         Self::Obj,
         Self::Csv,
     ];
+
+    /// Those of surfaces.
+    const SURFACES: [Self; 7] = [Self::Vtu, Self::Vtp, Self::Stl, Self::Step, Self::Glb, Self::Ply, Self::Obj];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, files
+from operator import index
 from queue import Empty, SimpleQueue
 from typing import Any, Protocol
 
@@ -27,6 +28,8 @@ _AHEAD = 4
 _COUNT = 5.0
 # Seconds without any worker until that is said.
 _NOBODY = 60.0
+# Most threads of a call.
+_MOST_THREADS = 1024
 
 
 class Submitter(Protocol):
@@ -208,6 +211,14 @@ def _declared(executor: Any) -> float:
 def _needs(memory: float, most: float) -> dict[str, Any]:
     """Return the keywords of a call that takes so much memory; one that takes more than any worker has gets a whole worker."""
     return {"resources": {"MEMORY": min(memory, most)}} if memory else {}
+
+
+def require_threads(number: Any) -> None:
+    """Refuse another number of threads than that of a call, before any work."""
+    is_whole = hasattr(number, "__index__") and not isinstance(number, bool)
+    if number is not None and not (is_whole and 1 <= index(number) <= _MOST_THREADS):
+        message = f"threads is {number!r}; it must be an int from 1 to {_MOST_THREADS}"
+        raise ValueError(message)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._executor import Submitter
+from ._executor import Submitter, require_threads
 from ._mesocrete import Spec, _Fit
 from ._study import _drive, _tree, _Way
 
@@ -123,6 +123,7 @@ def fit(
         "min_gap_mm": min_gap, "time_limit_s": time_limit, "accept_phase_error": accept_phase_error,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
+    require_threads(threads)
     file = curve if isinstance(curve, (str, os.PathLike)) else None
     points = _points(curve) if file is None else None
     folder = Path(out).absolute()

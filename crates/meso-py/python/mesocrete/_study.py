@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from ._executor import _BUILD, Submitter, Workers, on_threads, require, require_device
+from ._executor import _BUILD, Submitter, Workers, on_threads, require, require_device, require_threads
 from ._fingerprint import fingerprint
 from ._frames import framing
 from ._mesocrete import Packing, Spec, _Lock, _StudyCase, _StudyPlan, _StudyRun, load, pack
@@ -271,6 +271,7 @@ def study(
     if layout not in (None, "folders", "table"):
         message = f'layout is {layout!r}; it must be "folders" or "table"'
         raise ValueError(message)
+    require_threads(threads)
     steps = {"mesh": mesh, "solve": solve, "effective": effective, "outputs": list(outputs) or None}
     given = {name: step for name, step in steps.items() if step is not None}
     plan = _StudyPlan.of_file(spec) if isinstance(spec, (str, os.PathLike)) else None

@@ -78,7 +78,7 @@ pub(crate) fn from_labels(
     mortar: Option<Vec<i64>>,
     aggregate: Vec<i64>,
     outside: Vec<i64>,
-    least_voxels: usize,
+    least_voxels: i64,
     largest_grain: f64,
     gap: f64,
     itz_thickness: f64,
@@ -88,6 +88,13 @@ pub(crate) fn from_labels(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyPacking> {
     guard(|| {
+        if mortar.is_some() && !aggregate.is_empty() {
+            let why = "all labels beside the aggregate's are mortar; leave one of them out";
+            return Err(wrong_value(format!("mortar and aggregate are both given: {why}")));
+        }
+        let least_voxels = usize::try_from(least_voxels).map_err(|_| {
+            wrong_value(format!("least_voxels is {least_voxels}; it must be a whole number, not below 0"))
+        })?;
         let options = LabelOptions {
             voxel_size_mm: voxel_size.map(|size| spacing(Some(size))).transpose()?,
             roles: Roles { mortar: mortar.unwrap_or_else(|| vec![0]), aggregate },

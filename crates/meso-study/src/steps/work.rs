@@ -10,7 +10,7 @@ use meso_ask::{
     Subject, TestGiven, strict_doubt,
 };
 use meso_core::export::abaqus::{Analysis, DeckOptions};
-use meso_core::formats::MeshFormat;
+use meso_core::formats::{MeshFormat, SurfaceOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::MeshTable;
 use meso_core::spec::options_from_value;
@@ -87,6 +87,9 @@ impl MeshStep {
         let known = [keys::<MeshTable>(), keys::<DeckOptions>()].concat();
         section.end(&known.iter().map(String::as_str).collect::<Vec<_>>())?;
         step.ask.accept(&step.formats())?;
+        let surfaces = SurfaceOptions { compress: step.compress, ..SurfaceOptions::default() };
+        let accepted = surfaces.accept(&[], &step.formats());
+        accepted.map_err(|error| AskError::Usage(step.ask.given.refusal(&error)))?;
         Ok(step)
     }
 

@@ -15,9 +15,9 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", required = true, value_parser = Named::<Format>::parser())]
     #[arg(help = format!("File to write, its format by the extension: {}; `-` is standard output. May be repeated", known(".")))]
     pub(super) output: Vec<Named<Format>>,
-    /// Format on standard output
-    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_names())]
-    pub(super) format: Format,
+    /// Format on standard output [default: json]
+    #[arg(long, value_name = "FORMAT", value_parser = format_names())]
+    pub(super) format: Option<Format>,
     /// Compress the data of a .vtu or .vtp (zlib)
     #[arg(long)]
     pub(super) compress: bool,

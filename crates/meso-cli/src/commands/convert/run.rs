@@ -7,6 +7,7 @@ use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use meso_ask::Giver;
+use meso_concrete::OutOfRange;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::watch::Stage;
 use std::path::Path;
@@ -23,12 +24,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Read, 1.0)]);
     let model = inputs::model(&args.model, &watch)?;
     watch.finish();
-    let surfaces = SurfaceOptions {
-        compress: args.compress,
-        images: args.images,
-        mortar: args.mortar,
-        named_solids: args.named_solids,
-    };
+    let surfaces = args.surfaces();
+    surfaces.suits(&model.spec.specimen).map_err(|error| Failure::Usage(Giver::Flags.refusal(&error)))?;
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.writing.force, |out| format.write(&model, surfaces, out))?;
@@ -43,19 +40,29 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 impl Args {
     /// Refuses flags that are wrong with any file.
     pub(crate) fn settle(&self) -> Result<(), Failure> {
-        let for_one = [(self.mortar, "mortar", Format::Step), (self.named_solids, "named_solids", Format::Stl)];
-        let has = |format| self.output.iter().any(|output| self.of(output) == format);
-        match for_one.into_iter().find(|(given, _, format)| *given && !has(*format)) {
-            Some((_, key, format)) => {
-                let (option, extension) = (Giver::Flags.option(key), format.extension());
-                let message = format!("{option} applies to .{extension} files alone; give -o a name that ends so");
-                Err(Failure::Usage(message))
+        let formats: Vec<Format> = self.output.iter().map(|output| self.of(output)).collect();
+        let refused = |error: &OutOfRange| Failure::Usage(Giver::Flags.refusal(error));
+        self.surfaces().accept(&formats, &[]).map_err(|error| refused(&error))?;
+        match self.format.filter(|_| !self.output.iter().any(is_stdout)) {
+            Some(format) => {
+                let (option, name) = (Giver::Flags.option("format"), format.extension());
+                let why = "only standard output takes it; the format of a file follows its extension";
+                Err(Failure::Usage(format!("{option} is {name}; {why}")))
             }
             None => Ok(()),
         }
     }
 
-    fn of(&self, output: &Named<Format>) -> Format {
-        if output.path == Path::new("-") { self.format } else { output.format }
+    fn surfaces(&self) -> SurfaceOptions {
+        let &Self { compress, images, mortar, named_solids, .. } = self;
+        SurfaceOptions { compress, images, mortar, named_solids }
     }
+
+    fn of(&self, output: &Named<Format>) -> Format {
+        if is_stdout(output) { self.format.unwrap_or(Format::Json) } else { output.format }
+    }
+}
+
+fn is_stdout(output: &Named<Format>) -> bool {
+    output.path == Path::new("-")
 }

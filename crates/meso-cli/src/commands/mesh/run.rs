@@ -10,7 +10,7 @@ use crate::{inputs, room, stderr};
 use meso_ask::{DeckAsk, DeckSettled, Giver, strict_doubt};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::MeshFormat;
+use meso_core::formats::{MeshFormat, SurfaceOptions};
 use meso_core::mesh::{Mesh, PhaseOff, Tools};
 use meso_core::watch::Stage;
 use meso_files::whole::beginning;
@@ -26,6 +26,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let target = |output: &Named<_>| Ok((target(output, args.writing.force, &ask)?, output.format));
     let plan = args.output.iter().map(target).collect::<Result<Vec<_>, Failure>>()?;
     ask.accept(&formats)?;
+    let surfaces = SurfaceOptions { compress: args.compress, ..SurfaceOptions::default() };
+    surfaces.accept(&[], &formats).map_err(|error| Failure::Usage(ask.given.refusal(&error)))?;
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;

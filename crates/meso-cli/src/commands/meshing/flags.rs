@@ -5,11 +5,12 @@ use crate::commands::file_or::FileOr;
 use crate::commands::names;
 use crate::failure::Failure;
 use crate::inputs;
+use crate::stderr::flag;
 use clap::builder::TypedValueParser;
 use meso_ask::{DeckAsk, Given, MeshAsk, files};
 use meso_core::export::abaqus::{Analysis, DeckOptions, Plain};
 use meso_core::materials::Materials;
-use meso_core::mesh::MeshTable;
+use meso_core::mesh::{MeshTable, MethodName};
 use meso_gmsh::Gmsh;
 use meso_solve::TestKind;
 use std::path::{Path, PathBuf};
@@ -26,15 +27,20 @@ pub(crate) struct MeshFlags {
     /// A TOML file with a [materials] table; absent values keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
-    /// The program gmsh, for --method conforming
-    #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
-    #[arg(hide_short_help = true)]
-    gmsh: PathBuf,
+    /// The program gmsh, for --method conforming [default: gmsh]
+    #[arg(long, value_name = "PROGRAM", hide_short_help = true)]
+    gmsh: Option<PathBuf>,
 }
 
 impl MeshFlags {
     /// The mesh that is asked for, with the materials of the file.
     pub(crate) fn ask(&self) -> Result<MeshAsk, Failure> {
+        if self.gmsh.is_some() && self.given.options.method != Some(MethodName::Conforming) {
+            let [gmsh, method] = ["gmsh", "method"].map(flag);
+            return Err(Failure::Usage(format!(
+                "{gmsh} has no effect; only {method} conforming takes it: leave it out"
+            )));
+        }
         let read = |path: &Path| files::materials(path, &inputs::text);
         let materials = self.materials.as_deref().map_or_else(|| Ok(Materials::default()), read)?;
         Ok(MeshAsk { materials: Some(materials), ..self.unread() })
@@ -52,7 +58,7 @@ impl MeshFlags {
 
     /// The program gmsh, which is silent if the command is `quiet`.
     pub(crate) fn gmsh(&self, quiet: bool) -> Announced {
-        Announced { gmsh: Gmsh::program(&self.gmsh), quiet }
+        Announced { gmsh: Gmsh::program(self.gmsh.as_deref().unwrap_or(Path::new("gmsh"))), quiet }
     }
 
     /// The files that are read.

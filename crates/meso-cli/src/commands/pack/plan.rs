@@ -6,11 +6,12 @@ use crate::failure::Failure;
 use crate::formats::{Content, Named};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use meso_ask::DeckAsk;
+use meso_ask::{DeckAsk, Giver};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Report, Seconds};
+use meso_core::specimen::Specimen;
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, page};
@@ -44,6 +45,10 @@ impl Args {
         let all: Vec<&Target> = outputs.iter().map(|(target, _)| target).chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
         let surfaces = SurfaceOptions { compress: self.compress, images: self.images, ..SurfaceOptions::default() };
+        let packing = |content: &Content| if let Content::Packing(format) = content { Some(*format) } else { None };
+        let formats: Vec<Format> = outputs.iter().filter_map(|(_, content)| packing(content)).collect();
+        let accepted = surfaces.accept(&formats, &self.mesh_formats());
+        accepted.map_err(|error| Failure::Usage(ask.given.refusal(&error)))?;
         Ok(Plan { outputs, summary, force, surfaces })
     }
 }
@@ -82,6 +87,11 @@ impl Plan {
             Content::Mesh(format) => Some((target, *format)),
             Content::Packing(_) | Content::Page => None,
         })
+    }
+
+    /// Refuses surfaces that the specimen cannot have.
+    pub(super) fn suits(&self, specimen: &Specimen) -> Result<(), Failure> {
+        self.surfaces.suits(specimen).map_err(|error| Failure::Usage(Giver::Flags.refusal(&error)))
     }
 
     pub(super) fn has_mesh(&self) -> bool {

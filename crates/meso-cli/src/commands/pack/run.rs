@@ -30,6 +30,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         }
         spec => spec?,
     };
+    plan.suits(&spec.specimen)?;
     let gmsh = args.meshing.mesh.gmsh(args.writing.quiet);
     let settle = || ask.settle(&spec, &formats, &room::machine(Tools { gmsh: &gmsh, watch: &watch }));
     let mut settings = plan.has_mesh().then(settle).transpose()?;
