@@ -536,7 +536,7 @@ def test_ctrl_c_keeps_the_curve_and_the_page_of_a_test_of_every_kind(bodies, kin
             os.kill(os.getpid(), signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt) as stopped:
-        bodies.get(kind, bodies["cube"]).solve(test=kind, progress=progress, time_step_s=1e-8)
+        bodies.get(kind, bodies["cube"]).solve(test=kind, progress=progress, time_step_s=2e-9)
     response = stopped.value.response
     result = response.result
     assert (result["test"], result["ended"]) == (kind, "stopped") and result["steps"] < result["steps_planned"]
