@@ -55,7 +55,7 @@ WITHOUT_DEVICES = ("the command without devices", ["cargo", "test", "-p", "meso-
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
-PYTHON_BENCHES = ["border.py", "cluster.py", "dataset.py", "effective.py", "effective_errors.py", "images.py", "label_volumes.py", "long_run.py", "memory.py", "mesh_write.py", "overheads.py", "rates.py", "recycled.py", "solver_error.py", "solvers.py", "stopping.py"]
+PYTHON_BENCHES = ["border.py", "cluster.py", "dataset.py", "effective.py", "effective_errors.py", "growth.py", "images.py", "label_volumes.py", "long_run.py", "memory.py", "mesh_write.py", "overheads.py", "rates.py", "recycled.py", "solver_error.py", "solvers.py", "stopping.py"]
 
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
