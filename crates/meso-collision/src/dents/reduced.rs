@@ -244,8 +244,11 @@ struct Reduction {
     /// Where the triangles at each vertex begin and end in `around`. Some of them are gone.
     places: Vec<[u32; 2]>,
     around: Vec<u32>,
-    /// The last pass that moved each vertex.
+    /// The last pass that moved each vertex, and the last that moved it or a neighbour.
     moved: Vec<u32>,
+    stirred: Vec<u32>,
+    /// The last pass that tried all edges up to the limit: one that stayed will stay while no neighbour of its ends moves.
+    complete: u32,
     /// Vertices, marked with the number of a collapse that is tried.
     marks: Vec<u32>,
     tried: u32,
@@ -269,6 +272,8 @@ impl Reduction {
             places: vec![[0; 2]; count],
             around: Vec::new(),
             moved: vec![0; count],
+            stirred: vec![0; count],
+            complete: 0,
             marks: vec![0; count],
             tried: 0,
             passes: 0,
@@ -300,6 +305,7 @@ impl Reduction {
 
     /// The surface in which all edges are collapsed whose mean square error is at most `enough` mm2.
     fn collapsed(&mut self, enough: f32) -> TriangleMesh {
+        self.complete = 0;
         // The edges of the lowest errors may be ones that have to stay, so all are tried before the end.
         while self.pass(enough, PART) || self.pass(enough, 1) {}
         self.rest()
@@ -311,7 +317,8 @@ impl Reduction {
         self.passes += 1;
         self.gather();
         let mut edges = self.edges(enough);
-        if part > 1 && edges.len() > FEW {
+        let is_complete = part == 1 || edges.len() <= FEW;
+        if !is_complete {
             let count = edges.len() / part;
             edges.select_nth_unstable(count);
             edges.truncate(count);
@@ -320,8 +327,13 @@ impl Reduction {
         let mut collapsed = 0;
         for (_, a, b) in edges {
             stop::point();
-            let is_fresh = [a, b].iter().all(|&v| self.moved[v as usize] != self.passes);
-            collapsed += usize::from(is_fresh && self.collapse(a, b));
+            let ends = [a, b].map(|v| v as usize);
+            let is_fresh = ends.iter().all(|&v| self.moved[v] != self.passes);
+            let has_changed = ends.iter().any(|&v| self.stirred[v] >= self.complete);
+            collapsed += usize::from(is_fresh && has_changed && self.collapse(a, b));
+        }
+        if is_complete {
+            self.complete = self.passes;
         }
         collapsed * TRIANGLES_A_COLLAPSE > self.triangles.len()
     }
@@ -435,8 +447,16 @@ impl Reduction {
         }
         let start = self.around.len();
         let list: Vec<u32> = kept().map(|(t, _)| t).collect();
-        let gone: Vec<u32> = self.at(a).filter(|t| has(*t, b)).collect();
-        gone.into_iter().for_each(|t| self.triangles[t as usize] = [GONE; 3]);
+        for &t in &list {
+            self.triangles[t as usize].iter().for_each(|&v| self.stirred[v as usize] = self.passes);
+        }
+        for at in self.places[a as usize][0]..self.places[a as usize][1] {
+            let corners = &mut self.triangles[self.around[at as usize] as usize];
+            // Those that are gone have no corner `b`.
+            if corners.contains(&b) {
+                *corners = [GONE; 3];
+            }
+        }
         for &t in &list {
             let corners = &mut self.triangles[t as usize];
             corners.iter_mut().filter(|corner| **corner == b).for_each(|corner| *corner = a);
@@ -561,6 +581,11 @@ mod tests {
             };
             let found = farthest(&reduced, &other).max(farthest(&given, &own));
             assert!(found <= distance && found > 0.2 * distance, "{found}");
+            let are_within = |most: f64| {
+                reduced.vertices.iter().all(|v| other.is_within(v, most))
+                    && given.vertices.iter().all(|v| own.is_within(v, most))
+            };
+            assert!(are_within(found * (1.0 + 1e-12)) && !are_within(found * 0.999));
         }
     }
 

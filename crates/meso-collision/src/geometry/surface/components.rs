@@ -66,8 +66,17 @@ impl TriangleMesh {
     fn neighbours(&self) -> Vec<(u32, u32)> {
         let side = |t: u32, p: u32, q: u32| (p.min(q), p.max(q), t, p < q);
         let sides_of = |(t, &[a, b, c]): (u32, &[u32; 3])| [side(t, a, b), side(t, b, c), side(t, c, a)];
-        let mut sides: Vec<Side> = (0..).zip(&self.triangles).flat_map(sides_of).collect();
-        sides.sort_unstable();
+        let all = || (0..).zip(&self.triangles).flat_map(sides_of);
+        // By their lower ends first, which are counted: few sides are left to sort at each.
+        let mut ends = vec![0; self.vertices.len() + 1];
+        all().for_each(|side| ends[side.0 as usize + 1] += 1);
+        (1..ends.len()).for_each(|low| ends[low] += ends[low - 1]);
+        let mut sides: Vec<Side> = vec![Side::default(); 3 * self.triangles.len()];
+        for side in all() {
+            sides[ends[side.0 as usize]] = side;
+            ends[side.0 as usize] += 1;
+        }
+        sides.chunk_by_mut(|p, q| p.0 == q.0).for_each(<[Side]>::sort_unstable);
         let is_inside_out = self.volume() < 0.0;
         let mut pairs = Vec::with_capacity(sides.len() / 2);
         for around in sides.chunk_by(|p, q| (p.0, p.1) == (q.0, q.1)) {

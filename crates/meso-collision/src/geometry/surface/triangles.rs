@@ -73,6 +73,11 @@ impl Triangles {
         (nearest, (nearest - point).norm())
     }
 
+    /// True when a triangle comes within `most` mm of a point.
+    pub fn is_within(&self, point: &Vec3, most: f64) -> bool {
+        self.meeting(Aabb { min: *point, max: *point }.grown(most)).any(|t| self.nearest_of(t, point).1 <= most)
+    }
+
     /// The point of all triangles that is nearest to `point`, and its distance, mm; `None` where there are none.
     pub fn nearest(&self, point: &Vec3) -> Option<(Vec3, f64)> {
         let nearest = self.nearest_triangle(point);

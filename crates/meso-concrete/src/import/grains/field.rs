@@ -194,21 +194,23 @@ impl Lattice {
         let [ys, zs] = [1, 2].map(|axis| self.span(axis, from[axis], counts[axis]));
         let rows = ys[1] - ys[0];
         let mut along_x = vec![0.0; nx * rows * (zs[1] - zs[0])];
+        let [first, last] = self.span(0, from[0], nx);
+        let kernels = &self.weights[0][from[0]..from[0] + nx];
+        let seen = kernels[0].0..kernels[nx - 1].0 + kernels[nx - 1].1.len() as isize;
+        let seen: Vec<usize> = seen.map(|x| mirrored(x, self.voxels[0]) - first).collect();
         let mut row = vec![0.0; 0];
         for (line, out) in along_x.chunks_exact_mut(nx).enumerate() {
             let (y, z) = (ys[0] + line % rows, zs[0] + line / rows);
-            let [first, last] = self.span(0, from[0], nx);
             let start = (z * self.voxels[1] + y) * self.voxels[0];
             let voxels = &parts.of[start + first..start + last];
             if !voxels.iter().any(|&voxel| is_in(voxel)) {
                 continue;
             }
             row.clear();
-            row.extend(voxels.iter().map(|&voxel| f32::from(u8::from(is_in(voxel)))));
-            for (node, out) in out.iter_mut().enumerate() {
-                let (start, weights) = &self.weights[0][from[0] + node];
-                let at = |k: usize| row[mirrored(start + k as isize, self.voxels[0]) - first];
-                *out = weights.iter().enumerate().map(|(k, weight)| weight * at(k)).sum();
+            row.extend(seen.iter().map(|&x| f32::from(u8::from(is_in(voxels[x])))));
+            for (out, (start, weights)) in out.iter_mut().zip(kernels) {
+                let row = &row[(start - kernels[0].0) as usize..];
+                *out = weights.iter().zip(row).map(|(weight, share)| weight * share).sum();
             }
         }
         let mut along_y = vec![0.0; nx * ny * (zs[1] - zs[0])];

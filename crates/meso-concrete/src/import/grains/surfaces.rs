@@ -256,8 +256,10 @@ impl<'a> GrainSurfaces<'a> {
         let facets = mesh.facets();
         let faces = self.faces(grain);
         let every = faces.len().div_ceil(MEASURED).max(1);
-        let distance = |face: &Vec3| facets.nearest(face).map_or(0.0, |near| near.1);
-        faces.iter().step_by(every).map(distance).fold(0.0, f64::max)
+        let farther = |most: f64, face: &Vec3| {
+            if facets.is_within(face, most) { most } else { facets.nearest(face).map_or(most, |near| near.1.max(most)) }
+        };
+        faces.iter().step_by(every).fold(0.0, farther)
     }
 
     /// Middles of the faces between voxels of a grain and others, mm.
@@ -364,8 +366,7 @@ impl Solid {
     /// Whether some of the vertices of another surface are all within this distance, mm.
     fn is_near(&self, given: &TriangleMesh, most_mm: f64) -> bool {
         let every = given.vertices.len().div_ceil(MEASURED).max(1);
-        let is_near = |v: &Vec3| self.facets.nearest(v).is_none_or(|near| near.1 <= most_mm);
-        given.vertices.iter().step_by(every).all(is_near)
+        given.vertices.iter().step_by(every).all(|v| self.facets.is_within(v, most_mm))
     }
 
     fn crosses_itself(&self) -> bool {

@@ -42,8 +42,18 @@ impl Nodes {
         };
         for (y, z) in (0..nz - 1).flat_map(|z| (0..ny - 1).map(move |y| (y, z))) {
             let row = (z * ny + y) * nx;
-            for x in 0..nx - 1 {
-                marching.cell(row + x);
+            // Most cells have no surface: the four nodes between a cell and the next one are looked at once.
+            let within = |node: usize| {
+                let nodes = [node, node + nx, node + nx * ny, node + nx * ny + nx];
+                nodes.into_iter().filter(|&k| self.values[k] > 0.0).count()
+            };
+            let mut before = within(row);
+            for first in row..row + nx - 1 {
+                let next = within(first + 1);
+                if !matches!(before + next, 0 | 8) {
+                    marching.cell(first);
+                }
+                before = next;
             }
         }
         marching.mesh
@@ -67,12 +77,6 @@ impl Marching<'_> {
     }
 
     fn cell(&mut self, first: usize) {
-        let [x, y, z] = self.steps;
-        let own = self.is_inside(first);
-        let others = [x, y, z, x + y, y + z, x + z, x + y + z];
-        if others.iter().all(|step| self.is_inside(first + step) == own) {
-            return;
-        }
         for (way, is_odd) in WAYS {
             self.tetrahedron(first, way, is_odd);
         }
@@ -97,13 +101,13 @@ impl Marching<'_> {
 
     /// The vertex between two nodes, the first of which comes first.
     fn crossing(&mut self, from: usize, to: usize, axes: usize) -> u32 {
-        let ends = [from, to].map(|node| self.place(node));
-        if let Some(outer) = ends.iter().position(|end| end.is_none()) {
-            return self.end([to, from][outer]);
-        }
         let known = self.crossings[from][axes - 1];
         if known != NONE {
             return known;
+        }
+        let ends = [from, to].map(|node| self.place(node));
+        if let Some(outer) = ends.iter().position(|end| end.is_none()) {
+            return self.end([to, from][outer]);
         }
         let [p, q] = [from, to].map(|node| self.nodes.values[node]);
         let share = f64::from((p / (p - q)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE));
