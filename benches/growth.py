@@ -116,13 +116,13 @@ def draw(rows: list[list[str]]) -> None:
         slope, log = np.polyfit(np.log(size[kept]), np.log(user[kept]), 1)
         panels[0].loglog(size, user, f"C{number}o", ms=4)
         panels[0].loglog(size[kept], np.exp(log) * size[kept] ** slope, f"C{number}-", lw=0.8, label=f"{work}, {unit}: {slope:.2f}")
-        panels[1].loglog(size, peak, f"C{number}o-", ms=4, lw=0.8, label=f"{work}, {unit}")
+        panels[1].loglog(size, peak, f"C{number}o-", ms=4, lw=0.8)
         each = f"{user[-1] / size[-1] * 1e6:.3g} us | {slope:.2f} | {held[-1]:.3g} B | {LIMIT_MB * 1e6 / held[-1]:.2g}"
         print(f"| {work} | {size[0]:,.0f} to {size[-1]:,.0f} {unit} | {each} |")
     for axes, title in zip(panels, ("user CPU seconds, and their exponents", "peak memory, MB")):
         axes.set(title=title, xlabel="size")
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=7)
+    panels[1].legend(*panels[0].get_legend_handles_labels(), fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
     figure.savefig(PICTURE, bbox_inches="tight", metadata={"Date": None})
     with PICTURE.open("a") as file:
         file.write(f"<!-- {origin()} -->\n")
