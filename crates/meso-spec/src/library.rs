@@ -1,4 +1,4 @@
-//! ReadGrain libraries from surface and JSON files, put into the spec as if their vertices had been written there.
+//! Grain libraries from surface and JSON files, put into the spec as if their vertices had been written there.
 
 use super::files::Files;
 use super::limits::TIME_LIMIT;

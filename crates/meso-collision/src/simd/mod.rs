@@ -125,7 +125,7 @@ fn on_any<V: Vectorized>(work: V) -> V::Output {
     work.run(portable::Portable::new())
 }
 
-/// PlainLoops loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one
+/// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one
 /// that must be inlined, and other functions are compiled for narrow registers.
 pub trait Wide {
     /// The result.

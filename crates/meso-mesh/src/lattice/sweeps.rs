@@ -166,7 +166,7 @@ impl Spot {
     }
 }
 
-/// MovingPatches while their nodes move, one after the other.
+/// Patches while their nodes move, one after the other.
 struct SwungNode<'a> {
     state: State<'a>,
     /// Cells and owners; positions are those before the round.

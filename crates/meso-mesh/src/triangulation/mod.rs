@@ -1,4 +1,4 @@
-//! FittedPlane regions and faceted surfaces as triangles of a given size: shared edges come out alike, bit for bit.
+//! Plane regions and faceted surfaces as triangles of a given size: shared edges come out alike, bit for bit.
 
 mod facets;
 mod nodes;

@@ -129,7 +129,7 @@ impl Statistics {
     pub fn watched(model: &Model, options: &StatisticsOptions, watch: &dyn Watch) -> Result<Self, GjkError> {
         watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
-        // WithImages that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
+        // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = WithImages::near(model, 2.0 * model.spec.grading.d_max_mm);
         let budget = Budget::of(aggregates, options);
         let sampled = budget.told(aggregates.len(), options);

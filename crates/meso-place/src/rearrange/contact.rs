@@ -1,4 +1,4 @@
-//! FoundContact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
+//! Contact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
 //!
 //! Single precision, uncertified: it only says where to push. [`gjk`](meso_collision::gjk) certifies the positions afterwards.
 //!

@@ -1,4 +1,4 @@
-//! FoundContact cache: known gaps and contacts of the pairs of some bodies.
+//! Contact cache: known gaps and contacts of the pairs of some bodies.
 //!
 //! A separated pair costs 16 bytes: a gap and its axis, which prove for many sweeps that it is still apart. A
 //! contact's further data is kept as long as the contact lasts.
